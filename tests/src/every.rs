@@ -126,7 +126,7 @@ pub fn ways(component: &str) -> &'static [&'static str] {
 
 /// Returns whether the component needs a motion controller that is loaded before it.
 pub fn needs_motion(component: &str) -> bool {
-    ["halui", "inihal"].contains(&component)
+    ["halui", "inihal", "remote"].contains(&component)
 }
 
 /// Returns the place of a component in an order of loads: kinematics before motion, and motion before what needs it.

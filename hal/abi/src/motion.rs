@@ -241,7 +241,7 @@ pub mod motion_source {
     pub const TASK: u32 = 0;
     /// An operator at the machine: text commands, `halui`, jog wheels. Needs no token.
     pub const LOCAL: u32 = 1;
-    /// A remote operator, for whom the owner of the token passes a command on.
+    /// A remote operator. Local sources end its motion, so it needs no token.
     pub const REMOTE: u32 = 2;
 }
 
@@ -325,7 +325,8 @@ pub struct Motion {
     pub claim: Option<unsafe extern "C" fn(*const c_void, token: u64, on: u32) -> Status>,
     /// Returns the number of moves for which there is room.
     pub room: Option<unsafe extern "C" fn(*const c_void) -> u32>,
-    /// Sends a command; the answer holds its number. A token of zero sends it as a local source.
+    /// Sends a command; the answer holds its number. A token of zero sends it as a local source, or as
+    /// a remote one if the command says so.
     /// Returns [`Status::EAGAIN`] if there is no room, [`Status::EBUSY`] for a void token, or
     /// [`Status::EINVAL`] for a command that is refused.
     pub push: Option<

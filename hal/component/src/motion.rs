@@ -22,7 +22,7 @@ pub enum MotionSource {
     /// An operator at the machine: text commands, `halui`, jog wheels.
     #[default]
     Local,
-    /// A remote operator, for whom the owner of the token passes commands on.
+    /// A remote operator. Local sources end its motion, so it needs no token.
     Remote,
 }
 
@@ -223,13 +223,13 @@ fn send<M: Motion>(
     command: &MotionCommand,
 ) -> Answer {
     let source = match command.source {
-        _ if token == 0 => MotionSource::Local,
-        _ if !desk.owns(token) => {
+        _ if token != 0 && !desk.owns(token) => {
             return (Status::EBUSY, 0, "the caller does not own motion".to_owned());
         }
+        motion_source::REMOTE => MotionSource::Remote,
+        _ if token == 0 => MotionSource::Local,
         motion_source::TASK => MotionSource::Task,
         motion_source::LOCAL => MotionSource::Local,
-        motion_source::REMOTE => MotionSource::Remote,
         other => return (Status::EINVAL, 0, format!("there is no source {other}")),
     };
     let Some((id, ticket)) = desk.open() else {

@@ -15,21 +15,25 @@ pub(crate) enum Code {
     NoSession,
     WrongLogin,
     ForeignOrigin,
+    Role,
     NotFound,
+    Conflict,
     TooLarge,
     Malformed,
     TooMany,
     Refused,
     Disk,
     NoEngine,
+    Lease,
 }
 
 impl Code {
     const fn status(self) -> StatusCode {
         match self {
             Self::NoSession | Self::WrongLogin => StatusCode::UNAUTHORIZED,
-            Self::ForeignOrigin => StatusCode::FORBIDDEN,
+            Self::ForeignOrigin | Self::Role | Self::Lease => StatusCode::FORBIDDEN,
             Self::NotFound => StatusCode::NOT_FOUND,
+            Self::Conflict => StatusCode::CONFLICT,
             Self::TooLarge => StatusCode::PAYLOAD_TOO_LARGE,
             Self::Malformed => StatusCode::BAD_REQUEST,
             Self::TooMany => StatusCode::TOO_MANY_REQUESTS,

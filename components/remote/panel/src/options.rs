@@ -23,6 +23,9 @@ pub struct Options {
     /// File for the address with the one-time token; without it, `panel-INSTANCE.url` beside the instance's socket.
     #[arg(long)]
     pub address_file: Option<PathBuf>,
+    /// File for the log of what has been done; without it, `panel-INSTANCE.audit` beside the instance's socket.
+    #[arg(long)]
+    pub audit: Option<PathBuf>,
     /// Role of who opens the address with the token.
     #[arg(long, value_enum, default_value_t = Role::Integrator)]
     pub role: Role,

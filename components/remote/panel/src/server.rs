@@ -1,6 +1,16 @@
 //! The server: what it needs before it listens, and its connections.
 
-use crate::{engine::Engine, http, info, options::Options, session::Sessions, status};
+use crate::{
+    audit::Audit,
+    engine::Engine,
+    heart::{self, Heart},
+    http, info,
+    lease::Clients,
+    options::Options,
+    prepare,
+    session::Sessions,
+    status,
+};
 use axum::Router;
 use hal_ini::Ini;
 use hal_protocol::Place;
@@ -45,6 +55,14 @@ pub(crate) struct Panel {
     pub(crate) machine: watch::Receiver<Arc<status::Machine>>,
     /// Sessions of all who have signed in.
     pub(crate) sessions: Sessions,
+    /// Clients of the socket, and the lease.
+    pub(crate) clients: Clients,
+    /// Pulses and beats.
+    pub(crate) heart: Arc<Heart>,
+    /// Log of what has been done.
+    pub(crate) audit: Audit,
+    /// Folder of programs.
+    pub(crate) programs: Option<PathBuf>,
     /// Description of the machine.
     pub(crate) info: Map<String, Json>,
     /// File with the address and the one-time token.
@@ -83,15 +101,23 @@ pub fn run(options: &Options) -> Result<(), String> {
         let listener =
             listener.map_err(|e| format!("{}: {}", options.listen, hal_output::reason(&e)))?;
         let address = listener.local_addr().map_err(|e| hal_output::reason(&e))?;
-        let beside = || place.folder().join(format!("panel-{}.url", place.name()));
+        let beside = |kind: &str| place.folder().join(format!("panel-{}.{kind}", place.name()));
+        let audit = options.audit.clone().unwrap_or_else(|| beside("audit"));
+        let programs = options.programs.clone().or_else(|| programs(options, ini.as_ref()));
+        let audit = Audit::open(&audit)?;
+        prepare::load(&place, ini.as_ref())?;
         let panel = Arc::new(Panel {
             address,
             options: options.clone(),
             engine: Engine::join(place.clone())?,
             machine: status::observe(&place)?,
             sessions: Sessions::default(),
+            clients: Clients::default(),
+            heart: heart::start(&place)?,
+            audit,
+            programs,
             info,
-            address_file: options.address_file.clone().unwrap_or_else(beside),
+            address_file: options.address_file.clone().unwrap_or_else(|| beside("url")),
         });
         panel.renew_token()?;
         let file = panel.address_file.display();
@@ -103,6 +129,13 @@ pub fn run(options: &Options) -> Result<(), String> {
         drop(std::fs::remove_file(&panel.address_file));
         served
     })
+}
+
+/// Returns the folder of programs that the INI file names.
+fn programs(options: &Options, ini: Option<&Ini>) -> Option<PathBuf> {
+    let prefix = Path::new(ini?.get("DISPLAY", "PROGRAM_PREFIX")?);
+    // A name without a folder is one in the folder of the INI file.
+    Some(options.ini_file.as_deref()?.parent()?.join(prefix))
 }
 
 fn read_ini(path: &Path) -> Result<Ini, String> {

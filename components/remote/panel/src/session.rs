@@ -41,6 +41,17 @@ pub(crate) struct Session {
     pub(crate) role: Role,
 }
 
+impl Session {
+    /// Refuses what needs a higher role.
+    pub(crate) fn needs(&self, role: Role) -> Result<(), Error> {
+        if self.role >= role {
+            return Ok(());
+        }
+        let text = format!("this needs the role {role:?}, and the session has {:?}", self.role);
+        Err(Error::new(Code::Role, text.to_lowercase()))
+    }
+}
+
 #[derive(Debug)]
 struct Entry {
     session: Session,

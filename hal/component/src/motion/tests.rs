@@ -121,12 +121,14 @@ fn the_source_follows_from_the_token() {
     for source in [motion_source::TASK, motion_source::LOCAL, motion_source::REMOTE] {
         motion.push(task, &pause(source)).unwrap();
     }
-    motion.push(MotionToken::LOCAL, &pause(motion_source::REMOTE)).unwrap();
+    for source in [motion_source::TASK, motion_source::LOCAL, motion_source::REMOTE] {
+        motion.push(MotionToken::LOCAL, &pause(source)).unwrap();
+    }
     let why = MotionRefusal::Refused("there is no source 3".to_owned());
     assert_eq!(motion.push(task, &pause(3)), Err(why));
     let sources: Vec<_> = service.fake.got.lock().unwrap().iter().map(|g| g.0).collect();
     let [task_, local, remote] = [MotionSource::Task, MotionSource::Local, MotionSource::Remote];
-    assert_eq!(sources, [task_, local, remote, local]);
+    assert_eq!(sources, [task_, local, remote, local, local, remote]);
     assert!(motion.claim(task, true) && service.fake.claimed.load(Relaxed));
     assert!(!motion.claim(MotionToken::LOCAL, false) && service.fake.claimed.load(Relaxed));
     motion.release(MotionToken(99));

@@ -89,7 +89,8 @@ impl MotionRef {
         self.0.table.room.map_or(0, |room| unsafe { room(self.0.table.ctx) })
     }
 
-    /// Sends a command and returns its number. With [`MotionToken::LOCAL`] it is a local command.
+    /// Sends a command and returns its number. With [`MotionToken::LOCAL`] it is a local command, or a
+    /// remote one if it says so.
     ///
     /// # Errors
     /// There is no room, the token is void, or the command is refused.

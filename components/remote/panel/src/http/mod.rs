@@ -2,10 +2,15 @@
 
 mod guard;
 mod lists;
+mod programs;
 mod sign_in;
 
-use crate::error::{Code, Error};
-use crate::{page, server::Panel, socket};
+use crate::{
+    error::{Code, Error},
+    page,
+    server::Panel,
+    socket,
+};
 use axum::{
     Router,
     extract::{DefaultBodyLimit, Request, State},
@@ -21,6 +26,11 @@ const MAX_BODY: usize = 64 << 10;
 /// Returns all routes.
 pub(crate) fn router(panel: &Arc<Panel>) -> Router {
     let session = get(sign_in::who).post(sign_in::sign_in).delete(sign_in::sign_out);
+    // The upload has its own limit.
+    let program = get(programs::text)
+        .put(programs::store)
+        .delete(programs::remove)
+        .layer(DefaultBodyLimit::disable());
     let api = Router::new()
         .route("/session", session)
         .route("/info", get(lists::info))
@@ -28,6 +38,8 @@ pub(crate) fn router(panel: &Arc<Panel>) -> Router {
         .route("/check", get(lists::check))
         .route("/order", get(lists::order))
         .route("/flight", get(lists::flight))
+        .route("/programs", get(programs::list))
+        .route("/programs/{name}", program)
         .route("/socket", any(socket::open))
         .route("/{kind}", get(lists::list))
         .fallback(async || Error::new(Code::NotFound, "there is no such path").into_response());

@@ -1,0 +1,130 @@
+//! Commands `remote.*`.
+
+use crate::keeper::Keeper;
+use hal_component::{
+    Arg, Builder, Call, Error, MotionCommand, abi::ArgSpec, motion_flags, motion_kind,
+};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, atomic::Ordering::Relaxed};
+
+const LEASE: ArgSpec = Arg::int("lease", "Number of the lease.").required();
+
+type Shared = Arc<Mutex<Keeper>>;
+
+fn lock(shared: &Shared) -> MutexGuard<'_, Keeper> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn lease(call: &Call<'_>) -> u32 {
+    call.int("lease").and_then(|n| u32::try_from(n).ok()).unwrap_or(0)
+}
+
+struct Row {
+    name: &'static str,
+    doc: &'static str,
+    args: &'static [&'static ArgSpec],
+    run: fn(&mut Keeper, &Call<'_>) -> Result<(), Error>,
+}
+
+const ROWS: &[Row] = &[
+    Row {
+        name: "remote.take",
+        doc: "Takes the control lease; the answer has its number.",
+        args: &[
+            &Arg::text("holder", "Name of the operator.").required(),
+            &Arg::int("from", "Number of the lease that its holder hands over."),
+        ],
+        run: |keeper, call| {
+            let from = call.int("from").map(|n| u32::try_from(n).unwrap_or(0));
+            let number = keeper.take(&call.text("holder").unwrap_or_default(), from)?;
+            call.reply(&format!("lease={number}"));
+            Ok(())
+        },
+    },
+    Row {
+        name: "remote.give",
+        doc: "Ends the control lease: remote jogs stop, and a program is treated as on_loss says.",
+        args: &[&LEASE],
+        run: |keeper, call| keeper.give(lease(call)),
+    },
+    Row {
+        name: "remote.jog",
+        doc: "\
+Jogs a joint or an axis under the lease.
+
+Without distance and position it lasts until motion.jog-stop, and only while beats arrive.",
+        args: &[
+            &LEASE,
+            &Arg::int("joint", "Number of the joint, from 0."),
+            &Arg::text("axis", "Letter of the axis."),
+            &Arg::float("velocity", "Velocity with its sign, in units/s.").required(),
+            &Arg::float("distance", "Distance with its sign, in units."),
+            &Arg::float("position", "Position, in units."),
+        ],
+        run: |keeper, call| keeper.jog(lease(call), command(call)?),
+    },
+    Row {
+        name: "remote.start",
+        doc: "Says that a program, a line or homing is about to start under the lease.",
+        args: &[&LEASE],
+        run: |keeper, call| keeper.start(lease(call)),
+    },
+    Row {
+        name: "remote.release",
+        doc: "Ends the hold of a program since the lease was lost: its motion goes on.",
+        args: &[],
+        run: |keeper, _| keeper.release(),
+    },
+    Row {
+        name: "remote.status",
+        doc: "Tells the lease, its holder, and whether a program is held.",
+        args: &[],
+        run: |keeper, call| {
+            let number = keeper.lease.number.load(Relaxed);
+            let holder = if number == 0 { "" } else { keeper.holder.as_str() };
+            let bit = |on: bool| if on { "TRUE" } else { "FALSE" };
+            call.reply(&format!(
+                "lease={number} holder={holder} permit={} hold={}",
+                bit(keeper.lease.permit.load(Relaxed)),
+                bit(keeper.lease.hold.load(Relaxed)),
+            ));
+            Ok(())
+        },
+    },
+];
+
+/// Declares all commands.
+pub(crate) fn open(b: &mut Builder<'_>, shared: &Shared) -> Result<(), Error> {
+    for row in ROWS {
+        let (shared, run) = (shared.clone(), row.run);
+        b.command(row.name, row.doc, row.args, move |call| run(&mut lock(&shared), call))?;
+    }
+    Ok(())
+}
+
+fn command(call: &Call<'_>) -> Result<MotionCommand, Error> {
+    let (flags, index) = match (call.int("joint"), call.text("axis")) {
+        (Some(n), None) => {
+            let why = |_| Error::new(format!("there is no joint {n}"));
+            (motion_flags::JOINT, u32::try_from(n).map_err(why)?)
+        }
+        (None, Some(axis)) => {
+            let letters = ["x", "y", "z", "a", "b", "c", "u", "v", "w"];
+            let found = (0..).zip(letters).find(|(_, l)| axis.eq_ignore_ascii_case(l));
+            let why = || Error::new(format!("axis is {axis}, must be one of xyzabcuvw"));
+            (motion_flags::AXIS, found.map(|(n, _)| n).ok_or_else(why)?)
+        }
+        (Some(_), Some(_)) | (None, None) => {
+            return Err(Error::new("a jog is of a joint or of an axis: joint=N or axis=LETTER"));
+        }
+    };
+    let (extent, value) = match (call.float("distance"), call.float("position")) {
+        (None, None) => (0, 0.0),
+        (Some(distance), None) => (1, distance),
+        (None, Some(position)) => (2, position),
+        (Some(_), Some(_)) => {
+            return Err(Error::new("a jog goes by a distance or to a position, not both"));
+        }
+    };
+    let speed = call.float("velocity").unwrap_or(0.0);
+    Ok(MotionCommand { flags, index, extent, value, speed, ..MotionCommand::new(motion_kind::JOG) })
+}

@@ -1,0 +1,235 @@
+//! The task: it follows remote jogs and programs until their end.
+
+use crate::lease::{Lease, jog};
+use hal_component::{
+    Clock, Error, Messages, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal,
+    MotionStatus, MotionToken, Period, Touch, Update, Uses, motion_kind, motion_source,
+};
+use std::sync::{Arc, Mutex, PoisonError, atomic::Ordering::Relaxed};
+
+/// Longest time from the command that starts a program to its start, in nanoseconds.
+const START_NS: i64 = 2_000_000_000;
+
+/// Progress of a program that was started under the lease.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Job {
+    #[default]
+    None,
+    /// It was commanded at this machine time.
+    Commanded(i64),
+    Runs,
+}
+
+/// Progress of a jog.
+#[derive(Clone, Copy, Debug)]
+enum Jog {
+    /// The command is on its way.
+    Sent(MotionId),
+    /// Motion had taken it by this cycle.
+    Taken(u64),
+}
+
+/// State of the lease that only commands and the task see.
+#[derive(Debug)]
+pub(crate) struct Keeper {
+    pub(crate) lease: Arc<Lease>,
+    pub(crate) motion: MotionRef,
+    pub(crate) holder: String,
+    /// Number of the last lease.
+    last: u32,
+    clock: Clock,
+    say: Messages,
+    /// True if a lost lease aborts a program.
+    aborts: bool,
+    jogs: Vec<Jog>,
+    job: Job,
+}
+
+impl Keeper {
+    pub(crate) fn new(
+        lease: Arc<Lease>,
+        motion: MotionRef,
+        clock: Clock,
+        say: Messages,
+        aborts: bool,
+    ) -> Self {
+        let (holder, jogs) = (String::new(), Vec::new());
+        Self { lease, motion, holder, last: 0, clock, say, aborts, jogs, job: Job::None }
+    }
+
+    /// Begins a lease and returns its number. `from` is the lease that its holder hands over.
+    pub(crate) fn take(&mut self, holder: &str, from: Option<u32>) -> Result<u32, Error> {
+        let now = self.lease.number.load(Relaxed);
+        if now != 0 && from != Some(now) {
+            return Err(Error::new(format!("{} has the control lease", self.holder)));
+        }
+        if from.is_some_and(|from| from != now) {
+            return Err(no_lease());
+        }
+        holder.clone_into(&mut self.holder);
+        self.last = self.last.checked_add(1).unwrap_or(1);
+        // The servo thread may have ended the lease that is handed over: then the new one is new all the same.
+        self.lease.number.store(self.last, Relaxed);
+        Ok(self.last)
+    }
+
+    /// Ends the lease, as if it were lost.
+    pub(crate) fn give(&self, number: u32) -> Result<(), Error> {
+        self.check(number)?;
+        if self.lease.number.compare_exchange(number, 0, Relaxed, Relaxed).is_ok() {
+            self.lease.lost.store(true, Relaxed);
+            if self.lease.holds && self.lease.job.load(Relaxed) {
+                self.lease.hold.store(true, Relaxed);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a number that is not that of the lease.
+    pub(crate) fn check(&self, number: u32) -> Result<(), Error> {
+        if number != 0 && self.lease.number.load(Relaxed) == number {
+            Ok(())
+        } else {
+            Err(no_lease())
+        }
+    }
+
+    /// Sends a jog to motion.
+    pub(crate) fn jog(&mut self, number: u32, command: MotionCommand) -> Result<(), Error> {
+        self.check(number)?;
+        let held = command.extent == 0;
+        if !self.lease.allowed.load(Relaxed) {
+            return Err(Error::new(
+                "remote.allow-motion is FALSE: the machine permits no remote motion",
+            ));
+        }
+        if held && !self.lease.permit.load(Relaxed) {
+            return Err(Error::new(format!(
+                "no beat younger than {} ms has arrived: a held jog needs a faster connection, or \
+                 function remote is in no thread that runs",
+                self.lease.jog_ms
+            )));
+        }
+        let kind = if held { jog::HELD } else { jog::STEP };
+        // Before the jog is sent: the servo thread must know of it when it begins.
+        self.lease.jog_lease.store(number, Relaxed);
+        self.lease.jog.fetch_max(kind, Relaxed);
+        let command = MotionCommand { source: motion_source::REMOTE, ..command };
+        match self.motion.push(MotionToken::LOCAL, &command) {
+            Ok(id) => {
+                self.jogs.push(Jog::Sent(id));
+                Ok(())
+            }
+            Err(why) => Err(Error::new(match why {
+                MotionRefusal::Full => "motion takes no commands: its queue is full".to_owned(),
+                MotionRefusal::NotOwner => "motion belongs to another".to_owned(),
+                MotionRefusal::Refused(why) => why,
+            })),
+        }
+    }
+
+    /// Notes that a program, a line or homing is about to start under the lease.
+    pub(crate) fn start(&mut self, number: u32) -> Result<(), Error> {
+        self.check(number)?;
+        if self.lease.hold.load(Relaxed) {
+            return Err(Error::new(
+                "a program is held since the lease was lost: remote.release ends that",
+            ));
+        }
+        if self.job == Job::None {
+            self.job = Job::Commanded(self.clock.now_ns());
+        }
+        self.lease.job.store(true, Relaxed);
+        Ok(())
+    }
+
+    /// Ends a hold.
+    pub(crate) fn release(&self) -> Result<(), Error> {
+        if !self.lease.allowed.load(Relaxed) {
+            return Err(Error::new("remote.allow-motion is FALSE: the hold lasts"));
+        }
+        self.lease.hold.store(false, Relaxed);
+        Ok(())
+    }
+
+    fn send(&self, kind: u32) {
+        if self.motion.push(MotionToken::LOCAL, &MotionCommand::new(kind)).is_err() {
+            self.say.error("motion takes no commands: a lost lease does not abort", &[]);
+        }
+    }
+
+    fn step(&mut self) {
+        let Some(status) = self.motion.status() else { return };
+        self.follow_jogs(&status);
+        if self.lease.lost.swap(false, Relaxed) {
+            self.say.warn("the control lease has ended: remote jogs stop", &[]);
+            if self.lease.hold.load(Relaxed) {
+                self.say.warn("a program that was started remotely is held", &[]);
+            }
+            if self.job != Job::None && (self.aborts || status.homing) {
+                self.send(motion_kind::ABORT);
+            }
+        }
+        self.follow_job(&status);
+    }
+
+    fn follow_jogs(&mut self, status: &MotionStatus) {
+        let motion = &self.motion;
+        self.jogs.retain_mut(|jog| match *jog {
+            Jog::Sent(id) => {
+                if motion.poll(id) != MotionEnd::Pending {
+                    *jog = Jog::Taken(status.cycle);
+                }
+                true
+            }
+            // The status of a whole cycle after the command shows whether it moves.
+            Jog::Taken(cycle) => {
+                status.cycle <= cycle + 1
+                    || (status.jogging && status.source == motion_source::REMOTE)
+            }
+        });
+        if self.jogs.is_empty() {
+            self.lease.jog.store(jog::NONE, Relaxed);
+        }
+    }
+
+    fn follow_job(&mut self, status: &MotionStatus) {
+        let over = !status.claimed && !status.homing && status.queue == 0 && status.in_position;
+        self.job = match self.job {
+            Job::None => return,
+            Job::Commanded(at) if over => {
+                if self.clock.now_ns() - at <= START_NS {
+                    return;
+                }
+                Job::None
+            }
+            Job::Runs if over => Job::None,
+            Job::Commanded(_) | Job::Runs => Job::Runs,
+        };
+        if self.job == Job::None {
+            self.lease.job.store(false, Relaxed);
+            // Nothing is left that it could hold.
+            self.lease.hold.store(false, Relaxed);
+        }
+    }
+}
+
+fn no_lease() -> Error {
+    Error::new("this is not the number of the control lease: it has ended, or another has it")
+}
+
+/// The task.
+#[derive(Debug)]
+pub(crate) struct Step(pub(crate) Arc<Mutex<Keeper>>);
+
+impl Touch for Step {
+    fn touch(&self, uses: &mut Uses) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).motion.touch(uses);
+    }
+}
+
+impl Update for Step {
+    fn update(&mut self, _: Period) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).step();
+    }
+}

@@ -1,0 +1,5 @@
+//! The lease and the dead man, with a motion controller in virtual time.
+
+mod job;
+mod jogs;
+mod rig;

@@ -1,0 +1,233 @@
+//! The table of commands: who may give them, and what the engine is asked for them.
+
+use crate::{
+    error::{Code, Error},
+    session::Role,
+};
+use hal_protocol::Request;
+use serde_json::{Map, Value as Json};
+
+/// Arguments of a command, as a client sends them.
+pub(crate) type Args = Map<String, Json>;
+
+/// A command of the API.
+pub(crate) struct Row {
+    pub(crate) name: &'static str,
+    /// Least role that may give it.
+    pub(crate) role: Role,
+    /// True if it needs the control lease.
+    pub(crate) lease: bool,
+    pub(crate) action: Action,
+}
+
+/// Effect of a command.
+pub(crate) enum Action {
+    /// Sends the engine these requests, one after the other; a refusal ends them.
+    Engine(fn(&Given<'_>) -> Result<Vec<Request>, Error>),
+    /// Jogs, with the number of the lease.
+    Jog,
+    /// Opens a program of the list.
+    Open,
+    /// Presses the button of `hal_manualtoolchange`, and releases it.
+    ToolChanged,
+}
+
+use Action::{Engine, Jog, Open, ToolChanged};
+use Role::{Integrator, Operator, Viewer};
+
+const fn row(name: &'static str, role: Role, lease: bool, action: Action) -> Row {
+    Row { name, role, lease, action }
+}
+
+/// All commands.
+pub(crate) const ROWS: &[Row] = &[
+    row("abort", Viewer, false, Engine(|g| g.plain("task.abort"))),
+    row("estop", Operator, false, Engine(|g| g.plain("task.estop"))),
+    row("off", Operator, false, Engine(|g| g.plain("task.off"))),
+    row("pause", Operator, false, Engine(|g| g.plain("task.pause"))),
+    row("jog-stop", Operator, false, Engine(|g| g.plain("motion.jog-stop"))),
+    row("estop-reset", Operator, true, Engine(|g| g.plain("task.estop-reset"))),
+    row("on", Operator, true, Engine(|g| g.plain("task.on"))),
+    row("mode", Operator, true, Engine(|g| g.command("task.mode", &["mode"]))),
+    row("home", Operator, true, Engine(|g| g.command("task.home", &["joint"]))),
+    row("unhome", Operator, true, Engine(|g| g.command("motion.unhome", &["joint"]))),
+    row("jog", Operator, true, Jog),
+    row("open", Operator, true, Open),
+    row("run", Operator, true, Engine(|g| g.plain("task.run"))),
+    row("resume", Operator, true, Engine(|g| g.plain("task.resume"))),
+    row("step", Operator, true, Engine(|g| g.plain("task.step"))),
+    row("mdi", Operator, true, Engine(|g| g.command("task.mdi", &["text"]))),
+    row("optional-stop", Operator, true, Engine(|g| g.command("task.optional-stop", &["on"]))),
+    row("block-delete", Operator, true, Engine(|g| g.command("task.block-delete", &["on"]))),
+    row("feed-override", Operator, true, Engine(|g| g.command("task.feed-override", &["scale"]))),
+    row(
+        "spindle-override",
+        Operator,
+        true,
+        Engine(|g| g.command("task.spindle-override", &["scale", "spindle?"])),
+    ),
+    row(
+        "spindle",
+        Operator,
+        true,
+        Engine(|g| g.command("motion.spindle", &["speed?", "brake?", "spindle?"])),
+    ),
+    row("mist", Operator, true, Engine(|g| g.renamed("iocontrol.coolant", "on", "mist"))),
+    row("flood", Operator, true, Engine(|g| g.renamed("iocontrol.coolant", "on", "flood"))),
+    row("override-limits", Operator, true, Engine(|g| g.plain("motion.override-limits"))),
+    row("tool-changed", Operator, true, ToolChanged),
+    row("touch-off", Operator, true, Engine(touch_off)),
+    row("setp", Integrator, true, Engine(setp)),
+    row("sets", Integrator, true, Engine(sets)),
+    row("net", Integrator, true, Engine(net)),
+    row("linkp", Integrator, true, Engine(linkp)),
+    row("unlink", Integrator, true, Engine(unlink)),
+];
+
+/// Returns the command of this name.
+pub(crate) fn find(name: &str) -> Result<&'static Row, Error> {
+    let missing = || Error::new(Code::NotFound, format!("there is no command '{name}'"));
+    ROWS.iter().find(|row| row.name == name).ok_or_else(missing)
+}
+
+/// A command with its arguments.
+pub(crate) struct Given<'a> {
+    pub(crate) args: &'a Args,
+}
+
+/// Longest text of an argument in bytes.
+const MAX_TEXT: usize = 4096;
+
+impl Given<'_> {
+    /// Returns an argument as the engine reads it.
+    fn text(&self, name: &str) -> Result<Option<String>, Error> {
+        let malformed = |why: &str| Err(Error::new(Code::Malformed, format!("{name} {why}")));
+        let text = match self.args.get(name) {
+            None | Some(Json::Null) => return Ok(None),
+            Some(Json::Bool(on)) => if *on { "TRUE" } else { "FALSE" }.to_owned(),
+            Some(Json::Number(number)) => number.to_string(),
+            Some(Json::String(text)) => text.clone(),
+            Some(Json::Array(_) | Json::Object(_)) => {
+                return malformed("is a number, a text, true or false");
+            }
+        };
+        if text.len() > MAX_TEXT {
+            return Err(Error::new(
+                Code::TooLarge,
+                format!("{name} has {} bytes, at most {MAX_TEXT}", text.len()),
+            ));
+        }
+        if text.contains(['\n', '\r', '\0']) {
+            return malformed("is one line");
+        }
+        Ok(Some(text))
+    }
+
+    fn needed(&self, name: &str) -> Result<String, Error> {
+        let missing = || Error::new(Code::Malformed, format!("the command needs {name}"));
+        self.text(name)?.ok_or_else(missing)
+    }
+
+    /// Refuses arguments other than these.
+    fn only(&self, names: &[&str]) -> Result<(), Error> {
+        match self.args.keys().find(|key| !names.contains(&key.as_str())) {
+            None => Ok(()),
+            Some(key) => {
+                Err(Error::new(Code::Malformed, format!("the command has no argument '{key}'")))
+            }
+        }
+    }
+
+    fn plain(&self, command: &str) -> Result<Vec<Request>, Error> {
+        self.command(command, &[])
+    }
+
+    /// Returns a command of the engine with these arguments. Those with a question mark may be absent.
+    pub(crate) fn command(&self, command: &str, names: &[&str]) -> Result<Vec<Request>, Error> {
+        let plain: Vec<&str> = names.iter().map(|name| name.trim_end_matches('?')).collect();
+        self.only(&plain)?;
+        let mut args = Vec::new();
+        for (name, plain) in names.iter().zip(plain) {
+            let text = if *name == plain { Some(self.needed(plain)?) } else { self.text(plain)? };
+            args.extend(text.map(|text| format!("{plain}={text}")));
+        }
+        Ok(vec![Request::Command { name: command.to_owned(), args }])
+    }
+
+    fn renamed(&self, command: &str, name: &str, as_name: &str) -> Result<Vec<Request>, Error> {
+        self.only(&[name])?;
+        let args = vec![format!("{as_name}={}", self.needed(name)?)];
+        Ok(vec![Request::Command { name: command.to_owned(), args }])
+    }
+
+    /// Returns the command that jogs under this lease.
+    pub(crate) fn jog(&self, lease: u64) -> Result<Vec<Request>, Error> {
+        let names = ["joint?", "axis?", "velocity", "distance?", "position?"];
+        let mut requests = self.command("remote.jog", &names)?;
+        for request in &mut requests {
+            if let Request::Command { args, .. } = request {
+                args.push(format!("lease={lease}"));
+            }
+        }
+        Ok(requests)
+    }
+
+    /// Returns the name of the program to open.
+    pub(crate) fn program(&self) -> Result<String, Error> {
+        self.only(&["program"])?;
+        self.needed("program")
+    }
+}
+
+/// Sets a coordinate system so that an axis has this value where it is.
+fn touch_off(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+    given.only(&["axis", "value", "system"])?;
+    let malformed = |text: String| Error::new(Code::Malformed, text);
+    let axis = given.needed("axis")?.to_ascii_uppercase();
+    if axis.len() != 1 || !"XYZABCUVW".contains(&axis) {
+        return Err(malformed(format!("axis is {axis}, must be one of XYZABCUVW")));
+    }
+    let value = given.needed("value")?;
+    let value: f64 =
+        value.parse().map_err(|_| malformed(format!("value '{value}' is no number")))?;
+    if !value.is_finite() {
+        return Err(malformed("value is finite".to_owned()));
+    }
+    let system = given.text("system")?.unwrap_or_else(|| "0".to_owned());
+    let system: u8 = system
+        .parse()
+        .ok()
+        .filter(|n| *n <= 9)
+        .ok_or_else(|| malformed(format!("system is {system}, must be 0 to 9")))?;
+    let text = format!("text=G10 L20 P{system} {axis}{value}");
+    Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
+}
+
+fn setp(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+    given.only(&["name", "value"])?;
+    Ok(vec![Request::Set { name: given.needed("name")?, value: given.needed("value")? }])
+}
+
+fn sets(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+    given.only(&["name", "value"])?;
+    Ok(vec![Request::SetSignal { name: given.needed("name")?, value: given.needed("value")? }])
+}
+
+fn net(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+    given.only(&["signal", "pins"])?;
+    let pins = given.needed("pins")?.split_whitespace().map(str::to_owned).collect();
+    Ok(vec![Request::Net { signal: given.needed("signal")?, pins }])
+}
+
+fn linkp(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+    given.only(&["pin", "signal"])?;
+    Ok(vec![Request::Link { pin: given.needed("pin")?, signal: given.needed("signal")? }])
+}
+
+fn unlink(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+    given.only(&["pin"])?;
+    Ok(vec![Request::Unlink { pin: given.needed("pin")? }])
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,107 @@
+//! The table of commands.
+
+use super::{Action, Args, Given, ROWS};
+use crate::session::Role;
+use hal_protocol::Request;
+use serde_json::{Value as Json, json};
+
+/// The rows of the table of commands in the document.
+fn documented() -> Vec<(String, String, bool)> {
+    let text = include_str!("../../API.md");
+    let table = text.split("| command | arguments |").nth(1).unwrap();
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    rows.flat_map(|row| {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let role = cells[3].split(',').next().unwrap().to_owned();
+        let lease = cells[4] == "yes";
+        let names = cells[1].split(", ").map(|name| name.trim_matches('`').to_owned());
+        names.map(move |name| (name, role.clone(), lease)).collect::<Vec<_>>()
+    })
+    .collect()
+}
+
+#[test]
+fn the_document_states_each_command_with_its_role_and_lease() {
+    let mut documented = documented();
+    let mut own: Vec<_> = ROWS
+        .iter()
+        .map(|row| (row.name.to_owned(), format!("{:?}", row.role).to_lowercase(), row.lease))
+        .collect();
+    documented.sort();
+    own.sort();
+    assert_eq!(own, documented);
+}
+
+#[test]
+fn only_what_ends_motion_needs_no_lease() {
+    let free: Vec<&str> = ROWS.iter().filter(|row| !row.lease).map(|row| row.name).collect();
+    assert_eq!(free, ["abort", "estop", "off", "pause", "jog-stop"]);
+    let viewers: Vec<&str> =
+        ROWS.iter().filter(|row| row.role == Role::Viewer).map(|row| row.name).collect();
+    assert_eq!(viewers, ["abort"]);
+}
+
+/// Returns the engine's command for these arguments.
+fn sent(name: &str, args: &Json) -> Result<String, String> {
+    let args: Args = serde_json::from_value(args.clone()).unwrap();
+    let given = Given { args: &args };
+    let requests = match super::find(name).map_err(|e| e.text)?.action {
+        Action::Engine(requests) => requests(&given),
+        Action::Jog => given.jog(7),
+        Action::Open | Action::ToolChanged => panic!("{name} is no request"),
+    };
+    let words = requests.map_err(|e| e.text)?.into_iter().map(|request| match request {
+        Request::Command { name, args } => format!("{name} {}", args.join(" ")).trim().to_owned(),
+        Request::Set { name, value } => format!("setp {name} {value}"),
+        Request::Net { signal, pins } => format!("net {signal} {}", pins.join(" ")),
+        other => format!("{other:?}"),
+    });
+    Ok(words.collect::<Vec<_>>().join("; "))
+}
+
+#[test]
+fn arguments_become_those_of_the_engine_or_are_refused() {
+    let long = "x".repeat(5000);
+    for (name, args, wanted) in [
+        ("abort", json!({}), Ok("task.abort")),
+        ("abort", json!({"now": true}), Err("the command has no argument 'now'")),
+        ("mdi", json!({"text": "G0 X1"}), Ok("task.mdi text=G0 X1")),
+        ("mdi", json!({}), Err("the command needs text")),
+        ("mdi", json!({"text": "G0 X1\nM3"}), Err("text is one line")),
+        ("mdi", json!({"text": ["G0"]}), Err("text is a number, a text, true or false")),
+        ("mdi", json!({"text": long}), Err("text has 5000 bytes, at most 4096")),
+        ("flood", json!({"on": true}), Ok("iocontrol.coolant flood=TRUE")),
+        ("feed-override", json!({"scale": 0.5}), Ok("task.feed-override scale=0.5")),
+        ("spindle", json!({"speed": -500}), Ok("motion.spindle speed=-500")),
+        (
+            "jog",
+            json!({"axis": "x", "velocity": 10.0}),
+            Ok("remote.jog axis=x velocity=10.0 lease=7"),
+        ),
+        ("jog", json!({"axis": "x"}), Err("the command needs velocity")),
+        ("jog", json!({"velocity": 1, "lease": 3}), Err("the command has no argument 'lease'")),
+        (
+            "touch-off",
+            json!({"axis": "z", "value": 1.5, "system": 2}),
+            Ok("task.mdi text=G10 L20 P2 Z1.5"),
+        ),
+        (
+            "touch-off",
+            json!({"axis": "z1", "value": 1}),
+            Err("axis is Z1, must be one of XYZABCUVW"),
+        ),
+        ("touch-off", json!({"axis": "z", "value": "1 G0"}), Err("value '1 G0' is no number")),
+        ("touch-off", json!({"axis": "z", "value": "inf"}), Err("value is finite")),
+        (
+            "touch-off",
+            json!({"axis": "z", "value": 1, "system": 10}),
+            Err("system is 10, must be 0 to 9"),
+        ),
+        ("setp", json!({"name": "a.b", "value": 1}), Ok("setp a.b 1")),
+        ("net", json!({"signal": "s", "pins": "a b"}), Ok("net s a b")),
+        ("shutdown", json!({}), Err("there is no command 'shutdown'")),
+    ] {
+        let wanted = wanted.map(str::to_owned).map_err(str::to_owned);
+        assert_eq!(sent(name, &args), wanted, "{name} {args}");
+    }
+}

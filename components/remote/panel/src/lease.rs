@@ -1,0 +1,214 @@
+//! The control lease: which client may command the machine.
+
+use crate::{
+    engine::Engine,
+    error::{Code, Error},
+    session::{Role, Session},
+};
+use hal_protocol::{Reply, Request};
+use serde::Serialize;
+use std::{
+    collections::BTreeMap,
+    sync::{Mutex, PoisonError},
+    time::Duration,
+};
+use tokio::{sync::watch, time::Instant};
+
+/// Time without an answer to a pulse after which an operator may take the lease from another.
+const SILENCE: Duration = Duration::from_secs(5);
+
+/// Holder of the lease.
+#[derive(Clone, Debug)]
+pub(crate) struct Holder {
+    pub(crate) client: u64,
+    pub(crate) user: String,
+    /// Number that the plugin `remote` gave.
+    pub(crate) number: u64,
+    answered: Instant,
+}
+
+/// A client of the socket.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct Client {
+    pub(crate) client: u64,
+    pub(crate) user: String,
+    pub(crate) role: Role,
+}
+
+#[derive(Debug, Default)]
+struct Table {
+    clients: BTreeMap<u64, Client>,
+    last: u64,
+    holder: Option<Holder>,
+}
+
+/// All clients of the socket, and the lease.
+#[derive(Debug)]
+pub(crate) struct Clients {
+    table: Mutex<Table>,
+    /// Kept while the engine is asked about the lease: one question after the other.
+    asking: tokio::sync::Mutex<()>,
+    changed: watch::Sender<u64>,
+}
+
+impl Default for Clients {
+    fn default() -> Self {
+        Self {
+            table: Mutex::default(),
+            asking: tokio::sync::Mutex::default(),
+            changed: watch::Sender::new(0),
+        }
+    }
+}
+
+impl Clients {
+    fn with<T>(&self, f: impl FnOnce(&mut Table) -> T) -> T {
+        f(&mut self.table.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn tell(&self) {
+        self.changed.send_modify(|n| *n += 1);
+    }
+
+    /// Adds a client and returns its number.
+    pub(crate) fn enter(&self, session: &Session) -> u64 {
+        let client = self.with(|table| {
+            table.last += 1;
+            let client =
+                Client { client: table.last, user: session.user.clone(), role: session.role };
+            table.clients.insert(table.last, client);
+            table.last
+        });
+        self.tell();
+        client
+    }
+
+    /// Removes a client, and gives back its lease.
+    pub(crate) async fn leave(&self, engine: &Engine, client: u64) {
+        self.with(|table| table.clients.remove(&client));
+        // An engine that does not answer has no lease either.
+        drop(self.give(engine, client).await);
+        self.tell();
+    }
+
+    /// Returns what all clients see, and a number that changes with it.
+    pub(crate) fn view(&self) -> (Vec<Client>, Option<Holder>) {
+        self.with(|table| (table.clients.values().cloned().collect(), table.holder.clone()))
+    }
+
+    /// Returns the number of clients.
+    pub(crate) fn count(&self) -> usize {
+        self.with(|table| table.clients.len())
+    }
+
+    /// Returns the number of the lease, if this client holds it.
+    pub(crate) fn number(&self, client: u64) -> Option<u64> {
+        self.with(|table| table.holder.as_ref().filter(|h| h.client == client).map(|h| h.number))
+    }
+
+    /// Notes that the holder has answered a pulse; returns false for everybody else.
+    pub(crate) fn answered(&self, client: u64) -> bool {
+        self.with(|table| match &mut table.holder {
+            Some(holder) if holder.client == client => {
+                holder.answered = Instant::now();
+                true
+            }
+            _ => false,
+        })
+    }
+
+    /// Notes that the plugin has ended the lease.
+    pub(crate) fn lost(&self, number: u64) {
+        if self.with(|table| table.holder.take_if(|h| h.number == number).is_some()) {
+            self.tell();
+        }
+    }
+
+    /// Takes the lease for a client; `force` takes it from another.
+    pub(crate) async fn take(
+        &self,
+        engine: &Engine,
+        client: u64,
+        session: &Session,
+        force: bool,
+    ) -> Result<(), Error> {
+        if session.role < Role::Operator {
+            return Err(Error::new(Code::Role, "a viewer cannot take the lease"));
+        }
+        let asking = self.asking.lock().await;
+        if let Some(holder) = self.with(|table| table.holder.clone()) {
+            if holder.client == client {
+                return Ok(());
+            }
+            let silent = holder.answered.elapsed() > SILENCE;
+            if !force || !(silent || session.role == Role::Integrator) {
+                let text = format!("{} has the control lease", holder.user);
+                return Err(Error::new(Code::Conflict, text));
+            }
+            self.end(engine, holder.number).await?;
+        }
+        let taken = self.begin(engine, client, &session.user).await;
+        drop(asking);
+        taken
+    }
+
+    /// Gives the lease back, if this client holds it.
+    pub(crate) async fn give(&self, engine: &Engine, client: u64) -> Result<(), Error> {
+        let asking = self.asking.lock().await;
+        let given = match self.number(client) {
+            Some(number) => self.end(engine, number).await,
+            None => Ok(()),
+        };
+        drop(asking);
+        given
+    }
+
+    /// Hands the lease to another client.
+    pub(crate) async fn hand(&self, engine: &Engine, client: u64, to: u64) -> Result<(), Error> {
+        let asking = self.asking.lock().await;
+        let number = self.number(client).ok_or_else(no_lease)?;
+        let to = self.with(|table| table.clients.get(&to).cloned());
+        let to = to.filter(|to| to.role >= Role::Operator);
+        let to = to.ok_or_else(|| Error::new(Code::NotFound, "there is no such operator"))?;
+        self.end(engine, number).await?;
+        let taken = self.begin(engine, to.client, &to.user).await;
+        drop(asking);
+        taken
+    }
+
+    async fn begin(&self, engine: &Engine, client: u64, user: &str) -> Result<(), Error> {
+        let args = vec![format!("holder={user}")];
+        let reply = engine.call(Request::Command { name: "remote.take".to_owned(), args }).await?;
+        let Reply::Answer(answer) = reply else {
+            return Err(Error::new(Code::Refused, "the engine gave no lease"));
+        };
+        let number = answer.lines.iter().find_map(|line| line.strip_prefix("lease=")?.parse().ok());
+        let number = number.ok_or_else(|| Error::new(Code::Refused, "the engine gave no lease"))?;
+        let holder = Holder { client, user: user.to_owned(), number, answered: Instant::now() };
+        let there = self.with(|table| {
+            let there = table.clients.contains_key(&client);
+            if there {
+                table.holder = Some(holder);
+            }
+            there
+        });
+        if !there {
+            // The client has left meanwhile.
+            return self.end(engine, number).await;
+        }
+        self.tell();
+        Ok(())
+    }
+
+    async fn end(&self, engine: &Engine, number: u64) -> Result<(), Error> {
+        self.lost(number);
+        let args = vec![format!("lease={number}")];
+        let given = engine.call(Request::Command { name: "remote.give".to_owned(), args }).await;
+        given.map(drop)
+    }
+}
+
+/// Returns the refusal of a command without the lease.
+pub(crate) fn no_lease() -> Error {
+    Error::new(Code::Lease, "this needs the control lease: take it first")
+}

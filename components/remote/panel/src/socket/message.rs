@@ -1,0 +1,77 @@
+//! Messages of clients.
+
+use crate::{
+    commands::Args,
+    error::{Code, Error},
+};
+use serde::Deserialize;
+use serde_json::{Map, Value as Json};
+
+/// Number of names that a client watches.
+const MAX_WATCHED: usize = 1000;
+/// Longest name in bytes.
+const MAX_NAME: usize = 256;
+
+/// A message of a client.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+pub(super) enum Received {
+    Hello {
+        key: String,
+    },
+    Beat {
+        n: u32,
+    },
+    Watch {
+        names: Vec<String>,
+    },
+    Lease {
+        id: u64,
+        #[serde(rename = "do")]
+        action: LeaseAction,
+        #[serde(default)]
+        to: Option<u64>,
+        #[serde(default)]
+        force: bool,
+    },
+    Command {
+        id: u64,
+        name: String,
+        #[serde(default)]
+        args: Args,
+    },
+}
+
+/// What a client does with the lease.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LeaseAction {
+    Take,
+    Give,
+    Hand,
+}
+
+/// Names that a client watches, with the values that it has.
+#[derive(Debug, Default)]
+pub(super) struct Watched {
+    pub(super) names: Vec<String>,
+    sent: Map<String, Json>,
+}
+
+impl Watched {
+    pub(super) fn new(names: Vec<String>) -> Result<Self, Error> {
+        if names.len() > MAX_WATCHED || names.iter().any(|name| name.len() > MAX_NAME) {
+            let text = format!("at most {MAX_WATCHED} names of {MAX_NAME} bytes");
+            return Err(Error::new(Code::TooLarge, text));
+        }
+        Ok(Self { names, sent: Map::new() })
+    }
+
+    /// Returns the values that differ from those that were sent.
+    pub(super) fn changes(&mut self, now: Map<String, Json>) -> Map<String, Json> {
+        let changed = now.iter().filter(|(name, value)| self.sent.get(*name) != Some(*value));
+        let changed = changed.map(|(name, value)| (name.clone(), value.clone())).collect();
+        self.sent = now;
+        changed
+    }
+}

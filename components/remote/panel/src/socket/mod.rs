@@ -1,0 +1,285 @@
+//! The WebSocket: status, messages and commands.
+
+mod message;
+mod orders;
+mod view;
+
+use crate::{
+    error::{Code, Error},
+    server::Panel,
+    session::{Session, cookie},
+    values,
+};
+use axum::{
+    extract::{
+        State,
+        ws::{Message, WebSocket, WebSocketUpgrade},
+    },
+    http::HeaderMap,
+    response::Response,
+};
+use message::{Received, Watched};
+use serde_json::{Value as Json, json};
+use std::{
+    sync::{Arc, atomic::Ordering::Relaxed},
+    time::Duration,
+};
+use tokio::{
+    sync::mpsc,
+    time::{Interval, MissedTickBehavior, interval, timeout},
+};
+use view::View;
+
+/// Longest message of a client in bytes.
+const MAX_MESSAGE: usize = 64 << 10;
+/// Number of answers of commands that wait to be sent.
+const MAX_ANSWERS: usize = 64;
+/// Longest time until the first message.
+const HELLO_TIME: Duration = Duration::from_secs(5);
+/// Longest time that a message to a client may take.
+const SEND_TIME: Duration = Duration::from_secs(10);
+/// Shortest time between two messages with the status.
+const STATUS_INTERVAL: Duration = Duration::from_millis(50);
+/// Time between two pulses.
+const PULSE_INTERVAL: Duration = Duration::from_millis(20);
+/// Shortest time between two messages with watched values.
+const VALUES_INTERVAL: Duration = Duration::from_millis(100);
+/// Messages that a client may send in a second.
+const MAX_RATE: u32 = 400;
+
+/// Opens the socket.
+pub(crate) async fn open(
+    State(panel): State<Arc<Panel>>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    let cookie = cookie(&headers, panel.address.port());
+    let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
+    upgrade.on_upgrade(async move |mut socket| {
+        let why = match sign_in(&panel, &mut socket, &cookie).await {
+            Ok((session, key)) => {
+                let client = panel.clients.enter(&session);
+                panel.count_clients();
+                let mut connection = Connection::new(&panel, session, (cookie, key), client);
+                let end = connection.serve(&mut socket).await.err();
+                panel.clients.leave(&panel.engine, client).await;
+                panel.count_clients();
+                end
+            }
+            Err(why) => Some(why),
+        };
+        if let Some(why) = why {
+            // A client that has gone does not read why.
+            send(&mut socket, &json!({ "type": "error", "error": why })).await.unwrap_or_default();
+        }
+        drop(timeout(SEND_TIME, socket.send(Message::Close(None))).await);
+    })
+}
+
+impl Panel {
+    fn count_clients(&self) {
+        let count = u32::try_from(self.clients.count()).unwrap_or(u32::MAX);
+        self.heart.clients.store(count, Relaxed);
+    }
+}
+
+async fn sign_in(
+    panel: &Panel,
+    socket: &mut WebSocket,
+    cookie: &str,
+) -> Result<(Session, String), Error> {
+    let refuse =
+        || Error::new(Code::NoSession, "the first message is hello with the session's key");
+    let first = timeout(HELLO_TIME, socket.recv()).await;
+    let Ok(Some(Ok(Message::Text(text)))) = first else { return Err(refuse()) };
+    match serde_json::from_str(&text) {
+        Ok(Received::Hello { key }) => {
+            let session = panel.sessions.find(cookie, &key).ok_or_else(refuse)?;
+            Ok((session, key))
+        }
+        _ => Err(refuse()),
+    }
+}
+
+/// A client that has signed in.
+struct Connection {
+    panel: Arc<Panel>,
+    session: Session,
+    /// Cookie and key of the session.
+    secret: (String, String),
+    client: u64,
+    view: View,
+    watched: Watched,
+    /// Number of messages received in the current second.
+    rate: u32,
+    /// Number of the last beat.
+    beat: u32,
+    /// Lease of this client that the engine has confirmed.
+    confirmed: Option<u64>,
+    answers: mpsc::Sender<Json>,
+    ready: mpsc::Receiver<Json>,
+}
+
+/// Reason for the end of a connection; `None` if the client has gone.
+type End = Option<Error>;
+
+impl Connection {
+    fn new(panel: &Arc<Panel>, session: Session, secret: (String, String), client: u64) -> Self {
+        let (answers, ready) = mpsc::channel(MAX_ANSWERS);
+        Self {
+            panel: panel.clone(),
+            session,
+            secret,
+            client,
+            view: View::default(),
+            watched: Watched::default(),
+            rate: 0,
+            beat: 0,
+            confirmed: None,
+            answers,
+            ready,
+        }
+    }
+
+    async fn serve(&mut self, socket: &mut WebSocket) -> Result<(), Error> {
+        let end = self.run(socket).await;
+        match end {
+            Ok(()) | Err(None) => Ok(()),
+            Err(Some(why)) => Err(why),
+        }
+    }
+
+    async fn run(&mut self, socket: &mut WebSocket) -> Result<(), End> {
+        let hello = json!({
+            "type": "hello", "api": 1, "role": self.session.role, "user": self.session.user,
+            "client": self.client,
+        });
+        give(socket, &hello).await?;
+        let mut status = ticks(STATUS_INTERVAL);
+        let mut pulse = ticks(PULSE_INTERVAL);
+        let mut values = ticks(VALUES_INTERVAL);
+        let mut second = ticks(Duration::from_secs(1));
+        loop {
+            tokio::select! {
+                // Beats and commands first.
+                biased;
+                message = socket.recv() => {
+                    let text = match message {
+                        Some(Ok(Message::Text(text))) => text,
+                        Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
+                        Some(Ok(Message::Binary(_))) => return Err(malformed("messages are texts")),
+                        Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(None),
+                    };
+                    self.rate += 1;
+                    if self.rate > MAX_RATE {
+                        let why = format!("more than {MAX_RATE} messages in a second");
+                        return Err(Some(Error::new(Code::TooMany, why)));
+                    }
+                    self.receive(&text)?;
+                }
+                Some(answer) = self.ready.recv() => give(socket, &answer).await?,
+                _ = pulse.tick() => {
+                    if self.panel.clients.number(self.client).is_some() {
+                        let n = self.panel.heart.pulse.load(Relaxed);
+                        give(socket, &json!({ "type": "pulse", "n": n })).await?;
+                    }
+                }
+                _ = status.tick() => {
+                    self.check_lease();
+                    if let Some(message) = self.view.changes(&self.panel, self.client) {
+                        give(socket, &message).await?;
+                    }
+                }
+                _ = values.tick(), if !self.watched.names.is_empty() => {
+                    if let Some(message) = self.changed_values().await {
+                        give(socket, &message).await?;
+                    }
+                }
+                _ = second.tick() => {
+                    // A connection that a person uses keeps the session alive.
+                    let used = core::mem::take(&mut self.rate) > 0;
+                    let (cookie, key) = &self.secret;
+                    let lives = if used {
+                        self.panel.sessions.find(cookie, key).is_some()
+                    } else {
+                        self.panel.sessions.lives(&self.session)
+                    };
+                    if !lives {
+                        let why = Error::new(Code::NoSession, "the session has ended");
+                        return Err(Some(why));
+                    }
+                }
+            }
+        }
+    }
+
+    fn receive(&mut self, text: &str) -> Result<(), End> {
+        let received = serde_json::from_str(text)
+            .map_err(|e| malformed(&format!("this is no message: {e}")))?;
+        match received {
+            Received::Hello { .. } => return Err(malformed("hello comes first, and once")),
+            Received::Beat { n } => {
+                let heart = &self.panel.heart;
+                // Only what the servo thread has made, and each number once.
+                let newer = n.wrapping_sub(self.beat).cast_signed() > 0 || self.beat == 0;
+                let made = heart.pulse.load(Relaxed).wrapping_sub(n).cast_signed() >= 0;
+                if newer && made && self.panel.clients.answered(self.client) {
+                    self.beat = n;
+                    heart.beat.store(n, Relaxed);
+                }
+            }
+            Received::Watch { names } => {
+                self.watched = Watched::new(names).map_err(Some)?;
+            }
+            Received::Lease { id, action, to, force } => self.order(id, async move |order| {
+                order.lease(action, to, force).await.map(|()| json!({}))
+            }),
+            Received::Command { id, name, args } => {
+                self.order(id, async move |order| order.command(id, &name, &args).await);
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes that the engine has ended the lease of this client.
+    fn check_lease(&mut self) {
+        let held = self.panel.clients.number(self.client);
+        let now = u64::from(self.panel.heart.lease.load(Relaxed));
+        if held.is_some_and(|number| number == now) {
+            self.confirmed = held;
+        } else if let Some(number) = self.confirmed.take()
+            && held == Some(number)
+        {
+            self.panel.clients.lost(number);
+        }
+    }
+
+    async fn changed_values(&mut self) -> Option<Json> {
+        let now = values::read(&self.panel.engine, &self.watched.names).await.ok()?;
+        let changed = self.watched.changes(now);
+        (!changed.is_empty()).then(|| json!({ "type": "values", "values": changed }))
+    }
+}
+
+fn ticks(period: Duration) -> Interval {
+    let mut ticks = interval(period);
+    // A client that reads slowly gets fewer messages.
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    ticks
+}
+
+fn malformed(text: &str) -> End {
+    Some(Error::new(Code::Malformed, text))
+}
+
+/// Sends a message to a client that may have gone.
+async fn give(socket: &mut WebSocket, message: &Json) -> Result<(), End> {
+    send(socket, message).await.map_err(|()| None)
+}
+
+async fn send(socket: &mut WebSocket, message: &Json) -> Result<(), ()> {
+    match timeout(SEND_TIME, socket.send(Message::text(message.to_string()))).await {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(_)) | Err(_) => Err(()),
+    }
+}
