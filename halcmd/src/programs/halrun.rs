@@ -1,5 +1,6 @@
 //! The program halrun: it runs an engine in its process and executes the script of a machine.
 
+mod begin;
 pub(crate) mod compat;
 mod detach;
 mod display;
@@ -252,7 +253,7 @@ fn script(
     };
     let outcome = if outcome == Outcome::Good { session.settle() } else { outcome };
     let outcome = match &plan.job {
-        Some(file) if outcome == Outcome::Good => job::run(&mut session, file),
+        Some(job) if outcome == Outcome::Good => job::run(&mut session, job),
         _ => outcome,
     };
     let outcome = match (&plan.script, &files.ini) {

@@ -4,14 +4,18 @@
 //! the interpreter that also runs the program. What only the machine knows (a probe, an input, a value of HAL) comes
 //! from the record of an earlier run; without one, the dry run ends there with a refusal.
 
-use crate::{refusal::Refusal, world::World};
-use core::{cell::Cell, fmt};
+use crate::{
+    refusal::{LineBegin, Refusal, Series, Unknown},
+    world::World,
+};
+use core::cell::Cell;
 use hal_gcode::{
     Answer, Call, Environment, Interpreter, Issued, Request, State, Step, Text,
     axis::{Axis, Position},
     error::Place,
-    tool::Tool,
+    tool::{Tool, ToolTable},
 };
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Number of lines behind the place in which its repetitions are counted.
@@ -35,19 +39,8 @@ pub enum Target {
     Number(u64),
 }
 
-/// A line on the way of a program.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct LineBegin {
-    /// Number of lines that have run before it.
-    pub number: u64,
-    /// The file.
-    pub file: Box<str>,
-    /// The line, from 1.
-    pub line: u32,
-}
-
 /// Outputs that the program has set.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outputs {
     /// Digital ones, by number.
     pub digital: BTreeMap<u32, bool>,
@@ -81,6 +74,10 @@ pub struct Given {
     pub change_position: Option<[Option<f64>; 9]>,
     /// Answers of an earlier run, in their order.
     pub answers: VecDeque<Answer>,
+    /// Outputs that the program has set before its begin.
+    pub outputs: Outputs,
+    /// The tool table of an earlier run, if it is not that of the world.
+    pub tools: Option<ToolTable>,
 }
 
 /// A dry run on its way.
@@ -104,6 +101,7 @@ pub struct DryRun {
 /// Facts of the world, with a note that the program has asked for one that is not known.
 struct Asked<'a> {
     world: &'a World,
+    tools: Option<&'a ToolTable>,
     hal: Cell<bool>,
 }
 
@@ -112,7 +110,10 @@ impl Environment for Asked<'_> {
         self.world.open(name)
     }
     fn tool(&self, number: i32) -> Option<Tool> {
-        self.world.tool(number)
+        match self.tools {
+            Some(tools) => tools.find(number).cloned(),
+            None => self.world.tool(number),
+        }
     }
     fn ini(&self, section: &str, key: &str) -> Option<f64> {
         self.world.ini(section, key)
@@ -130,6 +131,7 @@ impl Environment for Asked<'_> {
 impl DryRun {
     /// Returns the dry run of a program that this interpreter has loaded.
     pub fn new(interpreter: Interpreter, target: Target, given: Given) -> Self {
+        let outputs = given.outputs.clone();
         let main = interpreter.state.levels.first().map(|l| l.file.clone()).unwrap_or_default();
         Self {
             interpreter,
@@ -138,7 +140,7 @@ impl DryRun {
             given,
             seen: 0,
             good: None,
-            outputs: Outputs::default(),
+            outputs,
             user_codes: Vec::new(),
             found: None,
             refused: None,
@@ -286,7 +288,8 @@ impl DryRun {
 
     /// Runs a line with its questions. Returns false at the end of the program.
     fn step(&mut self, world: &World) -> Result<bool, Refusal> {
-        let asked = Asked { world, hal: Cell::new(false) };
+        let tools = self.given.tools.take();
+        let asked = Asked { world, tools: tools.as_ref(), hal: Cell::new(false) };
         let mut calls = core::mem::take(&mut self.calls);
         calls.clear();
         let mut result = self.interpreter.next(&asked, &mut calls);
@@ -297,12 +300,14 @@ impl DryRun {
         for issued in &calls {
             self.note(issued);
         }
+        // Nothing takes the changes of a dry run back.
+        drop(self.interpreter.state.numbered.take_changes());
         self.calls = calls;
+        let hal = asked.hal.get();
+        self.given.tools = tools;
         match result {
             Ok(step) => Ok(step != Step::Ended),
-            Err(error) if asked.hal.get() => {
-                Err(Refusal::Unknown { place: error.place, what: Unknown::Hal })
-            }
+            Err(error) if hal => Err(Refusal::Unknown { place: error.place, what: Unknown::Hal }),
             Err(error) => Err(Refusal::Program(Box::new(error))),
         }
     }
@@ -343,48 +348,6 @@ impl DryRun {
             Call::UserCode { code, .. } => self.user_codes.push((code, issued.line)),
             _ => {}
         }
-    }
-}
-
-/// A fact that only the machine knows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unknown {
-    /// The value of a HAL item.
-    Hal,
-    /// The result of M66.
-    Input,
-    /// The result of a probe.
-    Probe,
-}
-
-/// Lines that belong together: a start between them is not possible.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Series {
-    /// Cutter compensation.
-    Compensation,
-    /// A chain of canned cycles.
-    Cycle,
-    /// The control points of a NURBS.
-    Nurbs,
-}
-
-impl fmt::Display for Unknown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Hal => "a value of HAL",
-            Self::Input => "the result of M66",
-            Self::Probe => "the result of a probe",
-        })
-    }
-}
-
-impl fmt::Display for Series {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Compensation => "cutter compensation",
-            Self::Cycle => "a series of canned cycles",
-            Self::Nurbs => "a NURBS",
-        })
     }
 }
 

@@ -6,6 +6,7 @@
 //! | [`number`] | numbers of an INI file, and their errors |
 //! | [`world`] | the interpreter's environment: programs, subroutines, tools, values |
 //! | [`run`] | a program without its machine, from its begin to its end |
+//! | [`journal`] | the record of a job, for a start after a loss of power |
 //! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
 //! | [`spindle`] | the record of the tool in the spindle |
 //!
@@ -13,6 +14,7 @@
 #![forbid(unsafe_code)]
 
 pub mod dry_run;
+pub mod journal;
 pub mod machine;
 pub mod number;
 pub mod refusal;

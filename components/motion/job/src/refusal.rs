@@ -1,6 +1,5 @@
 //! Refusals of a start in the middle of a program.
 
-use crate::dry_run::{LineBegin, Series, Unknown};
 use core::fmt;
 use hal_gcode::{Error, error::Place};
 
@@ -36,6 +35,59 @@ pub enum Refusal {
     },
     /// The program has an error before the line.
     Program(Box<Error>),
+}
+
+/// A line on the way of a program.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LineBegin {
+    /// Number of lines that have run before it.
+    pub number: u64,
+    /// The file.
+    pub file: Box<str>,
+    /// The line, from 1.
+    pub line: u32,
+}
+
+/// A fact that only the machine knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknown {
+    /// The value of a HAL item.
+    Hal,
+    /// The result of M66.
+    Input,
+    /// The result of a probe.
+    Probe,
+}
+
+/// Lines that belong together: a start between them is not possible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Series {
+    /// Cutter compensation.
+    Compensation,
+    /// A chain of canned cycles.
+    Cycle,
+    /// The control points of a NURBS.
+    Nurbs,
+}
+
+impl fmt::Display for Unknown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Hal => "a value of HAL",
+            Self::Input => "the result of M66",
+            Self::Probe => "the result of a probe",
+        })
+    }
+}
+
+impl fmt::Display for Series {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Compensation => "cutter compensation",
+            Self::Cycle => "a series of canned cycles",
+            Self::Nurbs => "a NURBS",
+        })
+    }
 }
 
 impl fmt::Display for Refusal {

@@ -4,7 +4,7 @@ use crate::machine::Machine;
 use hal_gcode::{Environment, Source, Text, tool::Tool};
 use std::{
     collections::BTreeMap,
-    fs::File,
+    fs::{File, Metadata},
     os::unix::fs::{FileExt, MetadataExt, PermissionsExt},
     path::Path,
     sync::Arc,
@@ -28,7 +28,7 @@ struct Opened {
 }
 
 /// Size and time of change of a file.
-type Version = (u64, i64, i64);
+pub type Version = (u64, i64, i64);
 
 /// Opens a program. It is read in parts, so that memory does not grow with the file.
 ///
@@ -43,20 +43,33 @@ pub fn program(path: &Path) -> Result<Text, String> {
         return Ok(Arc::new(bytes));
     }
     let file = File::open(path).map_err(|e| wrong(&e))?;
-    let version = version(&file).map_err(|e| wrong(&e))?;
+    let version = version_of(&file).map_err(|e| wrong(&e))?;
     Ok(Arc::new(Opened { file, version }))
 }
 
-fn version(file: &File) -> std::io::Result<Version> {
-    let known = file.metadata()?;
-    Ok((known.len(), known.mtime(), known.mtime_nsec()))
+fn version_of(file: &File) -> std::io::Result<Version> {
+    Ok(facts(&file.metadata()?))
+}
+
+fn facts(known: &Metadata) -> Version {
+    (known.len(), known.mtime(), known.mtime_nsec())
+}
+
+/// Returns size and time of change of a file.
+///
+/// # Errors
+/// There is no such file.
+pub fn version(path: &Path) -> Result<Version, String> {
+    let known = std::fs::metadata(path);
+    let known = known.map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))?;
+    Ok(facts(&known))
 }
 
 impl Source for Opened {
     fn read_at(&self, offset: u64, buffer: &mut [u8]) -> Result<usize, Box<str>> {
         let read = self.file.read_at(buffer, offset).map_err(|e| hal_output::reason(&e))?;
         // After the read: what was read is older than the version that is compared.
-        if version(&self.file).map_err(|e| hal_output::reason(&e))? != self.version {
+        if version_of(&self.file).map_err(|e| hal_output::reason(&e))? != self.version {
             return Err("it has changed since it was opened".into());
         }
         Ok(read)

@@ -8,8 +8,8 @@ use hal_gcode::{
 };
 use hal_job::{
     Files, Machine, World,
-    dry_run::{DryRun, Found, Given, Series, Target, Unknown},
-    refusal::Refusal,
+    dry_run::{DryRun, Found, Given, Target},
+    refusal::{Refusal, Series, Unknown},
 };
 use std::{
     collections::{BTreeMap, VecDeque},

@@ -5,6 +5,7 @@ use crate::{
     worker::Shared,
 };
 use hal_component::{Arg, Builder, Call, Error, abi::ArgSpec};
+use hal_job::dry_run::Target;
 
 /// Largest number of commands that wait for the worker.
 const MAX_WAITING: usize = 64;
@@ -18,6 +19,7 @@ struct Row {
 }
 
 const ON: ArgSpec = Arg::bit("on", "TRUE or FALSE.").required();
+const JSON: ArgSpec = Arg::bit("json", "As JSON, in one line.").or("FALSE");
 const SCALE: ArgSpec = Arg::float("scale", "Factor, 0 or more; 1 is as programmed.").required();
 
 const ROWS: &[Row] = &[
@@ -84,6 +86,54 @@ Runs the program that is open, from its first line, in mode auto.
 The command ends with the program. A refusal has every reason.",
         args: &[],
         read: |_| Ok(Command::Run),
+    },
+    Row {
+        name: "task.run-from",
+        doc: "\
+Proposes a start in the middle of the program that is open; nothing moves.
+
+A dry run of the program from its first line makes the state before the line: modal codes, offsets, tool, spindles,
+coolant and position. What only the machine knows (probes, M66, values of HAL) is refused with its line, and so is
+a line in the middle of cutter compensation, of a series of canned cycles or of a NURBS. When the command has ended,
+task.start shows the state and the moves of the entry, and task.confirm begins them.",
+        args: &[
+            &Arg::int("line", "Number of the line, from 1.").required(),
+            &Arg::int("pass", "Number of the time that the line is reached, from 1.").or("1"),
+            &Arg::text("in", "File of the line, if it is a subroutine's.").or(""),
+        ],
+        read: |call| {
+            let number = |name: &str, value: i64| {
+                let number = u32::try_from(value).ok().filter(|n| *n > 0);
+                number.ok_or_else(|| Error::new(format!("{name} is {value}, must be 1 or more")))
+            };
+            let line = number("line", call.int("line").unwrap_or(0))?;
+            let pass = number("pass", call.int("pass").unwrap_or(1))?;
+            let file = call.text("in").filter(|f| !f.is_empty()).map(Into::into);
+            Ok(Command::RunFrom(Target::Line { file, line, pass }))
+        },
+    },
+    Row {
+        name: "task.recover",
+        doc: "\
+Proposes a start at the place where the last job broke off, from its journal; nothing moves.
+
+The program, its subroutines, offsets and tools must be those of the job. The place is the first line that was not
+finished, or a line before it from which a start is possible. task.start shows the proposal, task.confirm begins.",
+        args: &[],
+        read: |_| Ok(Command::Recover),
+    },
+    Row {
+        name: "task.confirm",
+        doc: "\
+Begins the start that task.run-from or task.recover has proposed, in mode auto: its entry, and then the program.
+
+It is refused if machine, tool or program have changed since. The command ends with the program.",
+        args: &[&Arg::int("token", "Token of the proposal, which task.start shows.").required()],
+        read: |call| {
+            let given = call.int("token").unwrap_or(0);
+            let why = |_| Error::new(format!("token {given} is not that of a proposal"));
+            u32::try_from(given).map(Command::Confirm).map_err(why)
+        },
     },
     Row {
         name: "task.pause",
@@ -190,6 +240,20 @@ pub(crate) fn open(b: &mut Builder<'_>, shared: &Shared) -> Result<(), Error> {
             Ok(())
         })?;
     }
+    let start = shared.clone();
+    let doc = "\
+Shows the start that task.run-from or task.recover has proposed: the state before the line, and the steps of the entry.";
+    b.command("task.start", doc, &[&JSON], move |call| {
+        let desk = start.lock();
+        let shown = desk.report.start.as_ref();
+        let shown =
+            shown.ok_or_else(|| Error::new("no start is proposed: task.run-from line=…"))?;
+        match call.bit("json").unwrap_or(false) {
+            true => call.reply(&shown.json),
+            false => shown.lines.iter().for_each(|line| call.reply(line)),
+        }
+        Ok(())
+    })?;
     let shared = shared.clone();
     let doc = "Tells state, mode, line, tool, modal codes and the last message.";
     b.command("task.status", doc, &[], move |call| {

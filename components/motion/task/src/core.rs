@@ -10,10 +10,15 @@
 //! ```
 
 mod end;
+mod entry;
+mod journal;
 mod origin;
 mod overrides;
 mod pump;
 mod read;
+mod recover;
+pub(crate) mod restart;
+mod rules;
 mod tool;
 pub(crate) mod user;
 mod wait;
@@ -24,7 +29,10 @@ use crate::{
 };
 use hal_gcode::{Interpreter, Request, state::modal::MAX_SPINDLES};
 use hal_job::{World, run};
+use journal::Keeping;
 use origin::{Origin, Tag, Undo};
+use restart::Restart;
+pub(crate) use rules::Rules;
 use std::{
     collections::VecDeque,
     path::{Path, PathBuf},
@@ -163,19 +171,6 @@ enum Asked {
     Io(u64),
 }
 
-/// The facts of an INI file that only the task needs.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rules {
-    /// Programs and MDI need homed joints.
-    pub(crate) needs_homing: bool,
-    /// Seconds that a spindle may take to reach its speed.
-    pub(crate) at_speed_timeout: f64,
-    /// Spindles whose top speed the INI file states.
-    pub(crate) has_top_speed: [bool; MAX_SPINDLES],
-    /// Place for tool changes in machine units; axes without a coordinate stay where they are.
-    pub(crate) change_position: Option<[Option<f64>; 9]>,
-}
-
 /// The core of the task.
 pub(crate) struct Core {
     pub(crate) world: World,
@@ -203,6 +198,8 @@ pub(crate) struct Core {
     serial: u64,
     last_tag: Option<Arc<Tag>>,
     undo: Undo,
+    restart: Restart,
+    keeping: Keeping,
     surface: [Option<Surface>; MAX_SPINDLES],
     /// Time since which a move waits for the spindle.
     at_speed_since: Option<f64>,
@@ -260,6 +257,8 @@ impl Core {
             serial: 0,
             last_tag: None,
             undo: Undo::default(),
+            restart: Restart::default(),
+            keeping: Keeping::default(),
             surface: [None; MAX_SPINDLES],
             at_speed_since: None,
             feed_scale: 1.0,
@@ -289,14 +288,12 @@ impl Core {
             self.finish_ending(out);
             return 0;
         }
+        self.advance_dry_run(out);
         self.begin_mdi(out);
         self.restore_mode();
-        for done in 0..items {
-            if !self.pump(out) {
-                return done;
-            }
-        }
-        items
+        let done = (0..items).take_while(|_| self.pump(out)).count();
+        self.keep_journal(out);
+        u32::try_from(done).unwrap_or(items)
     }
 
     /// Follows e-stop and the machine's state; a job ends when the machine goes off.

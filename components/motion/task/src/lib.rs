@@ -6,14 +6,17 @@
 //! | `convert` | from canonical calls to steps in machine coordinates |
 //! | `outside` | the interface of the core to everything outside |
 //! | `worker`, `command_record` | the worker; orders as records of the service `motion` |
+//! | `journal_file` | the file of the journal |
 //! | `programs`, `texts` | programs of users; texts of messages |
-//! | `commands`, `status` | commands `task.*`; the snapshot `task.status` |
+//! | `commands`, `status`, `codes` | commands `task.*`; the snapshot `task.status`; G codes in force |
 #![forbid(unsafe_code)]
 
+mod codes;
 mod command_record;
 mod commands;
 mod convert;
 mod core;
+mod journal_file;
 mod outside;
 mod programs;
 mod setup;

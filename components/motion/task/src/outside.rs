@@ -2,7 +2,7 @@
 
 use hal_component::{IoRequest, IoState};
 use hal_gcode::{Numbered, tool::ToolTable};
-use hal_job::spindle::Spindle;
+use hal_job::{journal::Record, spindle::Spindle};
 
 /// Speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -197,6 +197,10 @@ pub(crate) trait Outside {
     fn finish(&mut self, ticket: Ticket, result: Result<(), String>);
     /// Writes the parameter file.
     fn save_parameters(&mut self, numbered: &Numbered) -> Result<(), String>;
+    /// Writes a record of the journal; the begin of a job begins a new journal.
+    fn journal(&mut self, record: &Record) -> Result<(), String>;
+    /// Reads the journal.
+    fn read_journal(&self) -> Result<Vec<u8>, String>;
     /// Writes the tool table.
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String>;
     /// Writes the record of the tool in the spindle, behind the record before.

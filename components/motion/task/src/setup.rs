@@ -11,7 +11,10 @@ use hal_job::{
     Machine, World, machine,
     number::{number, wrong},
 };
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 /// Seconds that a spindle may take to reach its speed, if the INI file says nothing.
 const AT_SPEED_TIMEOUT: f64 = 30.0;
@@ -45,11 +48,18 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
         parameters: machine.parameters.take(),
         table: machine.table.clone(),
         spindle: machine.spindle_file.clone(),
+        journal: ini.as_deref().map(|ini| journal(&machine, ini)),
         codes: machine.codes.clone(),
         letters: Letters::from(machine.settings.axes.0),
     };
     let world = World { machine, hal: BTreeMap::new() };
     Ok((Box::new(Core::new(world, rules)?), files))
+}
+
+/// Returns the file of the journal: that of the INI file, or one beside it.
+fn journal(machine: &Machine, ini: &Path) -> PathBuf {
+    let named = machine.ini.as_ref().and_then(|ini| ini.get("TASK", "JOURNAL"));
+    named.map_or_else(|| ini.with_extension("journal"), |name| machine.folder.join(name.trim()))
 }
 
 fn rules(machine: &Machine) -> Result<Rules, String> {
@@ -69,6 +79,7 @@ fn rules(machine: &Machine) -> Result<Rules, String> {
         at_speed_timeout: timeout.unwrap_or(AT_SPEED_TIMEOUT),
         has_top_speed,
         change_position,
+        safe_height: number("TASK", "SAFE_HEIGHT")?,
     })
 }
 

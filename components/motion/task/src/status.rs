@@ -1,7 +1,8 @@
 //! The snapshot `task.status`, and the lines of the command of this name.
 
 use crate::{
-    core::{Core, Interpreting, file_name},
+    codes,
+    core::{Core, Interpreting, file_name, restart::Shown},
     outside::{Level, MotionState},
 };
 use hal_component::{IoState, Plain, abi::OperatorView};
@@ -10,6 +11,7 @@ use hal_gcode::{
     canon::Direction,
     state::codes::G_CODES,
 };
+use std::sync::Arc;
 
 /// Version of [`TaskStatus`].
 pub(crate) const VERSION: u32 = 1;
@@ -104,6 +106,8 @@ pub(crate) struct Report {
     pub(crate) message: String,
     file: String,
     velocity: f64,
+    /// The start that waits for its confirmation.
+    pub(crate) start: Option<Arc<Shown>>,
 }
 
 impl Report {
@@ -114,6 +118,7 @@ impl Report {
             message: core.message.to_string(),
             file,
             velocity: motion.velocity,
+            start: core.shown_start(),
         }
     }
 
@@ -122,7 +127,6 @@ impl Report {
         let Some(s) = &self.status else { return vec!["task state=unknown".to_owned()] };
         let name = |names: &[&'static str], n: u32| *names.get(n as usize).unwrap_or(&"?");
         let bit = |on: bool| if on { "TRUE" } else { "FALSE" };
-        let codes: Vec<String> = s.g_codes.iter().map(|code| code_text(*code)).collect();
         vec![
             format!(
                 "task state={} mode={} interpreter={} queue={} mdi-queue={} jobs={} failed={}",
@@ -158,7 +162,7 @@ impl Report {
                 bit(s.flood),
                 bit(s.lube),
             ),
-            format!("modal {}", codes.join(" ")),
+            format!("modal {}", codes::joined(&s.g_codes)),
             format!("message number={} {}", s.messages, self.message),
         ]
     }
@@ -244,13 +248,6 @@ pub(crate) fn operator_view(core: &Core, io: &IoState) -> OperatorView {
         zero: Axis::ALL.map(|a| zero[a]),
         rotation: state.frame.rotation,
         ..OperatorView::IDLE
-    }
-}
-
-fn code_text(code: u32) -> String {
-    match (code / 10, code % 10) {
-        (whole, 0) => format!("G{whole}"),
-        (whole, tenth) => format!("G{whole}.{tenth}"),
     }
 }
 

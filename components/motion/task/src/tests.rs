@@ -2,6 +2,8 @@
 
 mod job;
 mod real;
+mod recover;
+mod restart;
 mod spindle;
 mod stop;
 mod table;
@@ -15,7 +17,7 @@ use crate::{
 };
 use hal_component::{Estop, IoRequest, IoState};
 use hal_gcode::{Numbered, tool::ToolTable};
-use hal_job::{Files, Machine, World, spindle::Spindle};
+use hal_job::{Files, Machine, World, journal::Record, spindle::Spindle};
 use std::{
     collections::{BTreeMap, VecDeque},
     path::PathBuf,
@@ -49,6 +51,8 @@ struct Fake {
     tables: Vec<String>,
     /// Records of the tool in the spindle; `None` while the disk is full.
     spindles: Option<Vec<Spindle>>,
+    journal: String,
+    disk_is_full: bool,
 }
 
 impl Fake {
@@ -88,6 +92,8 @@ impl Fake {
             saved: None,
             tables: Vec::new(),
             spindles: Some(Vec::new()),
+            journal: String::new(),
+            disk_is_full: false,
         }
     }
 
@@ -242,6 +248,19 @@ impl Outside for Fake {
         self.saved = Some(numbered.get(5221));
         Ok(())
     }
+    fn journal(&mut self, record: &Record) -> Result<(), String> {
+        if self.disk_is_full {
+            return Err("job.journal: No space left on device".to_owned());
+        }
+        if matches!(record, Record::Begin(_)) {
+            self.journal.clear();
+        }
+        self.journal.push_str(&record.line());
+        Ok(())
+    }
+    fn read_journal(&self) -> Result<Vec<u8>, String> {
+        Ok(self.journal.clone().into_bytes())
+    }
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
         self.tables.push(tools.print());
         Ok(())
@@ -288,6 +307,7 @@ impl Rig {
             at_speed_timeout: 5.0,
             has_top_speed: [false; 8],
             change_position: None,
+            safe_height: None,
         };
         change(&mut machine, &mut rules);
         let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();

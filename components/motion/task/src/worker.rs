@@ -35,6 +35,7 @@ pub(crate) struct Files {
     pub(crate) table: Option<PathBuf>,
     /// The record of the tool in the spindle.
     pub(crate) spindle: Option<PathBuf>,
+    pub(crate) journal: Option<PathBuf>,
     pub(crate) codes: Vec<PathBuf>,
     pub(crate) letters: Letters,
 }

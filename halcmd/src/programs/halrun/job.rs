@@ -1,8 +1,9 @@
-//! `--run`: a program on the machine, from e-stop to the end of the program.
+//! `--run`: a program on the machine, from e-stop to the end of the program, from its first line, from another one, or
+//! from the place where the last job broke off (`--resume`).
 
+use super::begin::{Begin, Job};
 use crate::{Error, Outcome, Session};
 use hal_protocol::{Reply, Request, TicketInfo};
-use std::path::Path;
 
 /// Machine time between two looks at the program, in nanoseconds.
 const LOOK_NS: u64 = 100_000_000;
@@ -10,7 +11,8 @@ const LOOK_NS: u64 = 100_000_000;
 /// Empties the line of a terminal.
 const CLEAR: &str = "\r\x1b[K";
 
-const RUN: &str = "task.run";
+/// The commands whose failures begin with a place in the program.
+const PROGRAMS: [&str; 4] = ["task.run", "task.run-from", "task.recover", "task.confirm"];
 
 /// The commands that bring a machine from e-stop to the begin of a program.
 const BEFORE: [(&str, &[&str]); 4] = [
@@ -21,12 +23,13 @@ const BEFORE: [(&str, &[&str]); 4] = [
 ];
 
 /// Runs a program and tells how it ended, with its machine time.
-pub(super) fn run(session: &mut Session<'_>, file: &str) -> Outcome {
+pub(super) fn run(session: &mut Session<'_>, job: &Job) -> Outcome {
     // The lines of the machine's files are behind it.
     session.stand_at("<commandline>", 0);
-    match run_program(session, file) {
-        Ok(()) if session.link.is_ending() => Outcome::Ended,
-        Ok(()) => Outcome::Good,
+    match run_program(session, job) {
+        Ok(true) if session.link.is_ending() => Outcome::Ended,
+        Ok(true) => Outcome::Good,
+        Ok(false) => Outcome::Failed,
         Err(error) => {
             let fault = Fault::of(&error);
             if let Some(fault) = &fault {
@@ -38,22 +41,94 @@ pub(super) fn run(session: &mut Session<'_>, file: &str) -> Outcome {
     }
 }
 
-fn run_program(session: &mut Session<'_>, file: &str) -> Result<(), Error> {
-    for (name, args) in BEFORE {
-        let args = args.iter().map(|a| (*a).to_owned()).collect();
-        let id = begin(session, name, args)?;
-        follow(session, name, id, |_, _| {})?;
-        // An instance that ends takes no commands.
+/// Returns false if nobody wanted the program to begin.
+fn run_program(session: &mut Session<'_>, job: &Job) -> Result<bool, Error> {
+    if job.begin == Begin::Resume {
+        // Nothing moves before the person has seen what is resumed.
+        complete(session, "task.recover", Vec::new())?;
         if session.link.is_ending() {
-            return Ok(());
+            return Ok(true);
+        }
+        proposal(session)?;
+        if !job.yes && !agrees(session, "switch on and home?") {
+            return Ok(false);
         }
     }
-    let id = begin(session, "task.open", vec![format!("file={file}")])?;
-    follow(session, "task.open", id, |_, _| {})?;
-    let id = begin(session, RUN, Vec::new())?;
-    let name = Path::new(file).file_name().map(|n| n.to_string_lossy()).unwrap_or_default();
+    switch_on(session)?;
+    let (propose, args) = match &job.begin {
+        Begin::First(_) => (None, Vec::new()),
+        Begin::From(_, place) => (Some("task.run-from"), place.args()),
+        Begin::Resume => (Some("task.recover"), Vec::new()),
+    };
+    if let Begin::First(file) | Begin::From(file, _) = &job.begin
+        && !session.link.is_ending()
+    {
+        complete(session, "task.open", vec![format!("file={file}")])?;
+    }
+    if let Some(propose) = propose
+        && !session.link.is_ending()
+    {
+        complete(session, propose, args)?;
+    }
+    // An instance that ends takes no commands.
+    if session.link.is_ending() {
+        return Ok(true);
+    }
+    let (command, args) = if propose.is_none() {
+        ("task.run", Vec::new())
+    } else {
+        let token = proposal(session)?;
+        if !job.yes && !agrees(session, "begin there?") {
+            return Ok(false);
+        }
+        ("task.confirm", vec![format!("token={token}")])
+    };
+    let name = Status::of(session)?.value("file").unwrap_or_default().to_owned();
+    watch(session, &name, command, args).map(|()| true)
+}
+
+/// Brings the machine from e-stop to the begin of a program.
+fn switch_on(session: &mut Session<'_>) -> Result<(), Error> {
+    for (name, args) in BEFORE {
+        if !session.link.is_ending() {
+            complete(session, name, args.iter().map(|a| (*a).to_owned()).collect())?;
+        }
+    }
+    Ok(())
+}
+
+/// Shows the start that the task proposes, and returns its token.
+fn proposal(session: &mut Session<'_>) -> Result<String, Error> {
+    let shown = answered(session, "task.start")?;
+    for line in &shown.0 {
+        session.terminal.err(&format!("{line}\n"));
+    }
+    shown.value("token").map(str::to_owned).ok_or(Error::Unexpected)
+}
+
+/// Asks the person at the terminal. Without one, nobody agrees.
+fn agrees(session: &mut Session<'_>, question: &str) -> bool {
+    let is_person = session.terminal.is_person() && rustix::termios::isatty(std::io::stdin());
+    if !is_person {
+        session.terminal.err("nothing has begun: --yes begins there\n");
+        return false;
+    }
+    session.terminal.err(&format!("{question} (y/N) "));
+    let mut line = String::new();
+    let read = std::io::stdin().read_line(&mut line).is_ok();
+    read && line.trim_start().starts_with(['y', 'Y'])
+}
+
+/// Follows a program that a command begins, and tells how it ends.
+fn watch(
+    session: &mut Session<'_>,
+    name: &str,
+    command: &str,
+    args: Vec<String>,
+) -> Result<(), Error> {
+    let id = begin(session, command, args)?;
     let mut awaited = None;
-    let result = follow(session, RUN, id, |session, now| {
+    let result = follow(session, command, id, |session, now| {
         let tool = now.value("waits-for").filter(|tool| *tool != "nothing").map(str::to_owned);
         if tool != awaited {
             if let Some(tool) = &tool {
@@ -85,13 +160,14 @@ struct Fault<'a> {
     line: u32,
     column: Option<u32>,
     why: &'a str,
+    command: &'a str,
 }
 
 impl<'a> Fault<'a> {
     /// Returns the program's fault behind the failure of a command.
     fn of(error: &'a Error) -> Option<Self> {
         let Error::GivenUp { command, why } = error else { return None };
-        let (place, why) = why.split_once(": ").filter(|_| &**command == RUN)?;
+        let (place, why) = why.split_once(": ").filter(|_| PROGRAMS.contains(&&**command))?;
         let number = |text: &'a str| -> Option<(&'a str, u32)> {
             let (front, last) = text.rsplit_once(':')?;
             Some((front, last.parse().ok()?))
@@ -101,7 +177,7 @@ impl<'a> Fault<'a> {
             Some((file, line)) => (file, line, Some(last)),
             None => (front, last, None),
         };
-        (!file.is_empty()).then_some(Self { file, line, column, why })
+        (!file.is_empty()).then_some(Self { file, line, column, why, command })
     }
 
     /// Returns the error without its place.
@@ -110,8 +186,14 @@ impl<'a> Fault<'a> {
             Some(column) => format!("column {column}: {}", self.why),
             None => self.why.to_owned(),
         };
-        Error::GivenUp { command: RUN.into(), why: why.into() }
+        Error::GivenUp { command: self.command.into(), why: why.into() }
     }
+}
+
+/// Executes a command of the task to its end.
+fn complete(session: &mut Session<'_>, name: &str, args: Vec<String>) -> Result<(), Error> {
+    let id = begin(session, name, args)?;
+    follow(session, name, id, |_, _| {})
 }
 
 /// Begins a command of the task and returns its ticket.
@@ -145,16 +227,20 @@ fn follow(
     Ok(())
 }
 
-/// The answer of `task.status`.
+/// Returns the answer of a command of the task.
+fn answered(session: &mut Session<'_>, name: &str) -> Result<Status, Error> {
+    match session.ask(Request::Command { name: name.to_owned(), args: Vec::new() })? {
+        Reply::Answer(answer) => Ok(Status(answer.lines)),
+        _ => Err(Error::Unexpected),
+    }
+}
+
+/// The lines of an answer, with words `name=value`.
 struct Status(Vec<String>);
 
 impl Status {
     fn of(session: &mut Session<'_>) -> Result<Self, Error> {
-        let name = "task.status".to_owned();
-        match session.ask(Request::Command { name, args: Vec::new() })? {
-            Reply::Answer(answer) => Ok(Self(answer.lines)),
-            _ => Err(Error::Unexpected),
-        }
+        answered(session, "task.status")
     }
 
     /// Returns the value of the first word `name=value`.
@@ -180,7 +266,7 @@ mod tests {
     #[test]
     fn the_fault_of_a_program_stands_at_its_line() {
         let said = |why: &str| {
-            let error = Error::GivenUp { command: RUN.into(), why: why.into() };
+            let error = Error::GivenUp { command: "task.run".into(), why: why.into() };
             Fault::of(&error).map(|f| format!("{}:{}: {}", f.file, f.line, f.error()))
         };
         let beyond = Some("a b.ngc:3: task.run: joint 0: too far".to_owned());

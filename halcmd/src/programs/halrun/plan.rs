@@ -1,6 +1,11 @@
 //! Command line, environment and profile of halrun.
 
-use super::{compat, log::Selection, realtime};
+use super::{
+    begin::{Begin, Job, Place as ProgramPlace},
+    compat,
+    log::Selection,
+    realtime,
+};
 use crate::{
     Error, Style,
     language::flight,
@@ -68,7 +73,7 @@ pub(crate) struct Plan {
     pub(super) flight: Option<FlightSpec>,
     pub(super) detach: Detach,
     /// The program to run on the machine; the instance ends with it.
-    pub(super) job: Option<String>,
+    pub(super) job: Option<Job>,
     /// Nothing of a user interface is started.
     pub(super) headless: bool,
 }
@@ -98,6 +103,9 @@ enum Id {
     Instance,
     Profile,
     Job,
+    From,
+    Resume,
+    Yes,
     Headless,
     Help,
 }
@@ -112,6 +120,15 @@ const OPTIONS: &[Opt<Id>] = &[
     with("detach", Id::Detach, None, None, "go on in the background once the script is done"),
     with("virtual", Id::Virtual, None, None, "run on the virtual clock: --clock virtual"),
     with("run", Id::Job, Some("FILE"), None, "switch on, home, run this program, end"),
+    with(
+        "from",
+        Id::From,
+        Some("PLACE"),
+        None,
+        "begin --run at [FILE:]LINE[/PASS], after a question",
+    ),
+    with("resume", Id::Resume, None, None, "begin where the last job broke off, after questions"),
+    with("yes", Id::Yes, None, None, "begin at --from or --resume without a question"),
     with("headless", Id::Headless, None, Some("HAL_HEADLESS"), "without a user interface"),
     with("for", Id::For, Some("TIME"), Some("HAL_FOR"), "end after TIME of the machine"),
     with("clock", Id::Clock, Some("KIND"), Some("HAL_CLOCK"), "the clock: real or virtual"),
@@ -270,20 +287,40 @@ pub(crate) fn plan(
         (false, false) => Detach::No,
     };
     let script = script(&files, detach)?;
-    let job = value(Id::Job);
-    if let Some(file) = &job {
+    let whole = |path: String| std::path::absolute(&path).unwrap_or_else(|_| path.into());
+    let from = value(Id::From);
+    let begin = match (value(Id::Job), from, has(Id::Resume)) {
+        (None, None, false) => None,
+        (None, None, true) => Some(Begin::Resume),
+        (Some(file), _, true) => {
+            return Err(bad("--run", &file, "--resume runs the program of the last job"));
+        }
+        (None, Some(text), _) => return Err(bad("--from", &text, "it belongs to --run FILE")),
+        // The start of a machine changes the folder.
+        (Some(file), None, false) => Some(Begin::First(whole(file).display().to_string())),
+        (Some(file), Some(text), false) => {
+            let why = "it is [FILE:]LINE[/PASS], such as 120 or 120/2";
+            let place = ProgramPlace::parse(&text).ok_or_else(|| bad("--from", &text, why))?;
+            Some(Begin::From(whole(file).display().to_string(), place))
+        }
+    };
+    if let Some(begin) = &begin {
+        let (option, file) = match begin {
+            Begin::First(file) | Begin::From(file, _) => ("--run", file.as_str()),
+            Begin::Resume => ("--resume", ""),
+        };
         if !matches!(script, Script::Ini(_)) {
-            return Err(bad("--run", file, "it needs a machine from an INI file"));
+            return Err(bad(option, file, "it needs a machine from an INI file"));
         }
         if detach != Detach::No || has(Id::Hold) {
-            return Err(bad("--run", file, "it excludes --detach and --hold"));
+            return Err(bad(option, file, "it excludes --detach and --hold"));
         }
     }
+    let job = begin.map(|begin| Job { begin, yes: has(Id::Yes) });
     let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), value(Id::StuckTime))?;
     let interactive = has(Id::Interactive);
     style.background = detach == Detach::Child;
     style.reads_input = interactive || script == Script::Terminal || detach == Detach::Child;
-    let whole = |path: String| std::path::absolute(&path).unwrap_or_else(|_| path.into());
     Ok(Action::Run(Box::new(Plan {
         options: Options {
             place,
@@ -317,8 +354,7 @@ pub(crate) fn plan(
             })
             .transpose()?,
         detach,
-        // The start of a machine changes the folder.
-        job: job.map(|file| whole(file).display().to_string()),
+        job,
         headless: has(Id::Headless),
     })))
 }

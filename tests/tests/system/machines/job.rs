@@ -167,11 +167,70 @@ fn a_program_beyond_a_limit_fails_at_its_line() {
 }
 
 #[test]
+fn a_run_from_a_line_shows_its_entry_and_goes_on_from_there() {
+    let program =
+        "G21 G90 G61\nG0 X5 Y5\no1 repeat [3]\nG91 G1 X10 F600\nG90\no1 endrepeat\nG0 X0 Y0\nM2\n";
+    let scratch = printer("", program);
+    let words = ["--virtual", "--run", "part.ngc", "--from", "4/3"];
+    let asked = scratch.halrun(&[&words[..], &["printer.ini"]].concat());
+    assert_eq!(asked.status, Some(1));
+    assert!(asked.stderr.contains("nothing has begun: --yes begins there"), "{}", asked.stderr);
+    let run =
+        scratch.halrun(&[&words[..], &["--yes", "--record", "out.vcd", "printer.ini"]].concat());
+    assert_eq!(run.status, Some(0), "{}", run.stderr);
+    for part in [" line=4 pass=3 of=3\n", "position X25.0000 Y5.0000", "over: over the place"] {
+        assert!(run.stderr.contains(part), "no {part:?} in\n{}", run.stderr);
+    }
+    assert!(run.stderr.contains("part.ngc: ended after "), "{}", run.stderr);
+    let vcd = Vcd::parse(&scratch.read("out.vcd"));
+    let rises = |pin: &str| vcd.rises(pin).len();
+    // X goes to 25, to 35 and back to 0; from the first line it would go there by 5 and 15, too.
+    assert_eq!(rises("stepgen.0.step"), 2 * 35 * 4);
+    assert_eq!(rises("stepgen.1.step"), 2 * 5 * 4);
+    let refused = scratch.halrun(&[
+        "--virtual",
+        "--run",
+        "part.ngc",
+        "--from",
+        "4/4",
+        "--yes",
+        "printer.ini",
+    ]);
+    assert_eq!(refused.status, Some(1));
+    assert!(refused.stderr.contains("reaches this line 3 times only"), "{}", refused.stderr);
+}
+
+#[test]
+fn a_job_that_broke_off_is_resumed_when_a_person_agrees() {
+    let program = "G21 G90 G61\nG0 X5 Y5\nG1 X15 F600\nM3 S100\nG1 Y15\nG1 X5\nG0 X0 Y0\nM2\n";
+    // The spindle never reaches its speed, so that the job breaks off.
+    let scratch = printer("net slow spindle.0.at-speed\n", program);
+    let cut = scratch.halrun(&["--virtual", "--run", "part.ngc", "printer.ini"]);
+    assert!(cut.stderr.contains("part.ngc: failed after "), "{}", cut.stderr);
+    scratch.write("custom.hal", "");
+    let asked = scratch.halrun(&["--virtual", "--resume", "--record", "out.vcd", "printer.ini"]);
+    assert_eq!(asked.status, Some(1));
+    for part in ["note the job broke off at line ", "not-ready ", "nothing has begun: --yes"] {
+        assert!(asked.stderr.contains(part), "no {part:?} in\n{}", asked.stderr);
+    }
+    let still = Vcd::parse(&scratch.read("out.vcd"));
+    assert!(still.rises("stepgen.0.step").is_empty(), "it moved without an agreement");
+    let resumed = scratch.halrun(&["--virtual", "--resume", "--yes", "printer.ini"]);
+    assert_eq!(resumed.status, Some(0), "{}", resumed.stderr);
+    assert!(resumed.stderr.contains("part.ngc: ended after "), "{}", resumed.stderr);
+    let again = scratch.halrun(&["--virtual", "--resume", "--yes", "printer.ini"]);
+    assert_eq!(again.status, Some(1));
+    assert!(again.stderr.contains("there is nothing to resume"), "{}", again.stderr);
+}
+
+#[test]
 fn what_run_needs_is_said() {
     let scratch = printer("", "M2\n");
     for (words, wanted) in [
         (&["--virtual", "--run", "none.ngc", "printer.ini"][..], "<commandline>:0: task.open: "),
         (&["--run", "part.ngc", "custom.hal"], "it needs a machine from an INI file"),
+        (&["--virtual", "--from", "3", "printer.ini"], "it belongs to --run FILE"),
+        (&["--run", "part.ngc", "--from", "x", "printer.ini"], "such as 120 or 120/2"),
         (&["--run", "part.ngc", "--detach", "printer.ini"], "it excludes --detach and --hold"),
     ] {
         let output = scratch.halrun(words);

@@ -31,6 +31,7 @@ impl Core {
         });
         self.current = None;
         self.last_tag = None;
+        self.forget_proposal();
         self.undo.clear();
         drop(self.interpreter.state.numbered.take_changes());
     }
@@ -38,6 +39,7 @@ impl Core {
     /// Ends a job whose last step is done.
     pub(super) fn complete(&mut self, out: &mut impl Outside) {
         self.save_parameters(out);
+        self.keep_end(out);
         let Some(job) = self.job.take() else { return };
         self.current = None;
         self.jobs.0 = self.jobs.0.wrapping_add(1);
@@ -62,11 +64,13 @@ impl Core {
 
     /// Stops everything: motion, the job, lines of MDI that wait, coolant and spindles.
     pub(super) fn end_job(&mut self, why: &str, out: &mut impl Outside) {
+        self.keep_break(out);
         let job = self.job.take();
         if job.is_some() {
             self.jobs.0 = self.jobs.0.wrapping_add(1);
             self.jobs.1 = self.jobs.1.wrapping_add(1);
         }
+        self.forget_dry_run(why, out);
         let tickets = job.and_then(|j| j.ticket).into_iter();
         for ticket in tickets.chain(self.mdi.drain(..).map(|(_, ticket)| ticket)) {
             out.finish(ticket, Err(why.to_owned()));

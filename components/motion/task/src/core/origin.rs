@@ -20,6 +20,8 @@ pub(super) struct Origin {
     pub(super) line: u32,
     /// Number of the line in the order of execution.
     pub(super) serial: u64,
+    /// Number of lines that the program ran before it.
+    pub(super) number: u64,
     pub(super) tag: Arc<Tag>,
 }
 

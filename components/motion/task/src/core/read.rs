@@ -48,6 +48,7 @@ impl Core {
                 Err(why) => Answer::Failed(why.as_str().into()),
             },
         };
+        self.keep_answer(&answer, out);
         let mut calls = Vec::new();
         let step = self.interpreter.answer(&answer, &self.world, &mut calls);
         // The lines before are executed, and the answer is a fact.
@@ -60,7 +61,8 @@ impl Core {
         self.serial += 1;
         let serial = self.serial;
         let tag = self.tag();
-        let origin = |line| Origin { line, serial, tag: tag.clone() };
+        let number = self.interpreter.state.lines_run.saturating_sub(1);
+        let origin = |line| Origin { line, serial, number, tag: tag.clone() };
         let before = self.queue.len();
         let mut actions = Vec::new();
         for issued in calls {

@@ -3,7 +3,10 @@
 use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, Waiting, file_name};
 use crate::outside::{Order, Outside, Refusal};
 use hal_component::IoRequest;
-use hal_job::world;
+use hal_job::{
+    dry_run::{Outputs, Target},
+    world,
+};
 use std::path::{Path, PathBuf};
 
 /// A command of an operator.
@@ -18,6 +21,12 @@ pub(crate) enum Command {
     Home(Option<u32>),
     Open(PathBuf),
     Run,
+    /// Proposes a start in the middle of the program.
+    RunFrom(Target),
+    /// Proposes a start at the place where the last job broke off.
+    Recover,
+    /// Begins the start that was proposed with this token.
+    Confirm(u32),
     Pause,
     Resume,
     Step,
@@ -82,6 +91,9 @@ impl Core {
             }
             Command::Open(path) => self.open(path),
             Command::Run => self.run(ticket, false, out),
+            Command::RunFrom(target) => self.run_from(target, ticket, out).map(|()| Report::Later),
+            Command::Recover => self.recover(ticket, out).map(|()| Report::Later),
+            Command::Confirm(token) => self.confirm(token, ticket, out).map(|()| Report::Later),
             Command::Pause => self.pause(out),
             Command::Resume => self.resume(out),
             Command::Step => self.single_step(ticket, out),
@@ -152,7 +164,7 @@ impl Core {
         }
     }
 
-    fn needs_no_job(&self, what: &str) -> Result<(), String> {
+    pub(super) fn needs_no_job(&self, what: &str) -> Result<(), String> {
         match (&self.job, &self.ending) {
             (None, None) => Ok(()),
             (_, Some(_)) => Err(STOPPING.into()),
@@ -178,7 +190,12 @@ impl Core {
     }
 
     /// Checks that a job may begin; the error has every reason.
-    fn may_begin(&self, mode: Mode, what: &str, out: &impl Outside) -> Result<(), String> {
+    pub(super) fn may_begin(
+        &self,
+        mode: Mode,
+        what: &str,
+        out: &impl Outside,
+    ) -> Result<(), String> {
         let homed = !self.rules.needs_homing || out.motion().all_homed;
         let not_homed = Err(format!("{what} needs homed joints: task.home joint=all"));
         let no_program = Err("no program is open: task.open file=… comes first".to_owned());
@@ -218,6 +235,7 @@ impl Core {
         self.take_over(out);
         self.interpreter.load(&shown(&path), text);
         self.begin_job(true, Some(ticket), stepping, out);
+        self.begin_journal(&path, &Outputs::default(), out);
         Ok(Report::Later)
     }
 
@@ -323,7 +341,7 @@ fn accepted(accepted: bool) -> Result<Report, String> {
 }
 
 /// Returns the name of a program in messages.
-fn shown(path: &Path) -> String {
+pub(super) fn shown(path: &Path) -> String {
     let text = path.to_string_lossy();
     if text.contains('/') { text.into_owned() } else { file_name(path) }
 }

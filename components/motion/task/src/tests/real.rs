@@ -41,6 +41,7 @@ impl Component for Jobs {
             at_speed_timeout: 5.0,
             has_top_speed: [false; 8],
             change_position: None,
+            safe_height: None,
         };
         let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
         shared.lock().opened = Some((Box::new(core), Files::default()));

@@ -4,6 +4,7 @@ use super::Files;
 use crate::{
     command_record::record,
     core::{Core, Interpreting},
+    journal_file::JournalFile,
     outside::{Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
     programs::UserProgram,
     texts::Texts,
@@ -13,7 +14,10 @@ use hal_component::{
     MotionRefusal, MotionToken, OperatorRef, TicketHandle,
 };
 use hal_gcode::{Numbered, tool::ToolTable};
-use hal_job::spindle::{self, Spindle};
+use hal_job::{
+    journal::Record,
+    spindle::{self, Spindle},
+};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Number of orders and of requests that are known after their end.
@@ -39,6 +43,7 @@ pub(super) struct Machine {
     reasons: Texts,
     files: Files,
     saved: String,
+    journal: JournalFile,
     /// The last message.
     said: &'static str,
     program: UserProgram,
@@ -72,6 +77,7 @@ impl Machine {
             reasons: Texts::new(MAX_REASONS),
             files: Files::default(),
             saved: String::new(),
+            journal: JournalFile::default(),
             said: "",
             program: UserProgram::default(),
             orders: BTreeMap::new(),
@@ -94,6 +100,7 @@ impl Machine {
             let pocket = machine.tools.find(tool).map_or(tool, |t| t.pocket);
             self.request(IoRequest::SetTool { tool, pocket });
         }
+        self.journal = JournalFile::new(files.journal.clone());
         self.files = files;
     }
 
@@ -294,6 +301,14 @@ impl Outside for Machine {
         written(path, &text)?;
         self.saved = text;
         Ok(())
+    }
+
+    fn journal(&mut self, record: &Record) -> Result<(), String> {
+        self.journal.write(record)
+    }
+
+    fn read_journal(&self) -> Result<Vec<u8>, String> {
+        self.journal.read()
     }
 
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {

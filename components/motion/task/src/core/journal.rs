@@ -1,0 +1,186 @@
+//! The journal of the job in execution.
+//!
+//! It has the begin of the job, the answers of the machine, the hashes of the program's files, and the line in
+//! execution, at most [`PERIOD`] old. Motion never waits for it.
+
+use super::{Core, Reading, file_name};
+use crate::outside::{Level, Outside};
+use hal_gcode::{Answer, Environment, Text};
+use hal_job::{
+    dry_run::Outputs,
+    journal::{At, Begin, Hash, Record, VERSION},
+    world,
+};
+use std::{collections::BTreeSet, path::Path};
+
+/// Seconds between two places in the journal.
+pub(crate) const PERIOD: f64 = 0.1;
+/// Bytes of a file that are read in one step.
+const SLICE: usize = 1 << 18;
+
+/// The state of the journal.
+#[derive(Default)]
+pub(super) struct Keeping {
+    is_on: bool,
+    last: Option<At>,
+    /// Time of the last place.
+    written: f64,
+    /// Names of the files in the journal.
+    files: BTreeSet<Box<str>>,
+    hashing: Vec<Hashing>,
+}
+
+/// A file whose hash is being made.
+pub(super) struct Hashing {
+    pub(super) name: Box<str>,
+    text: Text,
+    offset: u64,
+    hash: Hash,
+}
+
+impl Hashing {
+    pub(super) fn new(name: &str, text: Text) -> Self {
+        Self { name: name.into(), text, offset: 0, hash: Hash::default() }
+    }
+
+    /// Reads a slice. Returns the hash at the end of the file.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub(super) fn advance(&mut self) -> Result<Option<u64>, String> {
+        let mut buffer = vec![0; SLICE];
+        let read = self.text.read_at(self.offset, &mut buffer);
+        let read = read.map_err(|why| format!("{}: {why}", self.name))?;
+        self.hash.add(buffer.get(..read).unwrap_or_default());
+        self.offset += read as u64;
+        Ok((read == 0).then(|| self.hash.value()))
+    }
+}
+
+impl Core {
+    /// Begins the journal of a job, whose interpreter is before its first line.
+    pub(super) fn begin_journal(&mut self, path: &Path, outputs: &Outputs, out: &mut impl Outside) {
+        self.keeping = Keeping::default();
+        let Ok(version) = world::version(path) else { return };
+        let state = self.interpreter.state.clone();
+        let name = super::user::shown(path);
+        let begin = Begin {
+            version: VERSION,
+            // Another process may begin in another folder.
+            path: std::path::absolute(path).unwrap_or_else(|_| path.into()),
+            name: name.as_str().into(),
+            file: version,
+            state,
+            outputs: outputs.clone(),
+            tools: self.world.machine.tools.clone(),
+        };
+        self.keeping.is_on = true;
+        self.keep(&Record::Begin(Box::new(begin)), out);
+        if let Ok(text) = world::program(path) {
+            self.keeping.files.insert(name.as_str().into());
+            self.keeping.hashing.push(Hashing::new(&name, text));
+        }
+    }
+
+    /// Writes a record. A journal that cannot be written ends, and the job goes on.
+    fn keep(&mut self, record: &Record, out: &mut impl Outside) {
+        if !self.keeping.is_on {
+            return;
+        }
+        if let Err(why) = out.journal(record) {
+            self.keeping.is_on = false;
+            let text = format!("{why}: the job goes on without a journal");
+            self.tell(Level::Error, &text, out);
+        }
+    }
+
+    /// Writes an answer of the machine.
+    pub(super) fn keep_answer(&mut self, answer: &Answer, out: &mut impl Outside) {
+        if self.is_program() {
+            self.keep(&Record::Answer(answer.clone()), out);
+        }
+    }
+
+    /// Writes the end of a job that is complete.
+    pub(super) fn keep_end(&mut self, out: &mut impl Outside) {
+        self.keep(&Record::Complete, out);
+        self.keeping.is_on = false;
+    }
+
+    /// Writes the last place of a job that breaks off.
+    pub(super) fn keep_break(&mut self, out: &mut impl Outside) {
+        self.keep_place(true, out);
+        self.keeping.is_on = false;
+    }
+
+    /// Writes what is due: the line in execution, and hashes of files.
+    pub(super) fn keep_journal(&mut self, out: &mut impl Outside) {
+        if !self.keeping.is_on || !self.is_program() {
+            return;
+        }
+        self.keep_place(false, out);
+        if let Some(level) = self.interpreter.state.levels.last()
+            && !self.keeping.files.contains(&level.file)
+        {
+            let name = level.file.clone();
+            if let Some(text) = self.world.open(&name) {
+                self.keeping.hashing.push(Hashing::new(&name, text));
+            }
+            self.keeping.files.insert(name);
+        }
+        let Some(hashing) = self.keeping.hashing.last_mut() else { return };
+        match hashing.advance() {
+            Ok(None) => {}
+            Ok(Some(hash)) => {
+                let record = Record::File(hashing.name.clone(), hash);
+                self.keeping.hashing.pop();
+                self.keep(&record, out);
+            }
+            // The program itself reports what is wrong with its file.
+            Err(_) => drop(self.keeping.hashing.pop()),
+        }
+    }
+
+    fn keep_place(&mut self, now: bool, out: &mut impl Outside) {
+        if !self.keeping.is_on || !self.is_program() {
+            return;
+        }
+        let (number, line) = self.unfinished();
+        let motion = out.motion();
+        let tool = out.io().tool;
+        let at = At { number, line, pose: motion.pose, homed: motion.all_homed, tool };
+        let is_same = self.keeping.last.as_ref().is_some_and(|last| {
+            (last.number, last.homed, last.tool) == (at.number, at.homed, at.tool)
+        });
+        let is_due = now || out.now() - self.keeping.written >= PERIOD;
+        if is_due && !is_same {
+            self.keeping.written = out.now();
+            self.keep(&Record::At(at.clone()), out);
+            self.keeping.last = Some(at);
+        }
+    }
+
+    fn is_program(&self) -> bool {
+        self.job.as_ref().is_some_and(|job| job.is_program)
+    }
+
+    /// Returns the number of lines that are executed, and the line behind them.
+    pub(super) fn unfinished(&self) -> (u64, u32) {
+        let current = self.current.as_ref().filter(|_| self.waiting.is_some());
+        let flight = self.flight.front().map(|f| &f.origin);
+        let queue = self.queue.front().map(|e| &e.origin);
+        if let Some(origin) = flight.or(current).or(queue) {
+            return (origin.number, origin.line);
+        }
+        let state = &self.interpreter.state;
+        match self.job.as_ref().map(|job| &job.reading) {
+            Some(Reading::Asked(_)) => (state.lines_run.saturating_sub(1), state.line),
+            _ => (state.lines_run, state.levels.last().map_or(state.line, |l| l.cursor.line + 1)),
+        }
+    }
+}
+
+/// Returns the text that names a changed file.
+pub(super) fn changed(path: &Path) -> String {
+    format!("{}: the program has changed since the job began", file_name(path))
+}

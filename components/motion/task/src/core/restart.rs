@@ -1,0 +1,346 @@
+//! A start in the middle of a program: the dry run, the proposal that is shown, and its confirmation.
+
+use super::{
+    Core, Entry, Mode, Origin, Ticket,
+    entry::{self, Before, EntryStep, words},
+    recover::Recovery,
+};
+use crate::{codes, outside::Outside};
+use hal_gcode::{
+    Interpreter,
+    axis::{Axis, Position},
+    canon::Direction,
+};
+use hal_job::{
+    Machine,
+    dry_run::{DryRun, Found, Given, Target},
+    world::{self, Version},
+};
+use serde_json::{Value, json};
+use std::{path::PathBuf, sync::Arc};
+
+/// Number of lines of a dry run in one step of the worker.
+const LINES: u32 = 2000;
+/// Distance in machine units, from which the machine is no longer where it was.
+const MOVED: f64 = 0.01;
+
+/// A start in the middle of a program, as far as it has come.
+#[derive(Default)]
+pub(super) struct Restart {
+    search: Option<Search>,
+    proposal: Option<Proposal>,
+    /// The last token.
+    token: u32,
+}
+
+/// A dry run in progress.
+pub(super) struct Search {
+    pub(super) run: Box<DryRun>,
+    pub(super) program: Opened,
+    pub(super) ticket: Ticket,
+    /// The journal that it follows.
+    pub(super) recovery: Option<Box<Recovery>>,
+}
+
+/// The program of a dry run.
+pub(super) struct Opened {
+    pub(super) path: PathBuf,
+    pub(super) version: Version,
+}
+
+/// A start that waits for its confirmation.
+struct Proposal {
+    token: u32,
+    found: Found,
+    interpreter: Box<Interpreter>,
+    program: Opened,
+    /// Place of the machine and tool in the spindle, which the entry begins with.
+    pose: [f64; 9],
+    tool: i32,
+    /// The entry, or the reasons why the machine is not ready for it.
+    entry: Result<Vec<EntryStep>, String>,
+    /// Place of the line in machine units.
+    place: [f64; 9],
+    /// Remarks about the journal.
+    notes: Vec<String>,
+    shown: Arc<Shown>,
+}
+
+/// The proposal as text and as JSON.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Shown {
+    pub(crate) lines: Vec<String>,
+    pub(crate) json: String,
+}
+
+impl Core {
+    /// Begins the dry run to a place in the program that is open.
+    pub(super) fn run_from(
+        &mut self,
+        target: Target,
+        ticket: Ticket,
+        out: &mut impl Outside,
+    ) -> Result<(), String> {
+        self.needs_no_job("a dry run cannot begin")?;
+        self.needs_no_search()?;
+        let why = "no program is open: task.open file=… comes first";
+        let path = self.program.clone().ok_or(why)?;
+        let text = world::program(&path)?;
+        let version = world::version(&path)?;
+        self.take_over(out);
+        let mut interpreter = Interpreter::from_state(self.interpreter.state.clone());
+        interpreter.load(&super::user::shown(&path), text);
+        let run = Box::new(DryRun::new(interpreter, target, self.given()));
+        let program = Opened { path, version };
+        self.search_for(Search { run, program, ticket, recovery: None });
+        Ok(())
+    }
+
+    /// Checks that no dry run is in progress.
+    pub(super) fn needs_no_search(&self) -> Result<(), String> {
+        match &self.restart.search {
+            Some(_) => Err("a dry run is in progress: task.abort ends it".into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Begins a dry run.
+    pub(super) fn search_for(&mut self, search: Search) {
+        self.restart.proposal = None;
+        self.restart.search = Some(search);
+    }
+
+    /// Returns the answers that the machine's rules give.
+    pub(super) fn given(&self) -> Given {
+        let k = self.world.machine.settings.unit.millimetres();
+        let change = self.rules.change_position.map(|place| {
+            let mut out = place;
+            for (value, axis) in out.iter_mut().zip(Axis::ALL) {
+                let k = if axis.is_rotary() { 1.0 } else { k };
+                *value = value.map(|v| v * k);
+            }
+            out
+        });
+        Given { change_position: change, ..Given::default() }
+    }
+
+    /// Goes on with the dry run; at its end there is a proposal.
+    pub(super) fn advance_dry_run(&mut self, out: &mut impl Outside) {
+        let Some(mut search) = self.restart.search.take() else { return };
+        let ticket = search.ticket;
+        // The state at its begin is no longer that of the machine.
+        if self.job.is_some() {
+            return out.finish(ticket, Err("another job has begun".into()));
+        }
+        match search.recovery.as_mut().map_or(Ok(true), |r| self.check_files(r)) {
+            Ok(true) => {}
+            Ok(false) => {
+                self.restart.search = Some(search);
+                return;
+            }
+            Err(why) => return out.finish(ticket, Err(why)),
+        }
+        match search.run.advance(&self.world, LINES) {
+            Ok(None) => self.restart.search = Some(search),
+            Ok(Some(found)) => {
+                let result = self.propose(search, found, out);
+                out.finish(ticket, result);
+            }
+            Err(refusal) => match self.stepped_back(search, &refusal) {
+                Some(search) => self.restart.search = Some(search),
+                None => out.finish(ticket, Err(refusal.to_string())),
+            },
+        }
+    }
+
+    fn propose(&mut self, search: Search, found: Found, out: &impl Outside) -> Result<(), String> {
+        let Search { run, program, recovery, .. } = search;
+        let notes = match recovery {
+            Some(recovery) => {
+                self.check_offsets(&recovery, &found)?;
+                recovery.notes
+            }
+            None => Vec::new(),
+        };
+        let interpreter = Box::new(run.into_interpreter(&found));
+        let (motion, io) = (out.motion(), out.io());
+        let before = Before { state: &self.interpreter.state, io, pose: motion.pose };
+        let ready = self.may_begin(Mode::Auto, "a program", out);
+        let entry =
+            ready.and_then(|()| entry::entry(&before, &found, &self.world.machine, &self.rules));
+        let place = entry::place(&self.world.machine, &found.state, motion.pose);
+        self.restart.token = self.restart.token.wrapping_add(1);
+        let mut proposal = Proposal {
+            token: self.restart.token,
+            found,
+            interpreter,
+            program,
+            pose: motion.pose,
+            tool: io.tool,
+            entry,
+            place,
+            notes,
+            shown: Arc::default(),
+        };
+        proposal.shown = Arc::new(proposal.shown(&self.world.machine));
+        self.restart.proposal = Some(proposal);
+        Ok(())
+    }
+
+    /// Begins the start that was proposed with this token.
+    pub(super) fn confirm(
+        &mut self,
+        token: u32,
+        ticket: Ticket,
+        out: &mut impl Outside,
+    ) -> Result<(), String> {
+        self.needs_no_job("a program cannot begin")?;
+        let again = "task.run-from proposes it again";
+        let known = self.restart.proposal.as_ref().filter(|p| p.token == token);
+        let proposal = known.ok_or_else(|| format!("token {token} is not that of a proposal"))?;
+        proposal.entry.clone()?;
+        self.may_begin(Mode::Auto, "a program", out)?;
+        let Opened { path, version } = &proposal.program;
+        if self.program.as_ref() != Some(path) || world::version(path)? != *version {
+            return Err(format!("the program has changed since the proposal: {again}"));
+        }
+        let pose = out.motion().pose;
+        if pose.iter().zip(proposal.pose).any(|(a, b)| (a - b).abs() > MOVED) {
+            return Err(format!("the machine has moved since the proposal: {again}"));
+        }
+        if out.io().tool != proposal.tool {
+            return Err(format!("the tool has changed since the proposal: {again}"));
+        }
+        let Some(proposal) = self.restart.proposal.take() else { return Ok(()) };
+        let Proposal { found, interpreter, program, entry, place, .. } = proposal;
+        self.interpreter = *interpreter;
+        self.interpreter.state.numbered.record_changes();
+        self.begin_job(true, Some(ticket), false, out);
+        self.begin_journal(&program.path, &found.outputs, out);
+        self.serial += 1;
+        let number = found.begin.number;
+        let origin =
+            Origin { line: found.begin.line, serial: self.serial, number, tag: self.tag() };
+        for action in entry.unwrap_or_default().into_iter().flat_map(|step| step.actions) {
+            self.queue.push_back(Entry { action, origin: origin.clone() });
+        }
+        self.converter.restart(&self.interpreter.state, place);
+        Ok(())
+    }
+
+    /// Returns the proposal for the operator.
+    pub(crate) fn shown_start(&self) -> Option<Arc<Shown>> {
+        self.restart.proposal.as_ref().map(|p| p.shown.clone())
+    }
+
+    /// Returns the state that is proposed, and the interpreter in it.
+    #[cfg(test)]
+    pub(crate) fn proposed(&self) -> Option<(&Found, &Interpreter)> {
+        self.restart.proposal.as_ref().map(|p| (&p.found, &*p.interpreter))
+    }
+
+    /// Forgets a proposal.
+    pub(super) fn forget_proposal(&mut self) {
+        self.restart.proposal = None;
+    }
+
+    /// Ends a dry run and forgets a proposal.
+    pub(super) fn forget_dry_run(&mut self, why: &str, out: &mut impl Outside) {
+        self.forget_proposal();
+        if let Some(search) = self.restart.search.take() {
+            out.finish(search.ticket, Err(why.to_owned()));
+        }
+    }
+}
+
+impl Proposal {
+    fn shown(&self, machine: &Machine) -> Shown {
+        let Found { state, begin, calls, pass, more, user_codes, .. } = &self.found;
+        let (modal, frame) = (&state.modal, state.frame);
+        let k = frame.unit.to(machine.settings.unit);
+        let pose = |at: Position| words(machine, &Axis::ALL.map(|a| at.scaled(k)[a]));
+        let more = if *more { " or more" } else { "" };
+        let mut lines = vec![format!(
+            "start token={} file={} line={} pass={} of={}{more}",
+            self.token, begin.file, begin.line, pass.0, pass.1
+        )];
+        lines.extend(calls.iter().map(|call| format!("call from={}:{}", call.file, call.line)));
+        lines.push(format!("modal {} F{}", codes::text(state), modal.feed));
+        let selected = state.selected.unwrap_or(state.tool.number);
+        lines.push(format!("tool number={} selected={selected}", state.tool.number));
+        let spindles: Vec<_> = modal.spindles.iter().map(|s| s.speed * sign(s.direction)).collect();
+        for (number, speed) in spindles.iter().enumerate() {
+            lines.push(format!("spindle number={number} speed={speed}"));
+        }
+        lines.push(format!("coolant mist={} flood={}", truth(modal.mist), truth(modal.flood)));
+        lines.push(format!("position {}", words(machine, &self.place)));
+        let (system, rotation) = (modal.system, frame.rotation);
+        lines.push(format!("system number={system} rotation={rotation} {}", pose(frame.g5x)));
+        lines.push(format!("g92 {}", pose(frame.g92)));
+        lines.push(format!("tool-offset {}", pose(frame.tool)));
+        lines.extend(self.notes.iter().map(|note| format!("note {note}")));
+        for (code, line) in user_codes {
+            lines.push(format!("note M{code} of line {line} is not run again"));
+        }
+        let numbered = |steps: &[EntryStep]| -> Vec<String> {
+            let row = |(n, step): (usize, &EntryStep)| {
+                let to = step.to.map(|to| format!(": {}", words(machine, &to))).unwrap_or_default();
+                format!("entry {} {}: {}{to}", n + 1, step.kind, step.text)
+            };
+            steps.iter().enumerate().map(row).collect()
+        };
+        match &self.entry {
+            Ok(steps) => lines.extend(numbered(steps)),
+            Err(why) => lines.push(format!("not-ready {why}")),
+        }
+        let steps: Vec<Value> = self
+            .entry
+            .iter()
+            .flatten()
+            .map(|step| json!({ "kind": step.kind, "text": step.text, "to": step.to }))
+            .collect();
+        let calls: Vec<Value> =
+            calls.iter().map(|c| json!({ "file": c.file, "line": c.line })).collect();
+        let offset = |at: Position| Axis::ALL.map(|a| at.scaled(k)[a]);
+        let json = json!({
+            "version": 1,
+            "token": self.token,
+            "file": begin.file,
+            "line": begin.line,
+            "pass": pass.0,
+            "passes": pass.1,
+            "may_have_more_passes": self.found.more,
+            "calls": calls,
+            "codes": codes::text(state),
+            "feed": modal.feed,
+            "tool": state.tool.number,
+            "selected": selected,
+            "spindles": spindles,
+            "mist": modal.mist,
+            "flood": modal.flood,
+            "position": self.place,
+            "system": system,
+            "rotation": rotation,
+            "g5x_offset": offset(frame.g5x),
+            "g92_offset": offset(frame.g92),
+            "tool_offset": offset(frame.tool),
+            "user_codes": user_codes,
+            "notes": self.notes,
+            "entry": steps,
+            "not_ready": self.entry.as_ref().err(),
+        });
+        Shown { lines, json: json.to_string() }
+    }
+}
+
+fn sign(direction: Direction) -> f64 {
+    match direction {
+        Direction::Stopped => 0.0,
+        Direction::Clockwise => 1.0,
+        Direction::Counterclockwise => -1.0,
+    }
+}
+
+fn truth(on: bool) -> &'static str {
+    if on { "TRUE" } else { "FALSE" }
+}
