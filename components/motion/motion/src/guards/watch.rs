@@ -101,7 +101,8 @@ impl JointWatch {
 
     /// Writes the ratios, if they have changed; returns the highest one then.
     pub(crate) fn write_pins(&mut self, pins: &JointPins) -> Option<Worst> {
-        if self.judge.is_calm() {
+        // After a reset, the pins still show what was forgotten.
+        if self.judge.is_calm() && !self.shown.is_nan() {
             return None;
         }
         let r = self.judge.report();

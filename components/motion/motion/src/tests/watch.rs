@@ -54,6 +54,9 @@ fn a_violation_is_counted_and_reported_once() {
     rig.cycles(5);
     assert_eq!(counts(&rig), (0, 0));
     assert_eq!(rig.float("motion.watch.worst"), 0.0);
+    for pin in ["watch-velocity", "watch-acceleration", "watch-jerk"] {
+        assert_eq!(rig.joint(1, pin), 0.0, "{pin}");
+    }
 }
 
 #[test]
