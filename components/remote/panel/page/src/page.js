@@ -13,6 +13,7 @@ import { messagesCard, toasts, toolPrompt } from "./operator/messages.js";
 import { offsetsCard, toolsCard } from "./operator/offsets.js";
 import { overridesCard, spindleCard } from "./operator/overrides.js";
 import { positionsCard } from "./operator/positions.js";
+import { probeCard } from "./operator/probe.js";
 import { programsCard } from "./operator/programs.js";
 import { runCard } from "./operator/run.js";
 import { LANGUAGES } from "./texts.js";
@@ -23,7 +24,7 @@ const OPERATOR = [
   ["left", "all", positionsCard], ["left", "move", machineCard], ["left", "move", jogCard],
   ["centre", "view", viewCard], ["centre", "job", runCard], ["centre", "job", programsCard],
   ["right", "job", overridesCard], ["right", "mdi", mdiCard], ["right", "more", spindleCard], ["right", "more", offsetsCard],
-  ["right", "more", toolsCard], ["right", "more", messagesCard],
+  ["right", "more", probeCard], ["right", "more", toolsCard], ["right", "more", messagesCard],
 ];
 const GROUPS = ["move", "view", "job", "mdi", "more"];
 const INTEGRATOR = [
