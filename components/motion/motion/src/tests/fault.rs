@@ -1,6 +1,7 @@
 //! Causes that switch the machine off.
 
 use super::{Rig, near};
+use hal_component::{MotionStatus, abi::TicketState};
 
 const AMPS: [&str; 3] =
     ["joint.0.amp-enable-out", "joint.1.amp-enable-out", "joint.2.amp-enable-out"];
@@ -225,4 +226,40 @@ fn disabling_stops_the_spindle() {
     assert_eq!(rig.float("spindle.0.speed-out"), 0.0);
     let why = "the spindle cannot turn: the machine is not enabled";
     assert_eq!(rig.failed("motion.spindle speed=1"), why);
+}
+
+/// A planner that never runs again: the axes go to the end of what is planned and rest there, and the machine can be
+/// operated. Its status is written in every cycle, although nobody reads it.
+#[test]
+fn a_machine_without_its_planner_rests_and_can_be_operated() {
+    let mut rig = Rig::homed(&[]);
+    rig.say("motion.move x=100 velocity=45");
+    rig.cycles(300);
+    rig.is_starved = true;
+    rig.say("motion.move y=50 velocity=45");
+    let waits = rig.bench.tickets().len() - 1;
+    let cycle = |rig: &Rig| rig.bench.snapshot::<MotionStatus>("motion.status").cycle;
+    let before = cycle(&rig);
+    rig.cycles(4000);
+    assert_eq!(cycle(&rig), before + 4000);
+    assert_eq!(rig.places(), [100.0, 0.0, 0.0]);
+    assert_eq!(rig.bench.tickets()[waits], TicketState::Pending);
+    rig.done("motion.abort");
+    assert_eq!(rig.bench.tickets()[waits], TicketState::Failed("aborted"));
+    assert!(rig.is("motion.in-position") && rig.is("motion.motion-enabled"));
+    rig.done("motion.jog joint=1 velocity=20 distance=1");
+    near(rig.places()[1], 1.0);
+    // A move without a planner waits, until it is aborted.
+    rig.say("motion.move x=0 velocity=45");
+    let places = rig.places();
+    rig.cycles(500);
+    assert_eq!(rig.places(), places);
+    rig.done("motion.abort");
+    // With a planner again, what was aborted stays so.
+    rig.is_starved = false;
+    rig.cycles(500);
+    assert_eq!(rig.places(), places);
+    rig.done("motion.move x=90 velocity=45");
+    near(rig.places()[0], 90.0);
+    assert!(rig.bench.said().is_empty(), "{:?}", rig.bench.said());
 }
