@@ -4,9 +4,9 @@
 //! on the disk, so that the worker never waits for the disk.
 
 use hal_job::journal::Record;
+use hal_output::Growing;
 use std::{
-    fs::{File, OpenOptions},
-    io::Write,
+    fs::File,
     path::{Path, PathBuf},
     sync::mpsc::{SyncSender, sync_channel},
 };
@@ -18,7 +18,7 @@ const MAX_LEN: u64 = 1 << 28;
 #[derive(Default)]
 pub(crate) struct JournalFile {
     path: Option<PathBuf>,
-    open: Option<(File, SyncSender<()>)>,
+    open: Option<(Growing, SyncSender<()>)>,
 }
 
 impl JournalFile {
@@ -36,7 +36,7 @@ impl JournalFile {
         let line = record.line();
         let result = match (record, &mut self.open) {
             (Record::Begin(_), _) => begin(&path, &line).map(|open| self.open = Some(open)),
-            (_, Some((file, store))) => file.write_all(line.as_bytes()).map(|()| {
+            (_, Some((file, store))) => file.append(line.as_bytes()).map(|()| {
                 // A full channel has the thread store this record, too.
                 store.try_send(()).unwrap_or_default();
             }),
@@ -64,11 +64,12 @@ impl JournalFile {
 }
 
 /// Replaces the file by one with this line, and starts the thread that stores what follows.
-fn begin(path: &Path, line: &str) -> std::io::Result<(File, SyncSender<()>)> {
-    hal_output::write(path, line.as_bytes())?;
-    let file = OpenOptions::new().append(true).open(path)?;
-    let stored = file.try_clone()?;
+fn begin(path: &Path, line: &str) -> std::io::Result<(Growing, SyncSender<()>)> {
+    let mut file = Growing::create(path)?;
+    file.append(line.as_bytes())?;
+    let stored = File::open(path)?;
     let (store, due) = sync_channel(1);
+    store.try_send(()).unwrap_or_default();
     std::thread::Builder::new().name("journal".to_owned()).spawn(move || {
         while due.recv().is_ok() {
             // The next record is stored with this one, or a later write reports the disk.
@@ -86,7 +87,7 @@ mod tests {
     #[test]
     fn a_disk_that_is_full_leaves_no_journal() {
         // Every write to this device fails as on a full disk.
-        let full = File::options().append(true).open("/dev/full").unwrap();
+        let full = Growing::create(Path::new("/dev/full")).unwrap();
         let path = std::env::temp_dir().join(format!("hal-journal-{}", std::process::id()));
         std::fs::write(&path, "old").unwrap();
         let (store, _due) = sync_channel(1);

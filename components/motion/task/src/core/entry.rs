@@ -2,7 +2,7 @@
 //!
 //! Up to a safe height, the tool, its offset, spindles and coolant, over the place, outputs, and down at feed.
 
-use super::Rules;
+use super::rules::Rules;
 use crate::{
     convert::{Action, Converter},
     outside::{Move, Order, PathEnd, Shape, Speed},

@@ -63,7 +63,7 @@ impl Core {
         self.keeping = Keeping::default();
         let Ok(version) = world::version(path) else { return };
         let state = self.interpreter.state.clone();
-        let name = super::user::shown(path);
+        let name = Self::name_of(path);
         let begin = Begin {
             version: VERSION,
             // Another process may begin in another folder.

@@ -89,7 +89,7 @@ impl Core {
         let version = world::version(&path)?;
         self.take_over(out);
         let mut interpreter = Interpreter::from_state(self.interpreter.state.clone());
-        interpreter.load(&super::user::shown(&path), text);
+        interpreter.load(&Self::name_of(&path), text);
         let run = Box::new(DryRun::new(interpreter, target, self.given()));
         let program = Opened { path, version };
         self.search_for(Search { run, program, ticket, recovery: None });
@@ -233,12 +233,6 @@ impl Core {
         self.restart.proposal.as_ref().map(|p| p.shown.clone())
     }
 
-    /// Returns the state that is proposed, and the interpreter in it.
-    #[cfg(test)]
-    pub(crate) fn proposed(&self) -> Option<(&Found, &Interpreter)> {
-        self.restart.proposal.as_ref().map(|p| (&p.found, &*p.interpreter))
-    }
-
     /// Forgets a proposal.
     pub(super) fn forget_proposal(&mut self) {
         self.restart.proposal = None;
@@ -343,4 +337,12 @@ fn sign(direction: Direction) -> f64 {
 
 fn truth(on: bool) -> &'static str {
     if on { "TRUE" } else { "FALSE" }
+}
+
+#[cfg(test)]
+impl Core {
+    /// Returns the state that is proposed, and the interpreter in it.
+    pub(crate) fn proposed(&self) -> Option<(&Found, &Interpreter)> {
+        self.restart.proposal.as_ref().map(|p| (&p.found, &*p.interpreter))
+    }
 }

@@ -233,7 +233,7 @@ impl Core {
         let path = self.program.clone().unwrap_or_default();
         let text = world::program(&path)?;
         self.take_over(out);
-        self.interpreter.load(&shown(&path), text);
+        self.interpreter.load(&Self::name_of(&path), text);
         self.begin_job(true, Some(ticket), stepping, out);
         self.begin_journal(&path, &Outputs::default(), out);
         Ok(Report::Later)
@@ -321,6 +321,12 @@ impl Core {
         self.mdi.len()
     }
 
+    /// Returns the name of a program in messages.
+    pub(super) fn name_of(path: &Path) -> String {
+        let text = path.to_string_lossy();
+        if text.contains('/') { text.into_owned() } else { file_name(path) }
+    }
+
     /// Begins the next line of MDI that waits.
     pub(super) fn begin_mdi(&mut self, out: &mut impl Outside) {
         if self.is_busy() {
@@ -338,10 +344,4 @@ impl Core {
 
 fn accepted(accepted: bool) -> Result<Report, String> {
     if accepted { Ok(Report::Now) } else { Err(FULL.into()) }
-}
-
-/// Returns the name of a program in messages.
-pub(super) fn shown(path: &Path) -> String {
-    let text = path.to_string_lossy();
-    if text.contains('/') { text.into_owned() } else { file_name(path) }
 }
