@@ -2,6 +2,7 @@
 
 use crate::number::{self, count, number};
 use crate::spindle::{self, Spindle};
+use crate::world::{Version, version};
 use hal_gcode::{
     Numbered, Settings,
     axis::{Axis, AxisMask},
@@ -31,6 +32,8 @@ pub struct Machine {
     pub tools: ToolTable,
     /// The file of the tool table.
     pub table: Option<PathBuf>,
+    /// Size and time of change of that file when it was read or written last; `None` if there was none.
+    pub table_version: Option<Version>,
     /// The tool in the spindle.
     pub spindle: Spindle,
     /// The file of the tool in the spindle.
@@ -85,6 +88,7 @@ impl Machine {
             settings: Settings::default(),
             tools: ToolTable::default(),
             table: None,
+            table_version: None,
             spindle: Spindle::Holds(0),
             spindle_file: None,
             numbered: Numbered::default(),
@@ -274,6 +278,26 @@ impl Machine {
         }
     }
 
+    /// Checks that nobody has edited the file of the tool table since it was read.
+    ///
+    /// # Errors
+    /// The file has changed.
+    pub fn check_table(&self) -> Result<(), String> {
+        let Some((path, known)) = self.table.as_ref().zip(self.table_version) else {
+            return Ok(());
+        };
+        if version(path).is_ok_and(|now| now == known) {
+            return Ok(());
+        }
+        let name = path.display();
+        Err(format!("{name}: the tool table has changed since it was read: G10 L0 reads it again"))
+    }
+
+    /// Takes the file of the tool table as it is now for the one that is known.
+    pub fn note_table(&mut self) {
+        self.table_version = self.table.as_deref().and_then(|path| version(path).ok());
+    }
+
     fn read_table(&mut self, path: &Path) -> Result<(), String> {
         let (table, findings) = ToolTable::parse(&text(path)?);
         for finding in findings {
@@ -288,6 +312,7 @@ impl Machine {
             self.remarks.push(format!("{}:{line}: {what}", path.display()));
         }
         self.tools = table;
+        self.table_version = version(path).ok();
         Ok(())
     }
 

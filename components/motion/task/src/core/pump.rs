@@ -243,6 +243,8 @@ impl Core {
         else {
             return Ok(());
         };
+        // A table that somebody has edited stays as it is, in the file and here.
+        self.world.machine.check_table()?;
         let tools = &mut self.world.machine.tools;
         let known = tools.find(*tool).cloned().unwrap_or_default();
         let new = Tool {
@@ -259,7 +261,7 @@ impl Core {
             Some(slot) => *slot = new,
             None => tools.tools.push(new),
         }
-        out.save_tools(tools)
+        self.save_tools(out)
     }
 
     /// Keeps spindles at constant surface speed: their turns depend on the distance of X from the axis.

@@ -96,10 +96,12 @@ impl Core {
 
     /// Exchanges the pockets of the tool in the spindle, which is pocket 0, and of the tool that comes into it.
     fn swap_pockets(&mut self, tool: i32, out: &mut impl Outside) -> Result<(), String> {
-        let tools = &mut self.world.machine.tools;
+        let tools = &self.world.machine.tools;
         let Some(pocket) = tools.find(tool).map(|t| t.pocket).filter(|p| *p != 0) else {
             return Ok(());
         };
+        self.world.machine.check_table()?;
+        let tools = &mut self.world.machine.tools;
         for entry in &mut tools.tools {
             if entry.pocket == 0 {
                 entry.pocket = pocket;
@@ -107,6 +109,13 @@ impl Core {
                 entry.pocket = 0;
             }
         }
-        out.save_tools(tools)
+        self.save_tools(out)
+    }
+
+    /// Writes the tool table.
+    pub(super) fn save_tools(&mut self, out: &mut impl Outside) -> Result<(), String> {
+        out.save_tools(&self.world.machine.tools)?;
+        self.world.machine.note_table();
+        Ok(())
     }
 }

@@ -246,3 +246,33 @@ fn a_probe_move_pauses() {
     rig.good(Command::Resume);
     assert_eq!(rig.sent(), ["Resume"]);
 }
+
+/// A tool table that is edited while a job runs is not overwritten, and is read again with G10 L0.
+#[test]
+fn a_tool_table_that_is_edited_meanwhile_is_not_overwritten() {
+    let run = |edit: bool, program: &str| {
+        let mut file = PathBuf::new();
+        let mut rig = Rig::on_machine(program, |machine, _| {
+            file = machine.folders[0].join("tool.tbl");
+            std::fs::write(&file, TOOLS).unwrap();
+            machine.table = Some(file.clone());
+            machine.reload_tools().unwrap();
+        });
+        let ticket = rig.send(Command::Run);
+        rig.pass(0.1);
+        if edit {
+            std::fs::write(&file, "T1 P1 Z99 D3\nT2 P2 Z20 D1\n").unwrap();
+        }
+        rig.pass(3.0);
+        (rig.result(ticket).unwrap(), rig.fake.tables.clone())
+    };
+    let (result, tables) = run(false, "G21 G4 P1\nG10 L1 P1 Z5\nM2\n");
+    assert_eq!((result, tables.len()), (Ok(()), 1));
+    let (result, tables) = run(true, "G21 G4 P1\nG10 L1 P1 Z5\nM2\n");
+    let why = result.unwrap_err();
+    assert!(why.contains("tool.tbl: the tool table has changed since it was read"), "{why}");
+    assert!(tables.is_empty(), "{tables:?}");
+    let (result, tables) = run(true, "G21 G4 P1\nG10 L0\nG10 L1 P2 Z5\nM2\n");
+    assert_eq!(result, Ok(()));
+    assert!(tables[0].contains("99"), "{tables:?}");
+}
