@@ -19,7 +19,6 @@ mod clock;
 mod filter;
 mod format;
 mod metric;
-mod path;
 mod plot;
 mod printer;
 mod state;

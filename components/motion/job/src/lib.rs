@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`machine`] | the machine: INI file, tool table, parameter file |
 //! | [`number`] | numbers of an INI file, and their errors |
+//! | [`way`] | the way of the tool in machine coordinates |
 //! | [`world`] | the interpreter's environment: programs, subroutines, tools, values |
 //! | [`run`] | a program without its machine, from its begin to its end |
 //! | [`journal`] | the record of a job, for a start after a loss of power |
@@ -20,6 +21,7 @@ pub mod number;
 pub mod refusal;
 pub mod run;
 pub mod spindle;
+pub mod way;
 pub mod world;
 
 pub use machine::{Files, Machine};

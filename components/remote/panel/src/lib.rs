@@ -5,6 +5,7 @@ mod audit;
 mod commands;
 mod engine;
 mod error;
+mod geometry;
 mod heart;
 mod http;
 mod info;

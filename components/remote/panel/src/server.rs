@@ -30,7 +30,7 @@ use tokio::{
     net::{TcpListener, TcpStream},
     runtime,
     signal::unix::{SignalKind, signal},
-    sync::{Semaphore, watch},
+    sync::{Mutex, Semaphore, watch},
 };
 
 /// Number of connections; more wait until one ends.
@@ -63,6 +63,8 @@ pub(crate) struct Panel {
     pub(crate) audit: Audit,
     /// Folder of programs.
     pub(crate) programs: Option<PathBuf>,
+    /// Kept while a program's geometry is read: one after the other.
+    pub(crate) reading: Mutex<()>,
     /// Description of the machine.
     pub(crate) info: Map<String, Json>,
     /// File with the address and the one-time token.
@@ -116,6 +118,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             heart: heart::start(&place)?,
             audit,
             programs,
+            reading: Mutex::default(),
             info,
             address_file: options.address_file.clone().unwrap_or_else(|| beside("url")),
         });

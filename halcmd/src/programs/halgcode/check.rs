@@ -1,11 +1,6 @@
 //! `halgcode check`: the errors of a program, the places that the machine cannot reach, its tools and extents.
 
-use super::{
-    clock::Clock,
-    filter,
-    path::{Extents, Kind, Way},
-    usage_of,
-};
+use super::{clock::Clock, filter, usage_of};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -21,6 +16,7 @@ use hal_gcode::{
 use hal_job::{
     machine::{Files, Machine},
     run::{Answers, Stop, run, start},
+    way::{Extents, Kind, Way},
     world::World,
 };
 use std::{

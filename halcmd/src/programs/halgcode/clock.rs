@@ -1,13 +1,15 @@
 //! Duration of a program on its machine: the planner of motion plans the moves, and its follower follows the plan.
 
-use super::path::{Kind, Way};
 use hal_gcode::{
     Call, Interpreter, Issued,
     axis::{Axis, Position},
     canon::{Frame, PathMode, Plane},
     state::FeedMode,
 };
-use hal_job::machine::Machine;
+use hal_job::{
+    machine::Machine,
+    way::{Kind, Way},
+};
 use hal_trajectory::{
     Error, Follower, Limits, Machine as Motion, Mode, Move, Planner, Pose, Shape, Trivial,
 };

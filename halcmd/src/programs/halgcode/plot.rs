@@ -1,9 +1,7 @@
 //! `halgcode plot`: the way of the tool as a picture.
 
 use super::{
-    filter,
-    path::{Extents, Kind, Way},
-    usage_of,
+    filter, usage_of,
     views::{Move, Views},
 };
 use crate::{
@@ -18,6 +16,7 @@ use hal_gcode::{Interpreter, axis::Axis};
 use hal_job::{
     machine::{Files, Machine},
     run::{Answers, Stop, run, start},
+    way::{Extents, Kind, Way},
     world::World,
 };
 use std::{

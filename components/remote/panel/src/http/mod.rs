@@ -2,6 +2,7 @@
 
 mod guard;
 mod lists;
+mod machine;
 mod programs;
 mod sign_in;
 
@@ -38,6 +39,9 @@ pub(crate) fn router(panel: &Arc<Panel>) -> Router {
         .route("/check", get(lists::check))
         .route("/order", get(lists::order))
         .route("/flight", get(lists::flight))
+        .route("/tools", get(machine::tools))
+        .route("/offsets", get(machine::offsets))
+        .route("/programs/{name}/path", get(machine::path))
         .route("/programs", get(programs::list))
         .route("/programs/{name}", program)
         .route("/socket", any(socket::open))

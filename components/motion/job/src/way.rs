@@ -9,7 +9,7 @@ use hal_gcode::{
 
 /// The kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum Kind {
     /// A rapid move.
     Rapid,
     /// A move at feed.
@@ -24,20 +24,20 @@ const MAX_POINTS: f64 = 100_000.0;
 const CURVE_POINTS: usize = 12;
 
 /// Follows calls.
-pub(super) struct Way {
+pub struct Way {
     frame: Frame,
     /// The place, in machine coordinates of millimetres and degrees.
-    pub(super) at: Position,
+    pub at: Position,
 }
 
 impl Way {
     /// Begins at the place where the interpreter is.
-    pub(super) fn new(frame: Frame, position: Position) -> Self {
+    pub fn new(frame: Frame, position: Position) -> Self {
         Self { frame, at: frame.machine_mm(position) }
     }
 
     /// Follows a call and hands out the points after the first of what it moves.
-    pub(super) fn follow(&mut self, call: &Call, each: &mut dyn FnMut(Kind, Position)) {
+    pub fn follow(&mut self, call: &Call, each: &mut dyn FnMut(Kind, Position)) {
         self.frame.apply(call);
         match call {
             Call::StraightTraverse(end) => self.straight(Kind::Rapid, *end, each),
@@ -147,20 +147,24 @@ fn extremes(begin: f64, direction: f64, sweep: f64, turn: f64) -> Vec<f64> {
 }
 
 /// The smallest box that holds points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extents {
-    pub(super) low: Position,
-    pub(super) high: Position,
-    pub(super) any: bool,
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extents {
+    /// Lowest coordinates.
+    pub low: Position,
+    /// Highest coordinates.
+    pub high: Position,
+    /// True once a point has been added.
+    pub any: bool,
 }
 
 impl Extents {
-    pub(super) fn new() -> Self {
-        Self { low: Position::default(), high: Position::default(), any: false }
+    /// Returns the box that holds nothing.
+    pub fn new() -> Self {
+        Self::default()
     }
 
     /// Widens the box to hold a point.
-    pub(super) fn add(&mut self, point: Position) {
+    pub fn add(&mut self, point: Position) {
         if !self.any {
             (self.low, self.high, self.any) = (point, point, true);
             return;

@@ -1,0 +1,203 @@
+//! Geometry of a program: the points of its path, as `API.md` lays them out.
+
+use hal_gcode::{Call, Interpreter, canon::Unit};
+use hal_job::{
+    Files, Machine, World,
+    run::{Answers, start, step},
+    way::{Kind, Way},
+    world,
+};
+use std::path::Path;
+use tokio::time::{Duration, Instant};
+
+/// Number of points of a program; its later ones are left out.
+const MAX_POINTS: usize = 8_000_000;
+/// Longest time for one program.
+const MAX_TIME: Duration = Duration::from_secs(60);
+/// Steps of the program between two looks at the time.
+const LOOK: u32 = 4096;
+/// Number of points that may be left out in a row.
+const MAX_LEFT_OUT: usize = 64;
+
+/// A point and the segment that ends there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Point {
+    at: [f64; 3],
+    line: u32,
+    feed: f32,
+    tool: u16,
+    kind: u8,
+}
+
+/// The points of a program.
+#[derive(Debug, Default)]
+pub(crate) struct Geometry {
+    points: Vec<Point>,
+    /// Points since the last that is kept, all within the tolerance of the line from there.
+    pending: Vec<Point>,
+    tolerance: f64,
+    reduced: bool,
+    whole: bool,
+    /// Reason why the program was not read to its end, and its line.
+    pub(crate) error: Option<(u32, String)>,
+}
+
+/// Reads a program as the task would.
+///
+/// # Errors
+/// A file of the machine or the program cannot be read.
+pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Geometry, String> {
+    let machine = Machine::read(&Files { ini, ..Files::default() })?;
+    let scale = Unit::Millimetre.to(machine.settings.unit);
+    let machine_unit = machine.settings.unit;
+    let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
+    let world = World { machine, hal: std::collections::BTreeMap::new() };
+    start(&mut it, &world)?;
+    it.load(&file.display().to_string(), world::program(file)?);
+    let mut way = Way::new(it.state.frame, it.state.position);
+    let mut geometry = Geometry { tolerance, ..Geometry::default() };
+    let (mut unit, mut feed) = (it.state.frame.unit, it.state.modal.feed);
+    let mut tool = u16::try_from(it.state.tool.number).unwrap_or(0);
+    let place = |p: hal_gcode::axis::Position| [p.x, p.y, p.z].map(|v| v * scale);
+    geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0 });
+    let (begun, mut out) = (Instant::now(), Vec::new());
+    for n in 0_u32.. {
+        let going = step(&mut it, &world, Answers { probe_trips: true }, &mut out);
+        for issued in out.drain(..) {
+            match &issued.call {
+                Call::UseLengthUnits(new) => unit = *new,
+                Call::SetFeedRate(rate) => feed = *rate,
+                Call::ChangeTool(number) | Call::ChangeToolNumber(number) => {
+                    tool = u16::try_from(*number).unwrap_or(0);
+                }
+                _ => {}
+            }
+            way.follow(&issued.call, &mut |kind, at| {
+                let (kind, feed) = match (kind, &issued.call) {
+                    (Kind::Rapid, _) => (1, 0.0),
+                    (Kind::Feed, Call::ArcFeed { .. }) => (3, feed),
+                    (Kind::Feed, Call::StraightProbe { .. }) => (4, feed),
+                    (Kind::Feed, _) => (2, feed),
+                };
+                #[expect(clippy::cast_possible_truncation, reason = "a colour")]
+                let feed = (feed * unit.to(machine_unit)) as f32;
+                geometry.add(Point { at: place(at), line: issued.line, feed, tool, kind });
+            });
+        }
+        match going {
+            Ok(true) => {}
+            Ok(false) => {
+                geometry.whole = true;
+                break;
+            }
+            Err(error) => {
+                geometry.error = Some((error.place.line, error.problem.to_string()));
+                break;
+            }
+        }
+        let stopped = if geometry.points.len() >= MAX_POINTS {
+            Some(format!("it has more than {MAX_POINTS} points"))
+        } else if n.is_multiple_of(LOOK) && begun.elapsed() > MAX_TIME {
+            Some(format!("reading it takes more than {} s", MAX_TIME.as_secs()))
+        } else {
+            None
+        };
+        if let Some(why) = stopped {
+            geometry.error = Some((it.state.line, why));
+            break;
+        }
+    }
+    geometry.flush();
+    Ok(geometry)
+}
+
+impl Geometry {
+    fn keep(&mut self, point: Point) {
+        self.points.push(point);
+    }
+
+    /// Adds a point; leaves out those that the line between their neighbours passes.
+    fn add(&mut self, point: Point) {
+        let same = |other: &Point| {
+            (other.kind, other.tool) == (point.kind, point.tool) && other.feed == point.feed
+        };
+        let passes = |from: [f64; 3]| {
+            self.pending.len() < MAX_LEFT_OUT
+                && self
+                    .pending
+                    .iter()
+                    .all(|p| same(p) && distance(p.at, from, point.at) <= self.tolerance)
+        };
+        if self.tolerance > 0.0 && self.points.last().is_some_and(|last| passes(last.at)) {
+            self.pending.push(point);
+            return;
+        }
+        self.flush();
+        if self.tolerance > 0.0 {
+            self.pending.push(point);
+        } else {
+            self.keep(point);
+        }
+    }
+
+    /// Keeps the last of the points that wait.
+    fn flush(&mut self) {
+        if let Some(last) = self.pending.pop() {
+            self.reduced |= !self.pending.is_empty();
+            self.pending.clear();
+            self.keep(last);
+        }
+    }
+
+    /// Returns the geometry as bytes.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        let first = self.points.first().map_or([0.0; 3], |p| p.at);
+        let (mut low, mut high) = (first, first);
+        for point in &self.points {
+            for ((low, high), v) in low.iter_mut().zip(&mut high).zip(point.at) {
+                *low = low.min(v);
+                *high = high.max(v);
+            }
+        }
+        let middle = |(a, b): (f64, f64)| f64::midpoint(a, b);
+        let mut origin = [0.0; 3];
+        for (origin, ends) in origin.iter_mut().zip(low.into_iter().zip(high)) {
+            *origin = middle(ends);
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "pictures need no more")]
+        let near = |at: [f64; 3]| {
+            let [x, y, z] = at;
+            let [a, b, c] = origin;
+            [(x - a) as f32, (y - b) as f32, (z - c) as f32]
+        };
+        let count = u32::try_from(self.points.len()).unwrap_or(u32::MAX);
+        let mut out = Vec::with_capacity(64 + 23 * self.points.len());
+        out.extend_from_slice(b"FERPATH1");
+        out.extend_from_slice(&count.to_le_bytes());
+        let flags = u32::from(self.whole) | u32::from(self.reduced) << 1;
+        out.extend_from_slice(&flags.to_le_bytes());
+        out.extend(origin.into_iter().flat_map(f64::to_le_bytes));
+        out.extend(near(low).into_iter().chain(near(high)).flat_map(f32::to_le_bytes));
+        out.extend(self.points.iter().flat_map(|p| near(p.at)).flat_map(f32::to_le_bytes));
+        out.extend(self.points.iter().flat_map(|p| p.line.to_le_bytes()));
+        out.extend(self.points.iter().flat_map(|p| p.feed.to_le_bytes()));
+        out.extend(self.points.iter().flat_map(|p| p.tool.to_le_bytes()));
+        out.extend(self.points.iter().map(|p| p.kind));
+        out
+    }
+}
+
+/// Returns the distance of a point from the line between two others.
+fn distance(p: [f64; 3], a: [f64; 3], b: [f64; 3]) -> f64 {
+    let difference = |u: [f64; 3], v: [f64; 3]| [u[0] - v[0], u[1] - v[1], u[2] - v[2]];
+    let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    let (ab, ap) = (difference(b, a), difference(p, a));
+    let length = dot(ab, ab);
+    let share = if length > 0.0 { dot(ap, ab) / length } else { 0.0 };
+    let share = if share > 1.0 { 1.0 } else { share.max(0.0) };
+    let off = difference(ap, ab.map(|v| v * share));
+    dot(off, off).sqrt()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,124 @@
+//! The machine's files: tools, offsets, and the paths of programs.
+
+use crate::{
+    error::{Code, Error},
+    geometry,
+    server::Panel,
+    session::Session,
+};
+use axum::{
+    Json,
+    extract::{Path, RawQuery, State},
+    http::{HeaderName, HeaderValue, header},
+    response::{IntoResponse as _, Response},
+};
+use hal_gcode::{axis::Axis, parameters::number};
+use hal_job::{Files, Machine};
+use serde_json::{Value as Json_, json};
+use std::sync::Arc;
+use tokio::task::block_in_place;
+
+/// Names of the coordinate systems.
+const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
+/// Header with the reason why a program was not read to its end.
+const ERROR: HeaderName = HeaderName::from_static("x-ferrule-error");
+
+impl Panel {
+    /// Reads the files of the machine.
+    fn files(&self) -> Result<Machine, Error> {
+        let files = Files { ini: self.options.ini_file.as_deref(), ..Files::default() };
+        block_in_place(|| Machine::read(&files)).map_err(|e| Error::new(Code::Disk, e))
+    }
+}
+
+/// Lists the tool table.
+pub(crate) async fn tools(State(panel): State<Arc<Panel>>, _: Session) -> Result<Response, Error> {
+    let machine = panel.files()?;
+    let tools = machine.tools.tools.iter().map(|tool| {
+        json!({
+            "number": tool.number,
+            "pocket": tool.pocket,
+            "offset": Axis::ALL.map(|axis| tool.offset[axis]),
+            "diameter": tool.diameter,
+            "front": tool.front,
+            "back": tool.back,
+            "orientation": tool.orientation,
+            "comment": tool.remark,
+        })
+    });
+    Ok(Json(tools.collect::<Vec<_>>()).into_response())
+}
+
+/// Lists the coordinate systems: those of the parameter file, and the one in force as the task has it.
+pub(crate) async fn offsets(
+    State(panel): State<Arc<Panel>>,
+    _: Session,
+) -> Result<Response, Error> {
+    let machine = panel.files()?;
+    let nine = |first: i32| -> Vec<f64> {
+        (first..).take(9).map(|index| machine.numbered.get(index)).collect()
+    };
+    let now = panel.machine.borrow().clone();
+    let task = |name: &str| now.task.as_ref().and_then(|task| task.get(name)).cloned();
+    let current = task("system").and_then(|system| system.as_u64());
+    let systems = (1_u64..).zip(SYSTEMS).zip((0..).step_by(20)).map(|((n, name), step)| {
+        let stored = (
+            json!(nine(number::G54 + step)),
+            json!(machine.numbered.get(number::G54_ROTATION + step)),
+        );
+        let (offset, rotation): (Json_, Json_) = match (task("g5x_offset"), task("rotation")) {
+            (Some(offset), Some(rotation)) if current == Some(n) => (offset, rotation),
+            _ => stored,
+        };
+        json!({ "name": name, "offset": offset, "rotation": rotation })
+    });
+    let g92 = task("g92_offset").unwrap_or_else(|| json!(nine(number::G92)));
+    Ok(Json(json!({ "systems": systems.collect::<Vec<_>>(), "g92": g92 })).into_response())
+}
+
+/// Returns the geometry of a program.
+pub(crate) async fn path(
+    State(panel): State<Arc<Panel>>,
+    _: Session,
+    Path(name): Path<String>,
+    RawQuery(query): RawQuery,
+) -> Result<Response, Error> {
+    let file = panel.program(&name)?;
+    if !file.is_file() {
+        return Err(Error::new(Code::NotFound, format!("there is no program '{name}'")));
+    }
+    let tolerance = match query.as_deref() {
+        None | Some("") => 0.0,
+        Some(query) => {
+            let number = query.strip_prefix("tolerance=").and_then(|t| t.parse::<f64>().ok());
+            number.filter(|t| t.is_finite() && *t >= 0.0).ok_or_else(|| {
+                Error::new(Code::Malformed, format!("'{query}' is not tolerance=NUMBER"))
+            })?
+        }
+    };
+    let reading = panel.reading.lock().await;
+    let read = block_in_place(|| {
+        let read = geometry::read(panel.options.ini_file.as_deref(), &file, tolerance);
+        read.map(|geometry| (geometry.bytes(), geometry.error))
+    });
+    drop(reading);
+    let (bytes, error) = read.map_err(|e| Error::new(Code::Refused, e))?;
+    let mut response = bytes.into_response();
+    let kind = HeaderValue::from_static("application/octet-stream");
+    response.headers_mut().insert(header::CONTENT_TYPE, kind);
+    if let Some((line, text)) = error {
+        let text = encoded(&format!("{line} {text}"));
+        if let Ok(value) = HeaderValue::from_str(&text) {
+            response.headers_mut().insert(ERROR, value);
+        }
+    }
+    Ok(response)
+}
+
+/// Returns a text with percent signs for everything that a header might not hold.
+fn encoded(text: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
+    text.bytes()
+        .map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") })
+        .collect()
+}
