@@ -1,6 +1,6 @@
 // Pins, parameters, signals, functions and threads: a tree with search, a watch list, values to set and links to make.
 
-import { ask, card, el, enable, field, setText } from "../dom.js";
+import { ask, card, el, field, setText } from "../dom.js";
 import { getJson, listPath } from "../http.js";
 
 const KINDS = ["pins", "params", "signals", "functs", "threads", "components"];
@@ -136,6 +136,5 @@ export function watchCard(ctx) {
   store.listen(draw, signal);
   signal.addEventListener("abort", () => link.watch("watch", []));
   const clear = el("button", { type: "button", onclick: () => prefs.set("watch", []) }, t("watch.clear"));
-  enable(clear, true);
   return card("watch", t("watch"), table, el("div", { class: "row" }, clear));
 }

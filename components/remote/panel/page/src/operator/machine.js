@@ -2,9 +2,7 @@
 
 import { card, el, enable, setText } from "../dom.js";
 import { holdButton } from "../hold.js";
-
-const ESTOP = 0;
-const ON = 2;
+import { STATE } from "./states.js";
 
 /** Makes the card of power and homing. */
 export function machineCard(ctx) {
@@ -25,8 +23,8 @@ export function machineCard(ctx) {
 
   store.listen(() => {
     const [motion, task, panel] = [store.get("motion"), store.get("task"), store.get("panel")];
-    const isEstop = task.state === ESTOP;
-    const isOn = task.state === ON;
+    const isEstop = task.state === STATE.estop;
+    const isOn = task.state === STATE.on;
     const homed = motion.all_homed ? t("homed") : motion.homing ? t("homing") : t("unhomed");
     const name = isEstop ? "estop" : isOn ? "on" : "off";
     setText(state, task.state === undefined ? t("state.none") : isOn ? `${t("state.on")} · ${homed}` : t(`state.${name}`));
@@ -34,7 +32,7 @@ export function machineCard(ctx) {
     const may = ctx.mayControl();
     enable(reset, may && isEstop && info.remote?.estop_reset !== false);
     reset.title = info.remote?.estop_reset === false ? t("estop.local") : t("hold.hint");
-    enable(on, may && task.state === 1);
+    enable(on, may && task.state === STATE.off);
     enable(off, isOn && panel.engine === "joined");
     for (const button of [home, unhome, ...joints]) enable(button, may && isOn && !task.interpreter);
     joints.forEach((button, j) => button.classList.toggle("done", motion.joint_homed?.[j] === true));

@@ -1,6 +1,7 @@
 // Single lines of G-code, with their history, and the buttons of the INI file.
 
-import { card, el, enable } from "../dom.js";
+import { card, el, enable, setText } from "../dom.js";
+import { gCode } from "../format.js";
 import { holdButton } from "../hold.js";
 
 const MAX_HISTORY = 100;
@@ -14,6 +15,7 @@ export function mdiCard(ctx) {
   input.setAttribute("autocapitalize", "characters");
   const history = el("ol", { class: "history", "aria-label": t("mdi.history") });
   const go = holdButton(t("mdi.run"), t("hold.hint"), () => execute(input.value), { id: "mdi-run" });
+  const active = el("p", { class: "note code", id: "mdi-active" });
   let at = -1;
 
   async function execute(text) {
@@ -56,9 +58,10 @@ export function mdiCard(ctx) {
     const task = store.get("task");
     const may = ctx.mayMove() && task.state === 2 && (task.mode === 2 || !task.interpreter);
     for (const button of [go, ...own]) enable(button, may);
+    setText(active, (task.g_codes ?? []).filter((code) => code > 0).map(gCode).join(" "));
   }, signal);
   return card(
-    "mdi", t("mdi"), form, history,
+    "mdi", t("mdi"), form, active, history,
     own.length > 0 ? el("div", { class: "row", role: "group", "aria-label": t("mdi.own") }, ...own) : null,
   );
 }

@@ -41,13 +41,11 @@ export function positionsCard(ctx) {
   };
   store.listen(draw, signal);
   prefs.listen(draw, signal);
-  return Object.assign(
-    card(
-      "positions", t("positions"),
-      el("div", { class: "row tabs", role: "group", "aria-label": t("positions") }, ...kinds, units),
-      el("table", { class: "dro", "aria-label": t("positions") }, rows),
-      el("p", { class: "row spread" }, system, el("span", {}, t("velocity"), " ", speed)),
-    ),
+  return card(
+    "positions", t("positions"),
+    el("div", { class: "row tabs", role: "group", "aria-label": t("positions") }, ...kinds, units),
+    el("table", { class: "dro", "aria-label": t("positions") }, rows),
+    el("p", { class: "row spread" }, system, el("span", {}, t("velocity"), " ", speed)),
   );
 }
 

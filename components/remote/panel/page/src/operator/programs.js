@@ -1,6 +1,6 @@
 // The list of programs, uploads, and the program that is open.
 
-import { ask, card, el, enable, setText, show } from "../dom.js";
+import { ask, card, el, enable, setText } from "../dom.js";
 import { bytes } from "../format.js";
 import { getJson, programPath, request } from "../http.js";
 import { Listing, Program } from "./listing.js";
@@ -92,16 +92,15 @@ export function programsCard(ctx) {
   signal.addEventListener("abort", () => loading?.abort());
   refresh();
 
-  const drop = card(
+  const box = card(
     "programs", t("program"), name, note, listing.node, files,
     el("div", { class: "row" }, el("label", { class: "button", for: "upload" }, t("program.upload")), input,
       el("button", { type: "button", onclick: refresh }, t("refresh"))),
   );
-  drop.addEventListener("dragover", (event) => event.preventDefault());
-  drop.addEventListener("drop", (event) => {
+  box.addEventListener("dragover", (event) => event.preventDefault());
+  box.addEventListener("drop", (event) => {
     event.preventDefault();
     upload([...event.dataTransfer.files]);
   });
-  show(note, true);
-  return drop;
+  return box;
 }

@@ -1,6 +1,6 @@
 // The card with the picture: path, limits, zeros, machine, tool.
 
-import { card, el, setText, show } from "../dom.js";
+import { card, el, setText } from "../dom.js";
 import { AXES, workPose } from "../format.js";
 import { getJson, listPath, programPath, request } from "../http.js";
 import { Vector3 } from "../../vendor/three.module.min.js";
@@ -141,7 +141,6 @@ export function viewCard(ctx) {
     loading?.abort();
     view.dispose();
   });
-  show(note, true);
   return box;
 }
 
