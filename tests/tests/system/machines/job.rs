@@ -204,7 +204,7 @@ fn a_run_from_a_line_shows_its_entry_and_goes_on_from_there() {
 fn a_job_that_broke_off_is_resumed_when_a_person_agrees() {
     let program = "G21 G90 G61\nG0 X5 Y5\nG1 X15 F600\nM3 S100\nG1 Y15\nG1 X5\nG0 X0 Y0\nM2\n";
     // The spindle never reaches its speed, so that the job breaks off.
-    let scratch = printer("net slow spindle.0.at-speed\n", program);
+    let scratch = printer("setp spindle.0.at-speed FALSE\n", program);
     let cut = scratch.halrun(&["--virtual", "--run", "part.ngc", "printer.ini"]);
     assert!(cut.stderr.contains("part.ngc: failed after "), "{}", cut.stderr);
     scratch.write("custom.hal", "");
