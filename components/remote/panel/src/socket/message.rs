@@ -42,7 +42,7 @@ pub(super) enum Received {
     },
 }
 
-/// What a client does with the lease.
+/// Request of a client about the lease.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum LeaseAction {

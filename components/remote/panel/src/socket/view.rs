@@ -1,4 +1,4 @@
-//! What a client has been sent of the status.
+//! Status as a client has been sent it.
 
 use crate::{
     server::Panel,
