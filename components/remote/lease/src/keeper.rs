@@ -15,7 +15,7 @@ const START_NS: i64 = 2_000_000_000;
 enum Job {
     #[default]
     None,
-    /// It was commanded at this machine time.
+    /// Commanded at this machine time, not begun yet.
     Commanded(i64),
     Runs,
 }

@@ -85,7 +85,7 @@ impl Panel {
 /// Serves the instance until it ends or a signal comes.
 ///
 /// # Errors
-/// What is missing: an instance, a file, the address.
+/// An instance, a file or the address is missing or unusable.
 pub fn run(options: &Options) -> Result<(), String> {
     if !options.listen.ip().is_loopback() {
         return Err(format!(
