@@ -1,5 +1,6 @@
 //! The interpreter: executes lines over a link, one after the other.
 
+pub(crate) mod already;
 pub(crate) mod apply;
 pub mod dry_run;
 pub(crate) mod execute;

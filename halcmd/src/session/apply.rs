@@ -6,7 +6,10 @@ use crate::{
     language::command::{Apply, LockChange},
     language::lex::{Line, Reader},
     language::syntax::Statement,
-    session::trailer::Trailer,
+    session::{
+        already::{Already, removes},
+        trailer::Trailer,
+    },
 };
 use hal_protocol::{Class, Edit, Reply, Request};
 use std::{
@@ -91,7 +94,28 @@ impl Session<'_> {
         Err(Error::NoFile { path: STDIN.into(), why })
     }
 
-    fn give(&mut self, plan: Plan, name: &str, dry: bool) -> Result<(), Error> {
+    /// Removes the lines that say what is so already, and returns their number. After a line that removes something, a
+    /// later one may have to make it again.
+    fn drop_held(&mut self, plan: &mut Plan) -> Result<usize, Error> {
+        let already = Already::ask(self, plan.edits.iter().map(|edit| &edit.request))?;
+        let mut begins = true;
+        let held: Vec<bool> = plan
+            .edits
+            .iter()
+            .map(|edit| {
+                begins &= !removes(&edit.request);
+                begins && already.holds(&edit.request)
+            })
+            .collect();
+        let mut each = held.iter();
+        plan.edits.retain(|_| each.next() != Some(&true));
+        let mut each = held.iter();
+        plan.texts.retain(|_| each.next() != Some(&true));
+        Ok(held.into_iter().filter(|held| *held).count())
+    }
+
+    fn give(&mut self, mut plan: Plan, name: &str, dry: bool) -> Result<(), Error> {
+        let held = self.drop_held(&mut plan)?;
         let places: Vec<(u32, u32)> = plan.edits.iter().map(|e| (e.file, e.line)).collect();
         let (files, lines) = (plan.files.clone(), plan.edits.len());
         if !dry && plan.edits.iter().any(|e| e.request == Request::Start) {
@@ -122,10 +146,15 @@ impl Session<'_> {
         };
         let Reply::Applied { stores, lists } = reply else { return Err(Error::Unexpected) };
         let taken = format!(
-            "{}, with {} and {} of functions at one boundary",
+            "{}, with {} and {} of functions at one boundary{}",
             counted(lines, "line"),
             counted(stores as usize, "store"),
-            counted(lists as usize, "list")
+            counted(lists as usize, "list"),
+            if held > 0 {
+                format!("; {} held already", counted(held, "more line"))
+            } else {
+                String::new()
+            }
         );
         if dry {
             return self.print(&reply, |_| Some(format!("{name}: can be applied: {taken}\n")));
@@ -154,6 +183,7 @@ impl Session<'_> {
             Command::Lock(Some(LockChange::Without(bits))) => Request::ClearLock { bits },
             Command::Lock(None) => return Ok(()),
             Command::Source(path) => return self.source(&path),
+            Command::Launch(launch) if self.runs(&launch)? => return Ok(()),
             Command::Echo(_) => return self.execute(command),
             Command::Print(text) => {
                 let (file, line) = self.place();

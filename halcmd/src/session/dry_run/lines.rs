@@ -194,6 +194,14 @@ impl Session<'_> {
                 let own = program.starts_with("qtvcp").then_some(hal_manualtoolchange::NAME);
                 for word in words.chain(more.iter().copied()).chain(own) {
                     unknown.expect(word, &at, Some(program));
+                    // The screen qtdragon_hd has the component of the screen qtdragon.
+                    if own.is_some() {
+                        unknown.expect(
+                            word.split('_').next().unwrap_or_default(),
+                            &at,
+                            Some(program),
+                        );
+                    }
                 }
             }
         }

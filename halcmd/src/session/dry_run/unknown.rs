@@ -25,7 +25,9 @@ impl Unknown {
     /// Records that a program may make names that begin with this word.
     pub(super) fn expect(&mut self, word: &str, at: &At, program: Option<&str>) {
         let usable = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-        if word.starts_with(|c: char| c.is_ascii_alphabetic()) && word.chars().all(usable) {
+        let is_name = word.starts_with(|c: char| c.is_ascii_alphanumeric())
+            && word.contains(|c: char| c.is_ascii_alphabetic());
+        if is_name && word.chars().all(usable) {
             let source = Source { at: at.clone(), program: program.map(str::to_owned) };
             self.prefixes.entry(word.to_owned()).or_insert(source);
         }
