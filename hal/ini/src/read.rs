@@ -57,6 +57,8 @@ impl Reader {
             let path = file.as_str().into();
             Error::Syntax { path, line, why: why.into() }
         };
+        // Some editors begin a file with a mark, which means nothing.
+        let text = text.strip_prefix("\u{feff}".as_bytes()).unwrap_or(text);
         let mut section: Option<String> = None;
         for (line, text) in syntax::joined(text) {
             let text = text.ok_or_else(|| wrong(line, "this is not UTF-8"))?;

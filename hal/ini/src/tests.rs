@@ -27,6 +27,7 @@ fn sections_and_entries() {
         ("[A]\nX = a=b\n", "[A]X=\"a=b\"@2\n"),
         ("[A]\nX = one \\\n   two\nY = 1\n", "[A]X=\"one    two\"@3\n[A]Y=\"1\"@4\n"),
         ("[A]\nX-Y.Z = 1\n", "[A]X-Y.Z=\"1\"@2\n"),
+        ("\u{feff}[A]\nX = 1\n", "[A]X=\"1\"@2\n"),
         ("", ""),
     ] {
         check(text, want);

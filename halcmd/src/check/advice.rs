@@ -362,7 +362,8 @@ fn beside(finding: &mut Finding) {
     let Ok(files) = std::fs::read_dir(folder) else { return };
     let names: Vec<String> =
         files.flatten().take(1000).filter_map(|f| f.file_name().into_string().ok()).collect();
-    if let Some(near) = nearest(&finding.subject, names.iter().map(String::as_str)) {
+    let near = nearest(&finding.subject, names.iter().map(String::as_str));
+    if let Some(near) = near.filter(|near| **near != *finding.subject) {
         finding.remedy = format!("did you mean '{near}'? {}", finding.remedy);
     }
 }

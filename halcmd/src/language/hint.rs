@@ -29,6 +29,11 @@ impl Error {
             Self::TooManyTokens => {
                 Some(format!("at most {} words", crate::language::lex::MAX_WORDS))
             }
+            Self::LineTooLong => Some(format!(
+                "a line has at most {} bytes, and {} with the values of its variables",
+                crate::MAX_PHYSICAL,
+                crate::language::vars::MAX_LINE
+            )),
             Self::NoDestination { why, .. }
             | Self::Ini(hal_ini::Error::File { why, .. })
             | Self::NoCommandFile { why, .. } => Some(why.to_string()),

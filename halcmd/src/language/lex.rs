@@ -10,6 +10,9 @@ use hal_protocol::Link;
 /// Maximum number of words on a line.
 pub const MAX_WORDS: usize = 32;
 
+/// Mark with which some editors begin a file. It means nothing.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
 /// A line after joining: text and line number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
@@ -58,8 +61,18 @@ impl<L: Lines> Reader<L> {
         let mut breaks = Vec::new();
         let mut dos = false;
         loop {
-            let Physical { mut bytes, ended } = self.lines.next(!text.is_empty(), link)?;
+            let Physical { mut bytes, ended, mut cut } = self.lines.next(!text.is_empty(), link)?;
             self.number += 1;
+            if cut {
+                while cut {
+                    cut = self.lines.next(true, link).is_some_and(|rest| rest.cut);
+                }
+                let text = Err(Error::LineTooLong);
+                return Some(Line { number: self.number, text, breaks, dos });
+            }
+            if self.number == 1 && bytes.starts_with(BYTE_ORDER_MARK) {
+                bytes.drain(..BYTE_ORDER_MARK.len());
+            }
             if ended && bytes.last() == Some(&b'\r') {
                 bytes.pop();
                 dos |= !self.dos;
@@ -213,6 +226,7 @@ mod tests {
             ("a\\\r\nb\r\n", "2 dos \"ab\"\n"),
             ("a\rb\nc\n", "1 ! File contains embedded carriage returns.\n2 \"c\"\n"),
             ("\n\n", "1 \"\"\n2 \"\"\n"),
+            ("\u{feff}a\nb\n", "1 \"a\"\n2 \"b\"\n"),
             ("", ""),
         ] {
             assert_eq!(shown(text.as_bytes()), want, "{text:?}");
@@ -220,11 +234,22 @@ mod tests {
     }
 
     #[test]
-    fn a_long_physical_line_is_cut() {
-        let text = format!("{}\nend\n", "x".repeat(2400));
-        let lengths: Vec<usize> =
-            lines(text.as_bytes()).iter().map(|l| l.text.as_ref().unwrap().len()).collect();
-        assert_eq!(lengths, [1023, 1023, 354, 3]);
+    fn a_long_line_is_refused_and_the_next_has_its_own_number() {
+        for (length, first) in [(1023, "ok"), (1024, "!"), (2046, "!"), (2400, "!")] {
+            let text = format!("{}\nend\nlast", "x".repeat(length));
+            let lines = lines(text.as_bytes());
+            let shown = |l: &Line| match &l.text {
+                Ok(text) if text.len() == length => format!("{} ok", l.number),
+                Ok(text) => format!("{} {text}", l.number),
+                Err(e) => format!("{} ! {e}", l.number),
+            };
+            let lines: Vec<String> = lines.iter().map(shown).collect();
+            assert_eq!(lines.len(), 3, "{lines:?}");
+            assert!(lines[0].starts_with(&format!("1 {first}")), "{lines:?}");
+            assert_eq!(lines[1..], ["2 end", "3 last"]);
+        }
+        let text = "x".repeat(1023);
+        assert_eq!(lines(text.as_bytes())[0].text.as_ref().unwrap().len(), 1023);
         let joined = format!("{}\\\n{}\n", "y".repeat(900), "z".repeat(900));
         assert_eq!(lines(joined.as_bytes())[0].text.as_ref().unwrap().len(), 1800);
     }

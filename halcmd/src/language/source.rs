@@ -9,7 +9,7 @@ use rustix::{
 };
 use std::collections::VecDeque;
 
-/// Maximum number of bytes of a line that are read at once.
+/// Maximum number of bytes of a line.
 pub const MAX_PHYSICAL: usize = 1023;
 
 /// A line, or a piece of a line that is longer than [`MAX_PHYSICAL`].
@@ -19,6 +19,8 @@ pub struct Physical {
     pub bytes: Vec<u8>,
     /// True if it had an end of line; otherwise it was cut, or is the last of its file.
     pub ended: bool,
+    /// True if the rest of the line follows.
+    pub cut: bool,
 }
 
 /// A source of physical lines.
@@ -125,7 +127,7 @@ impl Lines for Stdin {
             }
         }
         loop {
-            let whole = self.buffer.len() >= MAX_PHYSICAL || self.buffer.contains(&b'\n');
+            let whole = self.buffer.len() > MAX_PHYSICAL || self.buffer.contains(&b'\n');
             if whole || self.ended {
                 let rest = self.buffer.make_contiguous();
                 if rest.is_empty() {
@@ -142,8 +144,9 @@ impl Lines for Stdin {
 
 /// Returns the first line of a non-empty text, and the number of bytes it takes.
 fn first_line(text: &[u8]) -> (Physical, usize) {
-    let end = text.iter().take(MAX_PHYSICAL).position(|b| *b == b'\n');
+    let end = text.iter().take(MAX_PHYSICAL + 1).position(|b| *b == b'\n');
     let length = end.unwrap_or_else(|| text.len().min(MAX_PHYSICAL));
     let bytes = text.get(..length).unwrap_or_default().to_vec();
-    (Physical { bytes, ended: end.is_some() }, length + usize::from(end.is_some()))
+    let cut = end.is_none() && text.len() > MAX_PHYSICAL;
+    (Physical { bytes, ended: end.is_some(), cut }, length + usize::from(end.is_some()))
 }

@@ -1,5 +1,6 @@
 //! Scripts and prompts: what each line prints, and what each error says.
 
+mod bad_files;
 mod cases;
 mod corpus;
 mod first_use;
