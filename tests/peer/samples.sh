@@ -26,7 +26,7 @@ find "$SAMPLES" -name '*.ini' | LC_ALL=C sort | while read -r ini; do
         | [$all[] | select(.level == "warning")] | length as $warnings
         | [$all[] | select(.level == "note")] | length as $notes
         | if ($lacks | length) > 0
-          then "lacks\t\($ini)\t\($lacks | map(select(. != "")) | join(", "))"
+          then "lacks\t\($ini)\t\($lacks | map(select(. != "")) | join(", "))\t\($errors)"
           else "whole\t\($ini)\t\($errors)\t\($warnings)\t\($notes)\t\($all
               | map(select(.level != "note") | .code) | unique | join(" "))"
           end' "$out"
@@ -36,14 +36,29 @@ done | awk -F '\t' -v reasons="$(dirname "$0")/samples.reasons" '
         reason = $3 + $4 > 0 ? why[$2] : ""
         whole[++n] = "| " $2 " | " $3 " | " $4 " | " $5 " | " $6 " | " reason " |"
     }
-    $1 == "lacks" { lacks[++m] = "| " $2 " | " $3 " |" }
+    $1 == "lacks" {
+        lacks[++m] = "| " $2 " | " $3 " |"
+        count = split($3, names, ", ")
+        for (i = 1; i <= count; i++) stops[names[i]]++
+        # Of a machine that lacks one thing, that thing alone stops it.
+        if (count == 1) alone[names[1]]++
+    }
+    $1 == "whole" && $3 == 0 || $1 == "lacks" && $4 == 0 { clean++ }
     END {
         print "# The sample configurations of LinuxCNC\n"
         print "What `halcmd check` says of them; `tests/peer/samples.sh` makes this table.\n"
+        print clean + 0 " of " n + m " have no error.\n"
         print n + 0 " of " n + m " have all their components, programs and files here:\n"
         print "| configuration | errors | warnings | notes | their codes | why |"
         print "|---|---|---|---|---|---|"
         for (i = 1; i <= n; i++) print whole[i]
+        print "\nWhat stops the others, if it stops two or more of them:\n"
+        print "| missing | configurations | stopped by it alone |"
+        print "|---|--:|--:|"
+        sort = "LC_ALL=C sort -t \"|\" -k 3,3nr -k 2,2"
+        for (name in stops)
+            if (stops[name] > 1) print "| " name " | " stops[name] " | " alone[name] + 0 " |" | sort
+        close(sort)
         print "\n" m + 0 " lack something that Ferrule does not have yet; findings about the rest of them would mean little:\n"
         print "| configuration | what it lacks |"
         print "|---|---|"

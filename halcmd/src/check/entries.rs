@@ -265,7 +265,13 @@ impl Joint<'_> {
             )));
             return found;
         }
-        for name in NEEDED {
+        // A rotary joint may turn without end.
+        let is_limited = |name: &&str| {
+            let limits = ["MIN_LIMIT", "MAX_LIMIT"];
+            let rotary = self.entry("TYPE").is_some_and(|e| e.value.trim() == "ANGULAR");
+            !limits.contains(name) || !rotary || limits.iter().any(|l| self.entry(l).is_some())
+        };
+        for name in NEEDED.iter().filter(|name| is_limited(name)) {
             let entry = self.entry(name);
             if entry.is_some_and(|e| !e.value.trim().is_empty()) {
                 continue;
