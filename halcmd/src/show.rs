@@ -157,18 +157,24 @@ fn aliases(text: &mut String, list: &[AliasInfo], script: bool) {
     }
 }
 
+/// Returns the entry of the column FP.
+const fn yes(fp: bool) -> &'static str {
+    if fp { "YES" } else { "NO " }
+}
+
 fn functs(text: &mut String, list: &[FunctInfo], script: bool) {
     if !script {
         text.push_str("Owner   CodeAddr      Arg           FP   Users   Name\n");
     }
     for f in list {
         let (owner, code, arg, users, name) = (f.owner, f.code, f.arg, f.users, &f.name);
+        let fp = yes(f.fp);
         if script {
             let owner = &f.owner_name;
-            text.push_str(&format!("{owner} {code:08x} {arg:08x} YES {users:>3} {name}\n"));
+            text.push_str(&format!("{owner} {code:08x} {arg:08x} {fp} {users:>3} {name}\n"));
         } else {
             text.push_str(&format!(
-                " {owner:05}  {code:08x}  {arg:08x}  YES  {users:>5}   {name}\n"
+                " {owner:05}  {code:08x}  {arg:08x}  {fp}  {users:>5}   {name}\n"
             ));
         }
     }
@@ -179,11 +185,12 @@ fn threads(text: &mut String, list: &[ThreadInfo], script: bool) {
         text.push_str("     Period  FP     Name               (     Time, Max-Time )\n");
     }
     for t in list {
+        let fp = yes(t.fp);
         if script {
-            text.push_str(&format!("{} YES {} {:>8} {}\n", t.period, t.name, t.time, t.tmax));
+            text.push_str(&format!("{} {fp} {} {:>8} {}\n", t.period, t.name, t.time, t.tmax));
         } else {
             text.push_str(&format!(
-                "{:>11}  YES  {:>20} ( {:>8}, {:>8} )\n",
+                "{:>11}  {fp}  {:>20} ( {:>8}, {:>8} )\n",
                 t.period, t.name, t.time, t.tmax
             ));
         }
@@ -366,6 +373,7 @@ pub(crate) mod samples {
             foreign: false,
             doc: String::new(),
             fast: false,
+            fp: true,
         }])
     }
 
@@ -373,6 +381,7 @@ pub(crate) mod samples {
         ThreadInfo {
             period,
             name: name.to_owned(),
+            fp: true,
             functs: functs.iter().map(|f| (*f).to_owned()).collect(),
             time: 0,
             tmax: 0,

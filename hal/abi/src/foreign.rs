@@ -61,7 +61,7 @@ pub mod edit {
 
 /// A file to load, and the functions that its loader may call in addition to those of [`Host`].
 ///
-/// `item`, `rename`, `need` and `edit` take [`Host::ctx`] and may be called while the file is
+/// `item`, `rename`, `need`, `edit`, `join` and `describe` take [`Host::ctx`] and may be called while the file is
 /// loaded. The other functions take the `ctx` of [`CallHost`](crate::CallHost) and may be called
 /// until the component is unloaded.
 #[repr(C)]
@@ -108,6 +108,11 @@ pub struct ForeignFile {
     /// Reports that the component allocated `bytes` more of its own memory, or freed it if
     /// negative.
     pub account: Option<unsafe extern "C" fn(*const c_void, bytes: i64)>,
+    /// Creates a further component of the same file, which is removed with the first, and stores its
+    /// id. May be called while the file is loaded.
+    pub join: Option<unsafe extern "C" fn(*mut c_void, name: Str, id: *mut u32) -> Status>,
+    /// Sets the description of the file. May be called while the file is loaded.
+    pub describe: Option<unsafe extern "C" fn(*mut c_void, doc: Str) -> Status>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for ForeignFile {

@@ -51,7 +51,7 @@ pub use service::{Interlock, IoCommand, IoControl, IoOutcome, IoStatus, Kinemati
 pub use spec::{
     ActionSpec, CommandRun, CommandSpec, ComponentType, Create, Free, FunctSpec, ItemSpec, Library,
     Run, StreamSpec, TaskSpec, ThreadSpec, Use, access, component_flags, funct_flags, item_flags,
-    panic_strategy, stream_direction,
+    panic_strategy, stream_direction, thread_flags,
 };
 pub use ticket::{TICKET_NUMBERS, Ticket, TicketState};
 pub use worker::{Work, WorkerSpec};
@@ -61,7 +61,7 @@ pub use worker::{Work, WorkerSpec};
 pub const ABI_MAJOR: u32 = 1;
 /// Minor version, which increases when something is appended. The engine must be at least as new as
 /// the library.
-pub const ABI_MINOR: u32 = 7;
+pub const ABI_MINOR: u32 = 8;
 /// Maximum length of the name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

@@ -146,6 +146,11 @@ pub mod funct_flags {
     pub const UNKNOWN: u32 = 2;
     /// The function belongs in a fast thread.
     pub const FAST: u32 = 4;
+    /// The function computes with floating-point numbers. Without this bit and [`NO_FP`], it does so if
+    /// it accesses a pin or parameter of type float.
+    pub const FP: u32 = 8;
+    /// The function may run in a thread that is not for floating-point numbers.
+    pub const NO_FP: u32 = 16;
 }
 
 /// A function to export. The host owns the state from the call on, even if the call fails.
@@ -206,13 +211,19 @@ unsafe impl Record for TaskSpec {
     const MIN: usize = size_of::<Self>();
 }
 
+/// Bits of [`ThreadSpec::flags`].
+pub mod thread_flags {
+    /// Functions that compute with floating-point numbers cannot be added.
+    pub const NO_FP: u32 = 1;
+}
+
 /// A thread to create.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadSpec {
     /// `size_of::<ThreadSpec>()` at compile time.
     pub size: u32,
-    /// Must be zero.
+    /// Bits of [`thread_flags`].
     pub flags: u32,
     /// Absolute name.
     pub name: Str,

@@ -32,7 +32,7 @@ fn table() -> Result<String, std::fmt::Error> {
         PortQueue {}
         Library { size abi_major abi_minor panic components loaders }
         ForeignLoader { size flags symbol kind load }
-        ForeignFile { size component instance path name prefix words n_words item rename need edit say level account }
+        ForeignFile { size component instance path name prefix words n_words item rename need edit say level account join describe }
         ComponentType { size flags name doc args items create }
         ArgSpec { size kind most required name doc default low high bounds reserved unit }
         ItemSpec { size flags name doc old_name initial storage ty dir }

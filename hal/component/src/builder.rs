@@ -4,7 +4,7 @@ use crate::{
     Call, Clock, Decl, Error, In, Item, Messages, Touch, Update, Uses, Value,
     abi::{
         self, ActionSpec, ArgSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Status, Str,
-        TaskSpec, ThreadSpec, component_flags, funct_flags, host_flags,
+        TaskSpec, ThreadSpec, component_flags, funct_flags, host_flags, thread_flags,
     },
     call::read_arg,
     item::Dir,
@@ -193,6 +193,20 @@ impl<'h> Builder<'h> {
         self.function_with(name, doc, funct_flags::FAST, f)
     }
 
+    /// Exports a function that accesses pins of type float and may yet run in a thread that is not for
+    /// floating-point numbers, as in LinuxCNC.
+    ///
+    /// # Errors
+    /// The name is taken or too long.
+    pub fn integer_function<F: Update>(
+        &mut self,
+        name: &str,
+        doc: &str,
+        f: F,
+    ) -> Result<(), Error> {
+        self.function_with(name, doc, funct_flags::NO_FP, f)
+    }
+
     fn function_with<F: Update>(
         &mut self,
         name: &str,
@@ -254,9 +268,21 @@ impl<'h> Builder<'h> {
     /// # Errors
     /// The name is taken, or the period is shorter than that of an existing thread.
     pub fn thread(&mut self, name: &str, period_ns: i64) -> Result<(), Error> {
+        self.thread_with(name, period_ns, 0)
+    }
+
+    /// Creates a thread to which no function that computes with floating-point numbers can be added.
+    ///
+    /// # Errors
+    /// As [`Self::thread`].
+    pub fn integer_thread(&mut self, name: &str, period_ns: i64) -> Result<(), Error> {
+        self.thread_with(name, period_ns, thread_flags::NO_FP)
+    }
+
+    fn thread_with(&mut self, name: &str, period_ns: i64, flags: u32) -> Result<(), Error> {
         let spec = ThreadSpec {
             size: abi::size::<ThreadSpec>(),
-            flags: 0,
+            flags,
             name: Str::borrow(name),
             period_ns,
         };

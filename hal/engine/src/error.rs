@@ -112,6 +112,10 @@ pub enum Error {
     OneThreadOnly {
         funct: Box<str>,
     },
+    NeedsFp {
+        funct: Box<str>,
+        thread: Box<str>,
+    },
     NotInUse {
         funct: Box<str>,
     },
@@ -315,6 +319,7 @@ impl core::fmt::Display for Error {
             Self::OneThreadOnly { funct } => {
                 write!(f, "function '{funct}' may only be added to one thread")
             }
+            Self::NeedsFp { funct, .. } => write!(f, "function '{funct}' needs FP"),
             Self::NotInUse { funct } => write!(f, "function '{funct}' is not in use"),
             Self::NotInThread { funct, thread } => {
                 write!(f, "thread '{thread}' doesn't use {funct}")

@@ -110,6 +110,7 @@ codes! {
     Crossing = "H510" Note "a signal between threads";
     BadPeriod = "H511" Error "a period that a thread cannot have";
     NothingHandedOver = "H512" Warning "a function that waits for one that no thread runs";
+    NeedsFp = "H513" Error "a floating-point function in a thread without floating point";
 
     StepsTooFast = "H601" Warning "steps faster than the thread can make them";
     DoubleStep = "H602" Note "double steps without a reset";

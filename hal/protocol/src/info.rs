@@ -48,6 +48,9 @@ pub struct ForeignInfo {
     pub file: String,
     /// Memory that the component allocated for itself, in bytes.
     pub memory: u64,
+    /// Description in the file.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub doc: String,
 }
 
 /// A component that is not a plugin, as `status` lists it.
@@ -117,6 +120,9 @@ pub struct FunctInfo {
     /// True if the function belongs in a fast thread.
     #[serde(default, skip_serializing_if = "is_false")]
     pub fast: bool,
+    /// True if the function computes with floating-point numbers.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub fp: bool,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
@@ -131,6 +137,8 @@ pub struct ThreadInfo {
     pub period: i64,
     /// Name of the thread.
     pub name: String,
+    /// True if functions that compute with floating-point numbers can be added.
+    pub fp: bool,
     /// Functions in the order in which they run.
     pub functs: Vec<String>,
     /// Duration of the last cycle, in nanoseconds.

@@ -144,6 +144,10 @@ impl Page {
             }
             let name = &page.offer.component;
             let own = of(&mut engine, name);
+            if page.offer.doc.is_empty() {
+                page.offer.doc = description(&mut engine, name);
+            }
+            let name = &page.offer.component;
             look(&mut engine, name, i, &own, [&mut pins, &mut params]);
             functs.extend(own);
             if let Ok(Reply::Commands(list)) = engine.call(all(Kind::Commands)) {
@@ -167,6 +171,13 @@ fn of(engine: &mut Engine, name: &str) -> Vec<FunctInfo> {
         Ok(Reply::Functs(list)) => list.into_iter().filter(|f| f.owner_name == name).collect(),
         _ => Vec::new(),
     }
+}
+
+/// Returns the description in the file of a component in C.
+fn description(engine: &mut Engine, name: &str) -> String {
+    let found = engine.call(Request::Component { name: name.to_owned() });
+    let Ok(Reply::Components(list)) = found else { return String::new() };
+    list.into_iter().next().and_then(|c| c.foreign).map_or_else(String::new, |file| file.doc)
 }
 
 /// Returns the component types of the plugin path.

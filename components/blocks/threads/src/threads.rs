@@ -7,7 +7,8 @@ use hal_component::{
 /// Component that only creates threads.
 pub(crate) struct Threads;
 
-const IGNORED: &str = "Accepted for old scripts; every thread may use floating point.";
+const FP: &str =
+    "With 0, functions that compute with floating-point numbers cannot be added to it.";
 
 impl Component for Threads {
     const NAME: &'static str = "threads";
@@ -31,20 +32,25 @@ impl Component for Threads {
         &Arg::int("period1", "Period of the first thread, 1000 to 1000000000000.")
             .unit("ns")
             .or("1000000"),
-        &Arg::int("fp1", IGNORED).or("1"),
+        &Arg::int("fp1", FP).or("1"),
         &Arg::text("name2", "Name of the second thread; none without it."),
         &Arg::int("period2", "Period of the second thread.").unit("ns").or("0"),
-        &Arg::int("fp2", IGNORED).or("1"),
+        &Arg::int("fp2", FP).or("1"),
         &Arg::text("name3", "Name of the third thread; none without it."),
         &Arg::int("period3", "Period of the third thread.").unit("ns").or("0"),
-        &Arg::int("fp3", IGNORED).or("1"),
+        &Arg::int("fp3", FP).or("1"),
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        for (name, period) in [("name1", "period1"), ("name2", "period2"), ("name3", "period3")] {
-            let name = b.arg_text(name).unwrap_or_default();
-            let period = b.arg_int(period).unwrap_or(0);
-            if !name.is_empty() && period > 0 {
+        for n in 1..=3 {
+            let name = b.arg_text(&format!("name{n}")).unwrap_or_default();
+            let period = b.arg_int(&format!("period{n}")).unwrap_or(0);
+            if name.is_empty() || period <= 0 {
+                continue;
+            }
+            if b.arg_int(&format!("fp{n}")) == Some(0) {
+                b.integer_thread(&name, period)?;
+            } else {
                 b.thread(&name, period)?;
             }
         }

@@ -74,7 +74,7 @@ impl Component for Timedelta {
             total: 0,
             runs: 1,
         };
-        b.function("", "Measures.", run)
+        b.integer_function("", "Measures.", run)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Contents of a library file that are read before any of its code runs.
 
+use crate::docs;
 use object::{Architecture, Object, ObjectSymbol, ObjectSymbolTable, RelocationTarget};
 use std::{ffi::CString, path::Path};
 
@@ -16,6 +17,8 @@ pub(crate) struct Undefined {
 pub(crate) struct Elf {
     /// Names of its module parameters.
     pub(crate) parameters: Vec<String>,
+    /// Symbols of its descriptions.
+    pub(crate) descriptions: Vec<String>,
     /// Symbols that the file imports.
     pub(crate) undefined: Vec<Undefined>,
 }
@@ -53,6 +56,9 @@ impl Elf {
                 && let Some(parameter) = name.strip_prefix("rtapi_info_type_")
             {
                 out.parameters.push(parameter.to_owned());
+            }
+            if s.is_definition() && name.starts_with(docs::PREFIX) {
+                out.descriptions.push(name.to_owned());
             }
             if s.is_undefined() && !name.is_empty() {
                 let name = CString::new(name).unwrap_or_default();

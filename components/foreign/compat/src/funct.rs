@@ -1,14 +1,19 @@
 //! Functions of the interface for components, functs, threads, signals and links.
 
 use crate::{
-    loading::loading,
+    loading::{Loading, loading},
     module::Module,
     pin::{change, refuse, text},
     running::{self, State, ferrule_run},
 };
 use core::ffi::{c_char, c_int, c_long, c_uchar, c_ulong, c_void};
-use hal_component::abi::{FunctSpec, Status, Str, ThreadSpec, edit, funct_flags, size};
-use std::sync::{Arc, atomic::Ordering::Relaxed};
+use hal_component::abi::{
+    FunctSpec, Status, Str, ThreadSpec, edit, funct_flags, size, thread_flags,
+};
+use std::{
+    ffi::CString,
+    sync::{Arc, PoisonError, atomic::Ordering::Relaxed},
+};
 
 #[unsafe(no_mangle)]
 extern "C" fn hal_init(name: *const c_char) -> c_int {
@@ -19,12 +24,30 @@ extern "C" fn hal_init(name: *const c_char) -> c_int {
         return refuse(Some(l), Status::EINVAL.0, "hal_init: no name");
     };
     let full = format!("{}{name}", l.module.prefix);
+    if l.module.named.swap(true, Relaxed) {
+        return join(l, &full);
+    }
     // SAFETY: the engine's function; the text lives across the call.
     let named = l.file.rename.map(|f| unsafe { f(l.host.ctx, Str::borrow(&full)) });
     match named {
         Some(status) if !status.is_ok() => status.0,
         _ => l.module.id(),
     }
+}
+
+/// Makes a further component of the same module, and returns its number.
+fn join(l: &Loading, name: &str) -> c_int {
+    let mut number = 0;
+    let Some(join) = l.file.join else { return Status::EINVAL.0 };
+    // SAFETY: the engine's function; the text and the number live across the call.
+    let status = unsafe { join(l.host.ctx, Str::borrow(name), &raw mut number) };
+    if !status.is_ok() {
+        return status.0;
+    }
+    let number = c_int::try_from(number).unwrap_or(c_int::MAX);
+    let name = CString::new(name).unwrap_or_default();
+    l.module.further.lock().unwrap_or_else(PoisonError::into_inner).push((number, name));
+    number
 }
 
 #[unsafe(no_mangle)]
@@ -66,8 +89,14 @@ extern "C" fn hal_malloc(bytes: c_long) -> *mut c_void {
 #[unsafe(no_mangle)]
 extern "C" fn hal_comp_name(component: c_int) -> *const c_char {
     let module = loading().map(|l| &*l.module).or_else(running::module);
-    let mine = module.filter(|m| m.id() == component);
-    mine.map_or(core::ptr::null(), |m| m.name.as_ptr())
+    let Some(module) = module else { return core::ptr::null() };
+    if module.id() == component {
+        return module.name.as_ptr();
+    }
+    // A name in the list stays where it is until the module is unloaded.
+    let further = module.further.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = further.iter().find(|(number, _)| *number == component);
+    found.map_or(core::ptr::null(), |(_, name)| name.as_ptr())
 }
 
 #[unsafe(no_mangle)]
@@ -105,7 +134,7 @@ extern "C" fn hal_export_funct(
     name: *const c_char,
     code: Option<extern "C" fn(*mut c_void, c_long)>,
     arg: *mut c_void,
-    _uses_fp: c_int,
+    uses_fp: c_int,
     reentrant: c_int,
     component: c_int,
 ) -> c_int {
@@ -121,12 +150,13 @@ extern "C" fn hal_export_funct(
     }
     let name = format!("{}{name}", l.module.prefix);
     let state = Box::new(State::new(code, arg, l.module.clone()));
-    let reentrant = if reentrant != 0 { funct_flags::REENTRANT } else { 0 };
+    let flag = |is_set: c_int, flag: u32| if is_set != 0 { flag } else { 0 };
+    let flags = flag(reentrant, funct_flags::REENTRANT) | flag(uses_fp, funct_flags::FP);
     let spec = FunctSpec {
         size: size::<FunctSpec>(),
-        flags: funct_flags::UNKNOWN | reentrant,
+        flags: funct_flags::UNKNOWN | flags,
         name: Str::borrow(&name),
-        doc: Str::NONE,
+        doc: Str::borrow(l.module.docs.funct(&name)),
         run: Some(ferrule_run),
         state: Box::into_raw(state).cast(),
         free: Some(free_state),
@@ -138,7 +168,7 @@ extern "C" fn hal_export_funct(
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn hal_create_thread(name: *const c_char, period: c_ulong, _uses_fp: c_int) -> c_int {
+extern "C" fn hal_create_thread(name: *const c_char, period: c_ulong, uses_fp: c_int) -> c_int {
     let Some(l) = loading() else {
         return refuse(None, Status::EINVAL.0, "threads are created by rtapi_app_main");
     };
@@ -146,7 +176,7 @@ extern "C" fn hal_create_thread(name: *const c_char, period: c_ulong, _uses_fp: 
     let name = format!("{}{name}", l.module.prefix);
     let spec = ThreadSpec {
         size: size::<ThreadSpec>(),
-        flags: 0,
+        flags: if uses_fp == 0 { thread_flags::NO_FP } else { 0 },
         name: Str::borrow(&name),
         period_ns: i64::try_from(period).unwrap_or(0),
     };

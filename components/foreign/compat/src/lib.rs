@@ -9,6 +9,7 @@
 mod access;
 mod arguments;
 mod board;
+mod docs;
 mod elf;
 mod funct;
 mod load;

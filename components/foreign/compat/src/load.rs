@@ -2,6 +2,7 @@
 
 use crate::{
     arguments, board,
+    docs::Docs,
     elf::Elf,
     funct,
     loading::{self, Loading},
@@ -67,7 +68,13 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let handle =
         system::open(&path).map_err(|why| lacking(&why)).map_err(refuse(Status(-libc::ENOEXEC)))?;
     let (main, exit) = entries(handle);
-    let module = Module::new(&host, file, (path.clone(), &name, &prefix), handle, exit);
+    let docs = Docs::read(handle, &elf.descriptions);
+    if let Some(describe) = file.describe {
+        // SAFETY: the engine's function; the text lives across the call.
+        unsafe { describe(host.ctx, Str::borrow(&docs.component)) };
+    }
+    let mut module = Module::new(&host, file, (path.clone(), &name, &prefix), handle, exit);
+    module.docs = docs;
     let module = Arc::new(module);
     let Some(main) = main else {
         return Err((Status::EINVAL, format!("{}: no rtapi_app_main", path.display())));

@@ -1,6 +1,8 @@
 //! Loaded C component: its file, the engine's functions, and its memory.
 
-use crate::{elf::Undefined, memory::Memory, port::Ports, registers::Registers, running, system};
+use crate::{
+    docs::Docs, elf::Undefined, memory::Memory, port::Ports, registers::Registers, running, system,
+};
 use core::ffi::{c_int, c_void};
 use hal_component::abi::{CallHost, ForeignFile, Host, Str, host_flags};
 use std::{
@@ -36,6 +38,11 @@ pub(crate) struct Module {
     pub(crate) memory: Memory,
     pub(crate) registers: Registers,
     pub(crate) ports: Ports,
+    pub(crate) docs: Docs,
+    /// Components that the module made with further calls of `hal_init`: their numbers and names.
+    pub(crate) further: Mutex<Vec<(c_int, CString)>>,
+    /// True once the module has called `hal_init`.
+    pub(crate) named: AtomicBool,
     /// True if `rtapi_app_main` has succeeded.
     pub(crate) made: AtomicBool,
     /// True once the component is complete: no more pins can be made.
@@ -112,6 +119,9 @@ impl Module {
             memory: Memory::default(),
             registers: Registers::default(),
             ports: Ports::default(),
+            docs: Docs::default(),
+            further: Mutex::default(),
+            named: AtomicBool::new(false),
             made: AtomicBool::new(false),
             ready: AtomicBool::new(false),
         }

@@ -56,7 +56,7 @@ fn item(new: &New, initial: u64, storage: *mut c_void, place: *mut *mut c_void) 
         size: size::<ItemSpec>(),
         flags: 0,
         name: Str::borrow(&full),
-        doc: Str::NONE,
+        doc: Str::borrow(l.module.docs.item(&full)),
         old_name: Str::NONE,
         initial,
         storage,

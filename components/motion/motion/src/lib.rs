@@ -140,7 +140,11 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     let interlock = Interlock::bind(b)?;
     let pins = Pins::make(b, &setup, kinematics.types())?;
     if setup.base_period_ns > 0 {
-        b.thread("base-thread", setup.base_period_ns)?;
+        if setup.base_fp {
+            b.thread("base-thread", setup.base_period_ns)?;
+        } else {
+            b.integer_thread("base-thread", setup.base_period_ns)?;
+        }
     }
     b.thread("servo-thread", setup.servo_period_ns)?;
 

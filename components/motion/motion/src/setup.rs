@@ -15,7 +15,7 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
         "Period of base-thread in nanoseconds; 0 or less: there is no base-thread.",
     )
     .or("0"),
-    &Arg::bit("base_thread_fp", "Accepted for scripts that give it; every thread may use floats.")
+    &Arg::bit("base_thread_fp", "With 0, functions that compute with floating-point numbers cannot be added to base-thread.")
         .or("0"),
     &Arg::int(
         "servo_period_nsec",
@@ -74,6 +74,7 @@ impl Names {
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub(crate) base_period_ns: i64,
+    pub(crate) base_fp: bool,
     pub(crate) servo_period_ns: i64,
     pub(crate) joints: usize,
     pub(crate) extra_joints: usize,
@@ -100,6 +101,7 @@ impl Setup {
         let mask = b.arg_int("unlock_joints_mask").unwrap_or(0);
         Ok(Self {
             base_period_ns: base,
+            base_fp: b.arg_int("base_thread_fp") == Some(1),
             servo_period_ns: servo_period(b.arg_int("servo_period_nsec").unwrap_or(0), base)?,
             joints,
             extra_joints: number(b, "num_extrajoints", 0, joints)?,

@@ -72,6 +72,7 @@ impl Error {
             | Self::PortIo { signal }
             | Self::PortReaders { signal } => Some(signal),
             Self::OneThreadOnly { funct }
+            | Self::NeedsFp { funct, .. }
             | Self::NotInUse { funct }
             | Self::NotInThread { funct, .. }
             | Self::InitDone { funct, .. } => Some(funct),
@@ -103,6 +104,7 @@ impl Error {
             Self::InvalidValue { .. } | Self::OutOfRange { .. } => Code::BadValue,
             Self::BadPosition { .. } | Self::PositionTooFar { .. } => Code::BadPosition,
             Self::OneThreadOnly { .. } => Code::AddedTwice,
+            Self::NeedsFp { .. } => Code::NeedsFp,
             Self::PeriodTooShort { .. } | Self::BadPeriod { .. } => Code::BadPeriod,
             Self::NoModule { .. } | Self::Plugin(_) => Code::NoComponent,
             Self::UnknownParameter { .. }
@@ -170,6 +172,10 @@ impl Error {
             Self::MissingArgument { name, doc } => {
                 Some(format!("{name}=: {}", doc.trim_end_matches('.')))
             }
+            Self::NeedsFp { funct, thread } => Some(format!(
+                "create '{thread}' with floating point (fp1=1, base_thread_fp=1), or add {funct} to another \
+                 thread"
+            )),
             Self::BadPeriod { .. } => Some("expected 1000 to 1000000000000 ns".to_owned()),
             Self::PeriodTooShort { .. } => Some("create the fastest thread first".to_owned()),
             Self::Faulted { .. } | Self::WorkerFailed { .. } => {

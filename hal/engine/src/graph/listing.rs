@@ -138,6 +138,7 @@ impl Model {
                     foreign: f.unknown,
                     doc: self.graph.docs.text(f.doc).to_owned(),
                     fast: f.fast,
+                    fp: f.fp,
                 })
             })
             .collect()
@@ -163,6 +164,7 @@ impl Model {
             out.push(ThreadInfo {
                 period: t.period_ns,
                 name: node.name.as_str().to_owned(),
+                fp: node.fp,
                 functs: self
                     .graph
                     .runs(ix, false)

@@ -17,7 +17,7 @@ use crate::{
     name::Name,
     observe::ring::SharedRing,
 };
-use hal_protocol::{At, Lock};
+use hal_protocol::{At, Lock, Type};
 use std::{collections::BTreeMap, path::PathBuf};
 
 /// Graph, values and loader of an instance, with the transaction in progress.
@@ -180,6 +180,15 @@ impl Model {
     pub(crate) fn takes_hidden_state(&mut self, funct: Ix) {
         if let Some(funct) = self.graph.funct_mut(funct) {
             funct.told = true;
+        }
+    }
+
+    /// Marks a function as one that computes with floating-point numbers if it accesses some.
+    pub(crate) fn note_floats(&mut self, funct: Ix) {
+        let edges = self.graph.g.neighbors_undirected(funct);
+        let floats = edges.filter_map(|ix| self.graph.item(ix)).any(|i| i.ty == Type::Float);
+        if let Some(funct) = self.graph.funct_mut(funct).filter(|_| floats) {
+            funct.fp = true;
         }
     }
 

@@ -93,6 +93,7 @@ pub(crate) struct Foreign {
     pub(crate) module: Box<str>,
     pub(crate) prefix: Box<str>,
     pub(crate) file: Box<str>,
+    pub(crate) doc: Box<str>,
     pub(crate) keep: Arc<Keep>,
 }
 
@@ -298,6 +299,8 @@ pub(crate) struct Funct {
     pub(crate) unknown: bool,
     /// True if it belongs in a fast thread.
     pub(crate) fast: bool,
+    /// True if it computes with floating-point numbers.
+    pub(crate) fp: bool,
     pub(crate) doc: Doc,
     /// True if it takes hidden state that no function produces: commands, or results of a
     /// background task.
@@ -311,6 +314,8 @@ pub(crate) struct Funct {
 pub(crate) struct ThreadNode {
     pub(crate) name: Name,
     pub(crate) thread: Arc<Thread>,
+    /// True if functions that compute with floating-point numbers can be added.
+    pub(crate) fp: bool,
     /// Highest position assigned so far.
     pub(crate) next: u32,
     /// True if the thread's function list is older than its edges.

@@ -24,7 +24,7 @@ impl Model {
     pub(crate) fn new_thread(
         &mut self,
         name: Name,
-        period: i64,
+        (period, fp): (i64, bool),
         shared: &Shared,
     ) -> Result<Ix, Error> {
         if self.graph.threads.contains_key(&name) {
@@ -41,14 +41,14 @@ impl Model {
         }
         let pseudo = Name::parse("component", &format!("__{name}"))?;
         let component = self.new_component(pseudo, None, None, true)?;
-        self.furnish_thread(component, &name, period, shared)
+        self.furnish_thread(component, &name, (period, fp), shared)
     }
 
     fn furnish_thread(
         &mut self,
         component: Ix,
         name: &Name,
-        period: i64,
+        (period, fp): (i64, bool),
         shared: &Shared,
     ) -> Result<Ix, Error> {
         let account = self.new_account(component, name, false)?;
@@ -73,7 +73,7 @@ impl Model {
         let id = self.counters.next_thread;
         self.counters.next_thread += 1;
         let thread = Arc::new(Thread::new((id, name.clone()), period, account, beat, timed, due));
-        let node = ThreadNode { name: name.clone(), thread, next: 0, stale: false };
+        let node = ThreadNode { name: name.clone(), thread, fp, next: 0, stale: false };
         let ix = self.graph.g.add_node(Node::Thread(Box::new(node)));
         self.graph.g.add_edge(component, ix, Edge::Owns);
         self.graph.threads.insert(name.clone(), ix);
@@ -161,6 +161,10 @@ impl Model {
         let reentrant = self.graph.funct(f).is_some_and(|node| node.reentrant);
         if !reentrant && self.graph.is_in_use(f) {
             return Err(Error::OneThreadOnly { funct: funct.into() });
+        }
+        let needs_fp = self.graph.funct(f).is_some_and(|node| node.fp);
+        if needs_fp && self.graph.thread(t).is_some_and(|node| !node.fp) {
+            return Err(Error::NeedsFp { funct: funct.into(), thread: thread.into() });
         }
         let done = |node: &ThreadNode| node.thread.init_done.load(Ordering::Relaxed);
         if init && self.graph.thread(t).is_some_and(done) {

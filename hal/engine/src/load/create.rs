@@ -19,7 +19,7 @@ use core::{ffi::c_void, ptr::NonNull};
 use hal_abi::{
     ActionSpec, CommandRun, CommandSpec, FunctSpec, ItemSpec, ServiceRef, ServiceSpec, Slot,
     SnapshotRef, SnapshotSpec, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Use,
-    WorkerSpec, access, funct_flags, item_flags,
+    WorkerSpec, access, funct_flags, item_flags, thread_flags,
 };
 use hal_protocol::{Direction, Type};
 use std::collections::{BTreeMap, BTreeSet};
@@ -188,6 +188,7 @@ impl<'e> Creating<'e> {
             reentrant: spec.flags & funct_flags::REENTRANT != 0,
             unknown: spec.flags & funct_flags::UNKNOWN != 0,
             fast: spec.flags & funct_flags::FAST != 0,
+            fp: spec.flags & funct_flags::FP != 0,
             doc: self.engine.model.doc(self.text(spec.doc)?),
             told: false,
             code: Arc::new(code),
@@ -200,13 +201,17 @@ impl<'e> Creating<'e> {
         // SAFETY: the component's list lives across its call.
         let uses = unsafe { list(spec.uses, spec.n_uses) };
         self.draw_uses(ix, uses);
+        if spec.flags & funct_flags::NO_FP == 0 {
+            self.engine.model.note_floats(ix);
+        }
         Ok(())
     }
 
     pub(crate) fn thread(&mut self, spec: &ThreadSpec) -> Result<(), Error> {
         let name = Name::parse("thread", self.text(spec.name)?)?;
         let shared = self.engine.runtime.shared();
-        let ix = self.engine.model.new_thread(name, spec.period_ns, shared)?;
+        let fp = spec.flags & thread_flags::NO_FP == 0;
+        let ix = self.engine.model.new_thread(name, (spec.period_ns, fp), shared)?;
         // The thread's pseudo component is removed with this one.
         if let Some(pseudo) = self.engine.model.graph().owner_of(ix) {
             self.engine.model.connect(self.component, pseudo, Edge::Owns);

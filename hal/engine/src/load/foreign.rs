@@ -88,6 +88,7 @@ impl Engine {
                 module: module.into(),
                 prefix: prefix.into(),
                 file: path.as_str().into(),
+                doc: "".into(),
                 keep: keep.clone(),
             });
         }
@@ -111,6 +112,8 @@ impl Engine {
             say: Some(crate::load::code::say),
             level: Some(crate::load::code::level),
             account: Some(crate::load::code::account),
+            join: Some(join),
+            describe: Some(describe),
         };
         // SAFETY: the loader's code, called with records that live across the call.
         let status = unsafe { (found.load)(&raw const host, &raw const file) };
@@ -153,6 +156,21 @@ impl Creating<'_> {
     fn rename(&mut self, name: &str) -> Result<(), Error> {
         let name = Name::parse("component", name)?;
         self.engine.model.rename(self.component, name)
+    }
+
+    /// Creates a further component of the file, which is removed with the first.
+    fn join(&mut self, name: &str) -> Result<u32, Error> {
+        let name = Name::parse("component", name)?;
+        let joined = self.engine.model.new_component(name, None, None, true)?;
+        self.engine.model.connect(self.component, joined, Edge::Owns);
+        Ok(self.engine.model.graph().component(joined).map_or(0, |c| c.id))
+    }
+
+    fn describe(&mut self, doc: &str) {
+        let component = self.engine.model.component_mut(self.component);
+        if let Some(foreign) = component.and_then(|c| c.foreign.as_mut()) {
+            foreign.doc = doc.into();
+        }
     }
 
     fn need(&mut self, number: u32) -> Result<(), Error> {
@@ -238,6 +256,28 @@ unsafe extern "C" fn rename(ctx: *mut c_void, name: Str) -> Status {
 }
 
 /// # Safety
+/// Called by a loader while it loads, with the context of that call, a live text and memory for a number.
+unsafe extern "C" fn join(ctx: *mut c_void, name: Str, id: *mut u32) -> Status {
+    let c = creating(ctx);
+    // SAFETY: the loader's text lives across its call.
+    let Some(name) = (unsafe { name.get() }) else { return Status::EINVAL };
+    let joined = c.join(name).map(|number| {
+        // SAFETY: guaranteed by the loader.
+        unsafe { id.write(number) };
+    });
+    c.answer_said(joined)
+}
+
+/// # Safety
+/// Called by a loader while it loads, with the context of that call and a live text.
+unsafe extern "C" fn describe(ctx: *mut c_void, doc: Str) -> Status {
+    // SAFETY: the loader's text lives across its call.
+    let Some(doc) = (unsafe { doc.get() }) else { return Status::EINVAL };
+    creating(ctx).describe(doc);
+    Status::OK
+}
+
+/// # Safety
 /// Called by a loader while it loads, with the context of that call.
 unsafe extern "C" fn need(ctx: *mut c_void, number: u32) -> Status {
     let c = creating(ctx);
@@ -287,6 +327,7 @@ impl Component {
             prefix: f.prefix.to_string(),
             file: f.file.to_string(),
             memory: f.keep.memory(),
+            doc: f.doc.to_string(),
         })
     }
 }

@@ -128,6 +128,7 @@ impl Engine {
     /// false if the clock did not move and the script must wait itself.
     pub(crate) fn advance_one(&mut self) -> bool {
         let now = self.runtime.now();
+        self.forget_ended_programs();
         if self.held_back() {
             return false;
         }

@@ -164,7 +164,6 @@ impl Engine {
     /// reads or writes.
     pub(crate) fn held_back(&mut self) -> bool {
         let now = os::monotonic_ns();
-        self.forget_ended_programs();
         let starting =
             self.clients.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
         // Evaluate every condition: each measures for how long it has held the clock.

@@ -65,6 +65,18 @@ pub(super) const ROWS: &[Row] = &[
                 addf stepgen.update-freq servo\nstart\n",
     },
     Row {
+        code: Code::NeedsFp,
+        means: "The function computes with floating-point numbers, and its thread was made for functions \
+                that do not: with fp1=0, or as motmod's base thread without base_thread_fp=1.",
+        matters: "LinuxCNC refuses it as well: on old systems such a thread did not save the registers of \
+                  the processor for these numbers.",
+        remedy: "Add it to another thread, or create the thread with floating point.",
+        wrong: "loadrt threads name1=base period1=100000 fp1=0 name2=servo period2=1000000\n\
+                loadrt limit1\naddf limit1.0 base # <--\nstart\n",
+        right: "loadrt threads name1=base period1=100000 fp1=0 name2=servo period2=1000000\n\
+                loadrt limit1\naddf limit1.0 servo\nstart\n",
+    },
+    Row {
         code: Code::SlowInFast,
         means: "The function computes with numbers, its component has another one for the fast \
                 thread, and it is in the fast thread as well.",

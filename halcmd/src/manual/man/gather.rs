@@ -315,6 +315,7 @@ mod tests {
             users: 0,
             name: name.to_owned(),
             foreign: false,
+            fp: false,
             doc: "It.".to_owned(),
             fast: false,
         };

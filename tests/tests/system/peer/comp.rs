@@ -185,6 +185,36 @@ fn installed_modules_are_for_all_users() {
     assert_eq!(mode & 0o777, 0o644);
 }
 
+/// The descriptions in a `.comp` file are in the manual page of its module.
+#[test]
+fn descriptions_are_in_the_manual() {
+    if tools::compiler().is_none() {
+        return;
+    }
+    let scratch = Scratch::new("described");
+    scratch.write(
+        "gains.comp",
+        "component gains \"Multiplies \\\\fBtwo\\\\fR numbers\";\n\
+         pin in float in_##[2] \"one of the numbers: any\";\n\
+         param rw float gain \"factor of both\";\n\
+         function _ fp \"multiplies them\";\nlicense \"MIT\";\n;;\n",
+    );
+    let halcompile =
+        scratch.run(scratch.command(&[], "halcompile").args(["--compile", "gains.comp"]));
+    assert_eq!((halcompile.status, halcompile.stderr.as_str()), (Some(0), ""));
+    let page = scratch.run(
+        scratch.command(&[], "halcmd").env("HAL_RTMOD_DIR", scratch.path()).args(["man", "gains"]),
+    );
+    for text in [
+        "gains - Multiplies two numbers",
+        "one of the numbers: any",
+        "factor of both",
+        "multiplies them",
+    ] {
+        assert!(page.stdout.contains(text), "{text}: {}", page.stdout);
+    }
+}
+
 /// The declaration in Rust compiles unchanged, for every component.
 #[test]
 fn declarations_in_rust_compile() {

@@ -1,6 +1,6 @@
 //! Components in C that are compiled here: loads that are refused, and the report of a crash.
 
-use hal_protocol::{Kind, Link, Request};
+use hal_protocol::{Kind, Link, Reply, Request};
 use hal_tests::{
     foreign::{Bench, compile, component},
     machine::{bit, script},
@@ -209,6 +209,40 @@ fn a_port_is_a_number_in_c() {
     assert!(format!("{:?}", got(&mut b)).contains("U32(0)"), "no port is linked yet");
     script(&mut b, "newsig p port\nlinkps mine.port p\nlinkps mine.back p\nsets p 16\nrun 1000000");
     assert!(format!("{:?}", got(&mut b)).contains("U32(98)"), "{:?}", got(&mut b));
+}
+
+#[test]
+fn a_second_name_of_a_module_is_a_component_that_leaves_with_it() {
+    let scratch = Scratch::new("compat-names");
+    let globals = "static int second; static hal_bit_t **mine;";
+    let main = "second = hal_init(\"second\"); mine = hal_malloc(sizeof *mine);\n\
+        if (second < 0 || second == id || hal_init(\"second\") >= 0) return -EINVAL;\n\
+        if (__builtin_strcmp(hal_comp_name(second), \"second\")) return -EINVAL;\n\
+        if (__builtin_strcmp(hal_comp_name(id), \"mine\")) return -EINVAL;\n\
+        if (hal_pin_bit_new(\"second.pin\", HAL_OUT, mine, second)) return -EINVAL;\n\
+        hal_ready(second);";
+    if compile(scratch.path(), "mine", &component(globals, main, "**mine = 1;"), &[]).is_none() {
+        return;
+    }
+    let mut b = Bench::new(&[scratch.path()]);
+    let names = |b: &mut Bench| {
+        let all = Request::List { kind: Kind::Components, patterns: Vec::new(), ty: None };
+        let Ok(Reply::Components(list)) = b.call(all) else { return Vec::new() };
+        let mut names: Vec<String> = list.into_iter().map(|c| c.name).collect();
+        names.retain(|name| name == "mine" || name == "second");
+        names.sort();
+        names
+    };
+    b.load_c("", "mine").unwrap();
+    assert_eq!(names(&mut b), ["mine", "second"]);
+    let Ok(Reply::Components(second)) = b.call(Request::Component { name: "second".to_owned() })
+    else {
+        panic!("no component")
+    };
+    assert_eq!(b.items(Kind::Pins, "second.pin")[0].owner, second[0].id);
+    b.call(Request::Unload { name: "mine".to_owned() }).unwrap();
+    assert_eq!(names(&mut b), [""; 0]);
+    assert!(b.items(Kind::Pins, "second.pin").is_empty());
 }
 
 #[test]
