@@ -1,5 +1,6 @@
 //! Files that no editor writes: endless, huge, sourced without end, with a byte order mark. `halrun` and `halcmd check`
 //! end with a message or take the file.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::scratch::Scratch;
 use std::fmt::Write;
