@@ -1,7 +1,7 @@
 //! Lines of an applied file that say what is so already: a machine's own file changes nothing.
 
-use crate::{Error, Session, language::command::Launch};
-use hal_protocol::{AliasInfo, ComponentInfo, Kind, Reply, Request, SignalInfo, ThreadInfo};
+use crate::Error;
+use hal_protocol::{AliasInfo, ComponentInfo, Kind, Link, Reply, Request, SignalInfo, ThreadInfo};
 
 /// Parts of the running machine with which lines are compared.
 #[derive(Debug, Default)]
@@ -15,7 +15,7 @@ pub(crate) struct Already {
 impl Already {
     /// Asks for the parts that these requests may make again.
     pub(crate) fn ask<'r>(
-        session: &mut Session<'_>,
+        link: &mut dyn Link,
         requests: impl Iterator<Item = &'r Request> + Clone,
     ) -> Result<Self, Error> {
         let mut this = Self::default();
@@ -35,7 +35,7 @@ impl Already {
             if !requests.clone().any(concerns) {
                 continue;
             }
-            match session.ask(Request::List { kind, patterns: Vec::new(), ty: None })? {
+            match link.call(Request::List { kind, patterns: Vec::new(), ty: None })? {
                 Reply::Components(list) => this.components = list,
                 Reply::Threads(list) => this.threads = list,
                 Reply::Signals(list) => this.signals = list,
@@ -86,12 +86,4 @@ pub(crate) const fn removes(request: &Request) -> bool {
             | Request::RemoveFunct { .. }
             | Request::Unalias { .. }
     )
-}
-
-impl Session<'_> {
-    /// Returns whether the program of a `loadusr` line runs.
-    pub(crate) fn runs(&mut self, launch: &Launch) -> Result<bool, Error> {
-        let found = self.ask(Request::Component { name: launch.expected() })?;
-        Ok(matches!(found, Reply::Components(list) if list.iter().any(|c| c.pid.is_some())))
-    }
 }

@@ -97,7 +97,7 @@ impl Session<'_> {
     /// Removes the lines that say what is so already, and returns their number. After a line that removes something, a
     /// later one may have to make it again.
     fn drop_held(&mut self, plan: &mut Plan) -> Result<usize, Error> {
-        let already = Already::ask(self, plan.edits.iter().map(|edit| &edit.request))?;
+        let already = Already::ask(self.link, plan.edits.iter().map(|edit| &edit.request))?;
         let mut begins = true;
         let held: Vec<bool> = plan
             .edits
@@ -112,6 +112,12 @@ impl Session<'_> {
         let mut each = held.iter();
         plan.texts.retain(|_| each.next() != Some(&true));
         Ok(held.into_iter().filter(|held| *held).count())
+    }
+
+    /// Returns whether the program of a `loadusr` line runs.
+    fn runs(&mut self, program: String) -> Result<bool, Error> {
+        let found = self.ask(Request::Component { name: program })?;
+        Ok(matches!(found, Reply::Components(list) if list.iter().any(|c| c.pid.is_some())))
     }
 
     fn give(&mut self, mut plan: Plan, name: &str, dry: bool) -> Result<(), Error> {
@@ -183,7 +189,7 @@ impl Session<'_> {
             Command::Lock(Some(LockChange::Without(bits))) => Request::ClearLock { bits },
             Command::Lock(None) => return Ok(()),
             Command::Source(path) => return self.source(&path),
-            Command::Launch(launch) if self.runs(&launch)? => return Ok(()),
+            Command::Launch(launch) if self.runs(launch.expected())? => return Ok(()),
             Command::Echo(_) => return self.execute(command),
             Command::Print(text) => {
                 let (file, line) = self.place();

@@ -5,7 +5,7 @@
 use hal_tests::scratch::Scratch;
 use std::fmt::Write;
 
-/// How a file is used.
+/// Use of a file.
 enum Use {
     /// `halrun -f FILE` and `halcmd check FILE`.
     Run,

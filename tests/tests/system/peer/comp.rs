@@ -194,7 +194,7 @@ fn descriptions_are_in_the_manual() {
     let scratch = Scratch::new("described");
     scratch.write(
         "gains.comp",
-        "component gains \"Multiplies \\\\fBtwo\\\\fR numbers\";\n\
+        "component gains \"Multiplies two numbers\";\n\
          pin in float in_##[2] \"one of the numbers: any\";\n\
          param rw float gain \"factor of both\";\n\
          function _ fp \"multiplies them\";\nlicense \"MIT\";\n;;\n",
