@@ -52,6 +52,7 @@ pub struct Browser {
     driver: Running,
     port: u16,
     session: String,
+    pointer: &'static str,
 }
 
 impl Browser {
@@ -69,12 +70,13 @@ impl Browser {
         let mut port = None;
         until("chromedriver says its port", || {
             port = driver.said().0.lines().find_map(|l| {
-                let (_, rest) = l.split_once("on port ")?;
+                let (_, rest) = l.split_once("successfully on port ")?;
                 rest.trim_end_matches('.').parse().ok()
             });
             port.is_some()
         });
-        let mut browser = Self { driver, port: port.unwrap(), session: String::new() };
+        let pointer = if screen.is_phone { "touch" } else { "mouse" };
+        let mut browser = Self { driver, port: port.unwrap(), session: String::new(), pointer };
         let profile = scratch.path().join(format!("profile-{}", browser.port));
         let mut arguments: Vec<_> = ARGUMENTS.iter().map(|&a| a.to_owned()).collect();
         arguments.push(format!("--user-data-dir={}", profile.display()));
@@ -119,10 +121,13 @@ impl Browser {
     /// Presses the first element that the selector finds for a while, with the mouse or a finger.
     pub fn hold(&self, selector: &str, milliseconds: u32) {
         self.press(selector);
-        self.act(&[
-            json!({ "type": "pause", "duration": milliseconds }),
-            json!({ "type": "pointerUp", "button": 0 }),
-        ]);
+        self.act(&[json!({ "type": "pause", "duration": milliseconds })]);
+        self.release();
+    }
+
+    /// Releases what is pressed.
+    pub fn release(&self) {
+        self.act(&[json!({ "type": "pointerUp", "button": 0 })]);
     }
 
     /// Presses an element, and leaves it pressed.
@@ -165,11 +170,11 @@ impl Browser {
         fs::write(path, unbase64(picture.as_str().unwrap())).unwrap();
     }
 
-    /// Returns the errors in the page's console since the last call.
+    /// Returns the errors of the page's scripts since the last call; refusals of the server are not among them.
     pub fn errors(&self) -> Vec<String> {
         let log = self.post("/se/log", &json!({ "type": "browser" }));
         let all = log.as_array().unwrap().iter();
-        let severe = all.filter(|entry| entry["level"] == "SEVERE");
+        let severe = all.filter(|entry| entry["level"] == "SEVERE" && entry["source"] != "network");
         severe.map(|entry| entry["message"].as_str().unwrap().to_owned()).collect()
     }
 
@@ -179,7 +184,7 @@ impl Browser {
     }
 
     fn act(&self, actions: &[Value]) {
-        let pointer = json!({ "type": "pointer", "id": "pointer", "parameters": { "pointerType": "mouse" }, "actions": actions });
+        let pointer = json!({ "type": "pointer", "id": "pointer", "parameters": { "pointerType": self.pointer }, "actions": actions });
         self.post("/actions", &json!({ "actions": [pointer] }));
     }
 
