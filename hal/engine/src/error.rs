@@ -102,9 +102,7 @@ pub enum Error {
     QueueAllocated {
         name: Box<str>,
     },
-    BadPosition {
-        position: i64,
-    },
+    BadPosition(i64),
     PositionTooFar {
         position: i64,
         most: i64,
@@ -112,10 +110,7 @@ pub enum Error {
     OneThreadOnly {
         funct: Box<str>,
     },
-    NeedsFp {
-        funct: Box<str>,
-        thread: Box<str>,
-    },
+    NeedsFp(Box<str>, Box<str>),
     NotInUse {
         funct: Box<str>,
     },
@@ -311,7 +306,7 @@ impl core::fmt::Display for Error {
             Self::QueueAllocated { name } => {
                 write!(f, "signal '{name}': queue already allocated")
             }
-            Self::BadPosition { position } => write!(f, "bad position: {position}"),
+            Self::BadPosition(position) => write!(f, "bad position: {position}"),
             Self::PositionTooFar { position, .. } => {
                 let way = if *position > 0 { "high" } else { "low" };
                 write!(f, "position '{position}' is too {way}")
@@ -319,7 +314,7 @@ impl core::fmt::Display for Error {
             Self::OneThreadOnly { funct } => {
                 write!(f, "function '{funct}' may only be added to one thread")
             }
-            Self::NeedsFp { funct, .. } => write!(f, "function '{funct}' needs FP"),
+            Self::NeedsFp(funct, _) => write!(f, "function '{funct}' needs FP"),
             Self::NotInUse { funct } => write!(f, "function '{funct}' is not in use"),
             Self::NotInThread { funct, thread } => {
                 write!(f, "thread '{thread}' doesn't use {funct}")

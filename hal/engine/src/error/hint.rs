@@ -72,7 +72,7 @@ impl Error {
             | Self::PortIo { signal }
             | Self::PortReaders { signal } => Some(signal),
             Self::OneThreadOnly { funct }
-            | Self::NeedsFp { funct, .. }
+            | Self::NeedsFp(funct, _)
             | Self::NotInUse { funct }
             | Self::NotInThread { funct, .. }
             | Self::InitDone { funct, .. } => Some(funct),
@@ -102,9 +102,9 @@ impl Error {
             Self::SignalIsPin { .. } => Code::NamedAsPin,
             Self::NotWritable { .. } => Code::NotWritable,
             Self::InvalidValue { .. } | Self::OutOfRange { .. } => Code::BadValue,
-            Self::BadPosition { .. } | Self::PositionTooFar { .. } => Code::BadPosition,
+            Self::BadPosition(_) | Self::PositionTooFar { .. } => Code::BadPosition,
             Self::OneThreadOnly { .. } => Code::AddedTwice,
-            Self::NeedsFp { .. } => Code::NeedsFp,
+            Self::NeedsFp(..) => Code::NeedsFp,
             Self::PeriodTooShort { .. } | Self::BadPeriod { .. } => Code::BadPeriod,
             Self::NoModule { .. } | Self::Plugin(_) => Code::NoComponent,
             Self::UnknownParameter { .. }
@@ -158,7 +158,7 @@ impl Error {
             Self::InvalidParameter { .. } => {
                 Some("an argument is NAME=VALUE, such as count=2".to_owned())
             }
-            Self::BadPosition { .. } => Some("1 is the first, -1 the last".to_owned()),
+            Self::BadPosition(_) => Some("1 is the first, -1 the last".to_owned()),
             Self::PositionTooFar { position, most } => {
                 let sign = if *position > 0 { "" } else { "-" };
                 Some(format!("it may be {sign}1 to {sign}{most}"))
@@ -172,7 +172,7 @@ impl Error {
             Self::MissingArgument { name, doc } => {
                 Some(format!("{name}=: {}", doc.trim_end_matches('.')))
             }
-            Self::NeedsFp { funct, thread } => Some(format!(
+            Self::NeedsFp(funct, thread) => Some(format!(
                 "create '{thread}' with floating point (fp1=1, base_thread_fp=1), or add {funct} to another \
                  thread"
             )),

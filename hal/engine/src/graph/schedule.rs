@@ -154,7 +154,7 @@ impl Model {
     ) -> Result<(), Error> {
         self.unlocked(Lock::CONFIG, "add_funct_to_thread")?;
         if position == 0 {
-            return Err(Error::BadPosition { position });
+            return Err(Error::BadPosition(position));
         }
         let f = self.graph.find_funct(funct)?;
         let t = self.graph.find_thread(thread)?;
@@ -164,7 +164,7 @@ impl Model {
         }
         let needs_fp = self.graph.funct(f).is_some_and(|node| node.fp);
         if needs_fp && self.graph.thread(t).is_some_and(|node| !node.fp) {
-            return Err(Error::NeedsFp { funct: funct.into(), thread: thread.into() });
+            return Err(Error::NeedsFp(funct.into(), thread.into()));
         }
         let done = |node: &ThreadNode| node.thread.init_done.load(Ordering::Relaxed);
         if init && self.graph.thread(t).is_some_and(done) {
@@ -264,7 +264,7 @@ fn place_in(n: usize, position: i64) -> Result<usize, Error> {
     };
     let from_end = usize::try_from(position.unsigned_abs()).map_err(|_| too_far())?;
     if from_end == 0 {
-        return Err(Error::BadPosition { position });
+        return Err(Error::BadPosition(position));
     }
     let at = if position > 0 { Some(from_end - 1) } else { (n + 1).checked_sub(from_end) };
     at.filter(|at| *at <= n).ok_or_else(too_far)
