@@ -8,59 +8,27 @@ const SCALES: [f64; 3] = [4.0, 4.0, 285.714_285_714_285_7];
 /// Distance from the path that the program allows: G61, exact path.
 const TOLERANCE: f64 = 0.002;
 
-/// A person who changes the tool in two seconds, and lets go of the button.
-const PERSON: &str = "loadrt timedelay names=person\naddf person servo-thread\n\
-                      setp person.on-delay 2\nsetp person.off-delay 0\n\
-                      net tool-change => person.in\n\
-                      net button person.out => hal_manualtoolchange.change_button\n";
-
-/// A part with two tools: a square in two passes of 3 mm, and a round finish.
-const PART: &str = "\
-(roughing)
-G21 G90 G94 G61
-T1 M6
-G43 H1
-S10000 M3
-G0 X5 Y5
-#1=0
-o100 while [#1 LT 2]
-#1=[#1+1]
-G1 Z[-3*#1] F200
-G1 X35 F500
-Y25
-X5
-Y5
-o100 endwhile
-G0 Z1
-M5
-(finish)
-T2 M6
-G43 H2
-S10000 M3
-G0 X20 Y10
-G1 Z-6 F200
-G3 X20 Y10 I0 J10 F500
-G0 Z1
-M5
-G49 G0 X0 Y0 Z0
-M2
-";
-
-/// Programmed corners and points of the part, in their order.
+/// Programmed corners and points of `configs/printer/pedal.ngc`, in their order.
 fn programmed() -> Vec<[f64; 3]> {
-    let mut path = vec![[0.0, 0.0, 0.0], [5.0, 5.0, 0.0]];
-    for pass in [-3.0, -6.0] {
-        path.push([5.0, 5.0, pass]);
-        for [x, y] in [[35.0, 5.0], [35.0, 25.0], [5.0, 25.0], [5.0, 5.0]] {
-            path.push([x, y, pass]);
+    let mut path = vec![[0.0, 0.0, 0.0], [5.0, 5.0, 1.0]];
+    for slice in [-3.0, -6.0] {
+        path.push([5.0, 5.0, slice]);
+        for (x, y) in [(35.0, 5.0), (35.0, 10.0), (5.0, 10.0), (5.0, 15.0)] {
+            path.push([x, y, slice]);
+        }
+        for (x, y) in [(35.0, 15.0), (35.0, 20.0), (5.0, 20.0), (5.0, 25.0)] {
+            path.push([x, y, slice]);
+        }
+        path.extend([[5.0, 25.0, 1.0], [5.0, 5.0, 1.0]]);
+    }
+    for row in 0..=16 {
+        let side = if row % 2 == 0 { 1.0 } else { -1.0 };
+        for n in 0..=15 {
+            let x = side * (2.0 * f64::from(n) - 15.0);
+            path.push([20.0 + x, 5.0 + 1.25 * f64::from(row), -6.5 - x * x / 225.0]);
         }
     }
-    path.extend([[5.0, 5.0, 1.0], [20.0, 10.0, 1.0], [20.0, 10.0, -6.0]]);
-    for n in 1..=720 {
-        let angle = f64::from(n) * core::f64::consts::PI / 360.0;
-        path.push([20.0 + 10.0 * angle.sin(), 20.0 - 10.0 * angle.cos(), -6.0]);
-    }
-    path.extend([[20.0, 10.0, 1.0], [0.0, 0.0, 0.0]]);
+    path.extend([[35.0, 25.0, 1.0], [0.0, 0.0, 0.0]]);
     path
 }
 
@@ -68,8 +36,9 @@ fn programmed() -> Vec<[f64; 3]> {
 fn stepped(vcd: &Vcd) -> Vec<[f64; 3]> {
     let mut pulses = Vec::new();
     for axis in 0..3 {
-        let direction = format!("stepgen.{axis}.dir");
-        for time in vcd.rises(&format!("stepgen.{axis}.step")) {
+        let letter = ["x", "y", "z"][axis];
+        let direction = format!("{letter}dir");
+        for time in vcd.rises(&format!("{letter}step")) {
             let sign = if vcd.at(&direction, time) == 0.0 { 1.0 } else { -1.0 };
             pulses.push((time, axis, sign));
         }
@@ -104,9 +73,8 @@ fn is_near(at: &[f64; 3], from: &[f64; 3], to: &[f64; 3]) -> bool {
     low <= high
 }
 
-fn printer(person: &str, part: &str) -> Scratch {
+fn printer(part: &str) -> Scratch {
     let scratch = Scratch::copy_of(&root().join("configs/printer"));
-    scratch.write("custom.hal", person);
     scratch.write("part.ngc", part);
     scratch
 }
@@ -114,18 +82,17 @@ fn printer(person: &str, part: &str) -> Scratch {
 #[test]
 fn a_part_with_two_tools_goes_from_its_program_to_the_pulses() {
     let run = || {
-        let scratch = printer(PERSON, PART);
-        let words = ["--virtual", "--record", "out.vcd", "--run", "part.ngc", "printer.ini"];
-        let output = scratch.halrun(&words);
+        let scratch = printer("");
+        let output = scratch.halrun(&["--virtual", "--run", "pedal.ngc", "pedal.ini"]);
         assert_eq!(output.status, Some(0), "{}", output.stderr);
-        (output.stderr, scratch.read("out.vcd"), scratch.read("linuxcnc.var"))
+        (output.stderr, scratch.read("pedal.vcd"), scratch.read("linuxcnc.var"))
     };
     let (said, recorded, parameters) = run();
     for part in [
-        "part.ngc: line 3: waits for tool 1\n",
+        "pedal.ngc: line 4: waits for tool 1\n",
         "Insert tool 1 and set hal_manualtoolchange.change_button.\n",
-        "part.ngc: line 19: waits for tool 2\n",
-        "part.ngc: ended after ",
+        "pedal.ngc: line 25: waits for tool 2\n",
+        "pedal.ngc: ended after ",
     ] {
         assert!(said.contains(part), "no {part:?} in\n{said}");
     }
@@ -133,7 +100,7 @@ fn a_part_with_two_tools_goes_from_its_program_to_the_pulses() {
     // It stood still while the person changed a tool.
     for change in vcd.rises("tool-change") {
         let during = |t: &i64| (change..change + 2_000_000_000).contains(t);
-        let steps = vcd.rises("stepgen.0.step").iter().filter(|t| during(t)).count();
+        let steps = vcd.rises("xstep").iter().filter(|t| during(t)).count();
         assert_eq!(steps, 0, "X moves while the tool is changed");
     }
     assert_eq!(vcd.rises("tool-change").len(), 2);
@@ -143,7 +110,7 @@ fn a_part_with_two_tools_goes_from_its_program_to_the_pulses() {
     for at in &places {
         // Along the path, never back.
         let rest = path.windows(2).enumerate().skip(part);
-        let near = rest.take(40).find(|(_, w)| is_near(at, &w[0], &w[1]));
+        let near = rest.take(4).find(|(_, w)| is_near(at, &w[0], &w[1]));
         let Some((n, _)) = near else {
             panic!("{at:?} is not near the path behind {:?}", path[part])
         };
@@ -158,7 +125,7 @@ fn a_part_with_two_tools_goes_from_its_program_to_the_pulses() {
 
 #[test]
 fn a_program_beyond_a_limit_fails_at_its_line() {
-    let scratch = printer("", "G21 G90\nG0 X10\nG0 X999\nM2\n");
+    let scratch = printer("G21 G90\nG0 X10\nG0 X999\nM2\n");
     let output = scratch.halrun(&["--virtual", "--run", "part.ngc", "printer.ini"]);
     assert_eq!(output.status, Some(1));
     let placed = |line: &str| line.contains("/part.ngc:3: task.run: linear move");
@@ -225,7 +192,7 @@ fn a_job_that_broke_off_is_resumed_when_a_person_agrees() {
 
 #[test]
 fn what_run_needs_is_said() {
-    let scratch = printer("", "M2\n");
+    let scratch = printer("M2\n");
     for (words, wanted) in [
         (&["--virtual", "--run", "none.ngc", "printer.ini"][..], "<commandline>:0: task.open: "),
         (&["--run", "part.ngc", "custom.hal"], "it needs a machine from an INI file"),
@@ -241,7 +208,7 @@ fn what_run_needs_is_said() {
 
 #[test]
 fn the_task_switches_the_machine_on_and_runs_lines() {
-    let scratch = printer("", "M2\n");
+    let scratch = printer("M2\n");
     scratch.write(
         "custom_postgui.hal",
         "task.mdi text='G0 X1' --wait\ntask.estop-reset --wait\ntask.on --wait\ntask.run --wait\n\

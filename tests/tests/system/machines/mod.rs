@@ -6,5 +6,7 @@ mod haltest_rust;
 mod job;
 mod picture;
 mod printer;
+mod samples;
+mod speed;
 mod viewers;
 mod waveform;

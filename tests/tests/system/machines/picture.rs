@@ -1,5 +1,5 @@
-//! The picture of the printer's X: direction and step at two speeds, to the right and to the left. `UPDATE_EXPECT=1`
-//! redraws `configs/printer/scope.svg` and `scope.png`.
+//! The pictures of the printer: direction and step of X at two speeds, to the right and to the left; the steps of all axes in
+//! the finish of a part. `UPDATE_EXPECT=1` redraws `configs/printer/scope.svg`, `scope.png` and `pedal.svg`.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{golden, programs::root, scratch::Scratch};
@@ -60,19 +60,35 @@ fn steps_have_the_frequency_of_their_speed_and_the_direction_of_their_way() {
 #[test]
 fn the_picture_is_as_it_was_drawn() {
     let scratch = recorded();
-    for (name, kind) in [("scope.svg", "svg"), ("scope.png", "png")] {
-        let mut halscope = scratch.command(&[], "halscope");
-        halscope.args(["plot", "--size", "1200x260", "--title", TITLE]);
-        halscope.args(["--output", name, "scope.vcd", "xdir", "xstep"]);
-        let output = scratch.run(&mut halscope);
-        assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{kind}");
-        let drawn = fs::read(scratch.path().join(name)).unwrap();
-        let kept = root().join("configs/printer").join(name);
-        if golden::is_update() {
-            fs::write(&kept, &drawn).unwrap();
-        }
-        assert!(same(&drawn, &kept), "{} is drawn in another way", kept.display());
+    for name in ["scope.svg", "scope.png"] {
+        let words = ["--size", "1200x260", "--title", TITLE, "scope.vcd", "xdir", "xstep"];
+        check_drawing(&scratch, name, &words);
     }
+}
+
+/// A row along X over the round back, five steps of Y to the next row, and the row back.
+#[test]
+fn the_picture_of_the_part_is_as_it_was_drawn() {
+    let scratch = Scratch::copy_of(&root().join("configs/printer"));
+    let output = scratch.halrun(&["--virtual", "--run", "pedal.ngc", "pedal.ini"]);
+    assert_eq!(output.status, Some(0), "{}", output.stderr);
+    let title = "The pedal's finish: steps of X, Y and Z";
+    let words = ["--size", "1200x420", "--from", "80s", "--to", "86s", "--title", title];
+    check_drawing(&scratch, "pedal.svg", &[&words[..], &["pedal.vcd", "xstep", "ystep", "zstep"]].concat());
+}
+
+/// Draws and compares with the picture in the printer's folder.
+fn check_drawing(scratch: &Scratch, name: &str, words: &[&str]) {
+    let mut halscope = scratch.command(&[], "halscope");
+    halscope.args(["plot", "--output", name]).args(words);
+    let output = scratch.run(&mut halscope);
+    assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{name}");
+    let drawn = fs::read(scratch.path().join(name)).unwrap();
+    let kept = root().join("configs/printer").join(name);
+    if golden::is_update() {
+        fs::write(&kept, &drawn).unwrap();
+    }
+    assert!(same(&drawn, &kept), "{} is drawn in another way", kept.display());
 }
 
 fn same(drawn: &[u8], kept: &Path) -> bool {
