@@ -144,9 +144,12 @@ impl Machine {
         let unit = match entry.map(|e| e.value.to_ascii_lowercase()).as_deref() {
             Some("inch" | "in" | "imperial") => Unit::Inch,
             None | Some("mm" | "metric") => Unit::Millimetre,
-            Some(_) => {
-                return Err(entry.map(|e| number::wrong(e, "mm or inch")).unwrap_or_default());
-            }
+            // Older files have the number of units in a millimetre.
+            Some(text) => match text.trim().parse::<f64>() {
+                Ok(1.0) => Unit::Millimetre,
+                Ok(n) if (n * 25.4 - 1.0).abs() < 1e-3 => Unit::Inch,
+                _ => return Err(entry.map(|e| number::wrong(e, "mm or inch")).unwrap_or_default()),
+            },
         };
         self.settings.unit = unit;
         self.settings.program_unit = unit;

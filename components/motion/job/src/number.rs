@@ -37,6 +37,7 @@ fn stated<'a>(ini: &'a Ini, section: &str, name: &str) -> Option<(&'a Entry, &'a
 #[cfg(test)]
 mod tests {
     use crate::{Files, Machine};
+    use hal_gcode::canon::Unit;
 
     #[test]
     fn a_value_that_is_no_number_is_refused_at_its_place() {
@@ -62,6 +63,11 @@ mod tests {
         ] {
             let why = read(text).err().unwrap_or_default();
             assert_eq!(why, format!("{}:2: {wanted}", path.display()), "{text}");
+        }
+        // Older files have the number of units in a millimetre.
+        for (text, unit) in [("1.0", Unit::Millimetre), ("0.03937", Unit::Inch), ("Inch", Unit::Inch)] {
+            let machine = read(&format!("[TRAJ]\nLINEAR_UNITS = {text}\n")).ok().unwrap();
+            assert_eq!(machine.settings.unit, unit, "{text}");
         }
         let machine = read("[AXIS_X]\nMIN_LIMIT = -10 to the left\nMAX_LIMIT =\n").ok().unwrap();
         assert_eq!(machine.limits[0], (Some(-10.0), None));

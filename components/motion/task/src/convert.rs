@@ -1,6 +1,6 @@
 //! From canonical calls to the steps of a job, in machine coordinates and units.
 
-use crate::outside::{Move, Order, PathEnd, Pitch, Shape, Speed};
+use crate::outside::{FileAction, FileKind, Move, Order, PathEnd, Pitch, Shape, Speed};
 use hal_gcode::{
     Call, Settings, State,
     axis::{Axis, Position},
@@ -24,30 +24,54 @@ pub(crate) enum Action {
     /// States which tool is in the spindle.
     SetTool(i32),
     /// Coolant: mist or flood.
-    Coolant { mist: Option<bool>, flood: Option<bool> },
+    Coolant {
+        mist: Option<bool>,
+        flood: Option<bool>,
+    },
     /// An entry of the tool table, from the interpreter's call.
     ToolEntry(Call),
     /// Reads the tool table again.
     ReloadTools,
     /// Waits for an input.
-    Input { index: u32, analog: bool, mode: u8, timeout: f64 },
+    Input {
+        index: u32,
+        analog: bool,
+        mode: u8,
+        timeout: f64,
+    },
     /// Waits for a spindle's orientation.
-    Oriented { timeout: f64 },
+    Oriented {
+        timeout: f64,
+    },
     /// Changes a spindle's constant surface speed: machine units per minute, and the top speed.
-    SurfaceSpeed { spindle: u8, speed: Option<(f64, f64)> },
+    SurfaceSpeed {
+        spindle: u8,
+        speed: Option<(f64, f64)>,
+    },
     /// Feed override counts.
     FeedOverride(bool),
     /// Speed override of a spindle counts.
-    SpeedOverride { spindle: u8, on: bool },
+    SpeedOverride {
+        spindle: u8,
+        on: bool,
+    },
     /// A user's program.
-    UserCode { code: u16, p: f64, q: f64 },
+    UserCode {
+        code: u16,
+        p: f64,
+        q: f64,
+    },
     /// Pauses the job; at the operator's wish if `optional`.
-    Pause { optional: bool },
+    Pause {
+        optional: bool,
+    },
     /// A message for the operator.
     Message(Box<str>),
     /// The end of the program.
     End,
     /// The machine cannot do what the program says.
+    /// A file of the program opens, gets a line, or closes.
+    File(FileAction),
     Refuse(Box<str>),
 }
 
@@ -327,6 +351,15 @@ fn other_action(call: Call, converter: &mut Converter, line: u32, out: &mut Vec<
         Call::OptionalProgramStop => Action::Pause { optional: true },
         Call::ProgramEnd | Call::Finish => Action::End,
         Call::Message(text) | Call::Print(text) => Action::Message(text),
+        Call::LogOpen { name, append } => {
+            Action::File(FileAction::Open { kind: FileKind::Log, name, append })
+        }
+        Call::Log(text) => Action::File(FileAction::Line(FileKind::Log, text)),
+        Call::LogClose => Action::File(FileAction::Close(FileKind::Log)),
+        Call::ProbeOpen(name) => {
+            Action::File(FileAction::Open { kind: FileKind::Probe, name, append: false })
+        }
+        Call::ProbeClose => Action::File(FileAction::Close(FileKind::Probe)),
         _ => return,
     };
     out.push(action);

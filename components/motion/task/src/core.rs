@@ -25,7 +25,7 @@ mod wait;
 
 use crate::{
     convert::{Action, Converter},
-    outside::{Order, Outside, Progress, Ticket},
+    outside::{Order, Outside, Ticket},
 };
 use hal_gcode::{Interpreter, Request, state::modal::MAX_SPINDLES};
 use hal_job::{World, run};
@@ -318,24 +318,6 @@ impl Core {
             self.mode = if self.job.is_some() { self.mode } else { Mode::Manual };
             self.end_job(why, out);
         }
-    }
-
-    /// Reports the results of orders and requests of commands.
-    fn report(&mut self, out: &mut impl Outside) {
-        let mut waiting = core::mem::take(&mut self.asked);
-        waiting.retain(|(asked, ticket)| {
-            let progress = match asked {
-                Asked::Order(id) => out.ordered(*id),
-                Asked::Io(id) => out.requested(*id),
-            };
-            match progress {
-                Progress::Pending => return true,
-                Progress::Done => out.finish(*ticket, Ok(())),
-                Progress::Failed(why) => out.finish(*ticket, Err(why)),
-            }
-            false
-        });
-        self.asked = waiting;
     }
 
     /// Returns whether a job is in execution or ending.

@@ -169,6 +169,28 @@ pub(crate) enum Level {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Ticket(pub(crate) u64);
 
+/// A file that a program writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum FileKind {
+    /// `LOGOPEN`, `LOGAPPEND`, `LOG`.
+    Log,
+    /// `PROBEOPEN`: a line for each probe move that trips.
+    Probe,
+}
+
+/// A step with a file.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum FileAction {
+    Open {
+        kind: FileKind,
+        name: Box<str>,
+        append: bool,
+    },
+    /// Nothing happens without an open file.
+    Line(FileKind, Box<str>),
+    Close(FileKind),
+}
+
 /// Everything outside the core.
 pub(crate) trait Outside {
     /// Returns machine time in seconds.
@@ -201,6 +223,8 @@ pub(crate) trait Outside {
     fn journal(&mut self, record: &Record) -> Result<(), String>;
     /// Reads the journal.
     fn read_journal(&self) -> Result<Vec<u8>, String>;
+    /// Opens, writes or closes a file of the program.
+    fn file(&mut self, action: &FileAction) -> Result<(), String>;
     /// Writes the tool table.
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String>;
     /// Writes the record of the tool in the spindle, behind the record before.

@@ -6,6 +6,7 @@ mod recover;
 mod restart;
 mod spindle;
 mod stop;
+mod stops;
 mod table;
 mod tool;
 mod words;
@@ -13,7 +14,10 @@ mod words;
 use crate::{
     convert::Converter,
     core::{Core, Interpreting, Mode, Power, Rules, user::Command},
-    outside::{Level, MotionState, Move, Order, Outside, Progress, Refusal, Shape, Ticket},
+    outside::{
+        FileAction, FileKind, Level, MotionState, Move, Order, Outside, Progress, Refusal, Shape,
+        Ticket,
+    },
 };
 use hal_component::{Estop, IoRequest, IoState};
 use hal_gcode::{Numbered, tool::ToolTable};
@@ -49,6 +53,8 @@ struct Fake {
     /// X of G54 in the parameters that were saved last.
     saved: Option<f64>,
     tables: Vec<String>,
+    /// Lines of the files of programs.
+    lines: Vec<String>,
     /// Records of the tool in the spindle; `None` while the disk is full.
     spindles: Option<Vec<Spindle>>,
     journal: String,
@@ -91,6 +97,7 @@ impl Fake {
             saves: 0,
             saved: None,
             tables: Vec::new(),
+            lines: Vec::new(),
             spindles: Some(Vec::new()),
             journal: String::new(),
             disk_is_full: false,
@@ -263,6 +270,15 @@ impl Outside for Fake {
     }
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
         self.tables.push(tools.print());
+        Ok(())
+    }
+    fn file(&mut self, action: &FileAction) -> Result<(), String> {
+        if let FileAction::Open { name, .. } = action
+            && &**name == "full"
+        {
+            return Err("full: No space left on device".to_owned());
+        }
+        self.lines.push(format!("{action:?}"));
         Ok(())
     }
     fn save_spindle(&mut self, before: Spindle, now: Spindle) -> Result<(), String> {

@@ -1,5 +1,6 @@
 //! The worker: the core between motion, iocontrol, files and users.
 
+mod files;
 mod machine;
 
 use crate::{

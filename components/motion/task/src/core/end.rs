@@ -1,7 +1,7 @@
 //! The end of a job: complete, failed or aborted.
 
 use super::{Core, Ending, Job, Origin, Reading};
-use crate::outside::{Level, Order, Outside, Progress, Refusal};
+use crate::outside::{FileAction, FileKind, Level, Order, Outside, Progress, Refusal};
 use hal_component::IoRequest;
 use hal_gcode::{
     canon::Direction,
@@ -41,6 +41,9 @@ impl Core {
         self.save_parameters(out);
         self.keep_end(out);
         let Some(job) = self.job.take() else { return };
+        if job.is_program {
+            close_files(out);
+        }
         self.current = None;
         self.jobs.0 = self.jobs.0.wrapping_add(1);
         if let Some(ticket) = job.ticket {
@@ -86,6 +89,7 @@ impl Core {
         self.at_speed_since = None;
         self.surface.fill(None);
         out.end_program();
+        close_files(out);
         // The machine is in e-stop or iocontrol is full: then its outputs are off, or a later abort follows.
         let sent = out.request(IoRequest::Abort).is_some();
         self.ending = Some(Ending { order: None, sent, origin });
@@ -162,5 +166,13 @@ impl Core {
         if let Err(why) = out.save_parameters(&self.interpreter.state.numbered) {
             self.tell(Level::Error, &why, out);
         }
+    }
+}
+
+/// Closes the files of a program, which ends.
+fn close_files(out: &mut impl Outside) {
+    for kind in [FileKind::Log, FileKind::Probe] {
+        // A file that is not open has nothing to fail.
+        out.file(&FileAction::Close(kind)).unwrap_or_default();
     }
 }

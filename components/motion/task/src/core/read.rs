@@ -3,11 +3,12 @@
 use super::{Core, Entry, Origin, READ_AHEAD, Reading, Tag};
 use crate::{
     convert::Action,
-    outside::{MotionState, Outside},
+    outside::{FileAction, FileKind, MotionState, Outside},
 };
 use hal_gcode::{
     Answer, Error, Request, Step,
     axis::{Axis, Position},
+    parameters::number,
 };
 use std::sync::Arc;
 
@@ -49,12 +50,27 @@ impl Core {
             },
         };
         self.keep_answer(&answer, out);
+        let probed = matches!(answer, Answer::Probe { tripped: true, .. });
         let mut calls = Vec::new();
         let step = self.interpreter.answer(&answer, &self.world, &mut calls);
+        if probed && self.interpreter.state.probe_file {
+            let line = self.probe_line();
+            if let Err(why) = out.file(&FileAction::Line(FileKind::Probe, line)) {
+                return self.fail(&why, out);
+            }
+        }
         // The lines before are executed, and the answer is a fact.
         self.undo.clear();
         drop(self.interpreter.state.numbered.take_changes());
         self.take_line(step, calls);
+    }
+
+    /// Returns the line of a probe file: the nine coordinates where the probe tripped, as parameters 5061 to 5069 have them.
+    fn probe_line(&self) -> Box<str> {
+        let numbered = &self.interpreter.state.numbered;
+        let values: Vec<String> =
+            (0..9).map(|n| format!("{:.6}", numbered.get(number::PROBE + n))).collect();
+        values.join(" ").into()
     }
 
     fn take_line(&mut self, step: Result<Step, Error>, calls: Vec<hal_gcode::Issued>) {

@@ -1,9 +1,27 @@
 //! Waits: the ends of orders and requests, and of the step in execution.
 
-use super::{Core, Interpreting, Reading, Waiting};
+use super::{Asked, Core, Interpreting, Reading, Waiting};
 use crate::outside::{Outside, Progress};
 
 impl Core {
+    /// Reports the results of orders and requests of commands.
+    pub(super) fn report(&mut self, out: &mut impl Outside) {
+        let mut waiting = core::mem::take(&mut self.asked);
+        waiting.retain(|(asked, ticket)| {
+            let progress = match asked {
+                Asked::Order(id) => out.ordered(*id),
+                Asked::Io(id) => out.requested(*id),
+            };
+            match progress {
+                Progress::Pending => return true,
+                Progress::Done => out.finish(*ticket, Ok(())),
+                Progress::Failed(why) => out.finish(*ticket, Err(why)),
+            }
+            false
+        });
+        self.asked = waiting;
+    }
+
     /// Removes the orders that motion has finished. Returns false if one has failed.
     pub(super) fn land(&mut self, out: &mut impl Outside) -> bool {
         while let Some(first) = self.flight.front() {

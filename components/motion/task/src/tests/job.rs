@@ -276,3 +276,48 @@ fn a_tool_table_that_is_edited_meanwhile_is_not_overwritten() {
     assert_eq!(result, Ok(()));
     assert!(tables[0].contains("99"), "{tables:?}");
 }
+
+#[test]
+fn files_of_a_program_are_written_in_the_order_of_execution() {
+    let mut rig = Rig::new(
+        "(LOGOPEN,a.txt)\n(LOG,x is #5420)\nG21 G0 X1\n(LOG,x is #5420)\n(PROBEOPEN b.txt)\n\
+         G38.3 Z-5 F100\nG38.3 Z-6\n(PROBECLOSE)\n(LOGCLOSE)\nM2\n",
+    );
+    rig.fake.motion.probe_found = true;
+    rig.fake.motion.probe_measured = [1.0, 0.0, -4.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    rig.run();
+    let open = |kind, name: &str| {
+        format!("{:?}", FileAction::Open { kind, name: name.into(), append: false })
+    };
+    let line = |kind, text: &str| format!("{:?}", FileAction::Line(kind, text.into()));
+    let close = |kind| format!("{:?}", FileAction::Close(kind));
+    let probed = line(
+        FileKind::Probe,
+        "1.000000 0.000000 -4.500000 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000",
+    );
+    assert_eq!(
+        rig.fake.lines,
+        [
+            open(FileKind::Log, "a.txt"),
+            line(FileKind::Log, "x is 0.000000"),
+            line(FileKind::Log, "x is 1.000000"),
+            open(FileKind::Probe, "b.txt"),
+            probed.clone(),
+            probed,
+            close(FileKind::Probe),
+            close(FileKind::Log),
+            close(FileKind::Log),
+            close(FileKind::Probe),
+        ]
+    );
+}
+
+#[test]
+fn a_file_that_cannot_be_written_ends_the_program_at_its_line() {
+    let mut rig = Rig::new("G21 G0 X1\n(LOGOPEN,full)\nG0 X2\nM2\n");
+    let ticket = rig.send(Command::Run);
+    rig.pass(0.5);
+    let why = rig.result(ticket).unwrap().unwrap_err();
+    assert!(why.ends_with("job.ngc:2: full: No space left on device"), "{why}");
+    assert!(!rig.sent().iter().any(|s| s.starts_with("3: ")));
+}

@@ -156,3 +156,41 @@ fn a_random_changer_exchanges_pockets() {
     let tables: Vec<_> = rig.fake.tables.iter().map(|t| pockets(t)).collect();
     assert_eq!(tables, [[(1, 5), (2, 0), (3, 3)], [(1, 0), (2, 5), (3, 3)]]);
 }
+
+/// A tool setter 10 mm above the table measures the tool: its length is the height at which the probe trips, less the setter's.
+#[test]
+fn a_tool_is_measured_on_a_setter() {
+    let mut rig = Rig::new(
+        "G21 G90 G49\nT2 M6\nG38.2 Z-50 F100\nG10 L1 P#5400 Z[#5063 - 10]\nG43 H2\nG0 Z0\nM2\n",
+    );
+    rig.fake.motion.probe_found = true;
+    rig.fake.motion.probe_measured[2] = 42.5;
+    let sent = rig.run();
+    let table = ToolTable::parse(rig.fake.tables.last().unwrap()).0;
+    assert_eq!(table.find(2).unwrap().offset.z, 32.5);
+    // Its tip is at 0 when the machine is at the tool's length.
+    assert_eq!(sent.iter().rfind(|s| s.contains("line")).unwrap(), "6: line 0 0 32.5");
+}
+
+/// The tool touches the part: G10 L10 makes the place where it is the given one in the current system, L11 in G59.3.
+#[test]
+fn a_tool_is_touched_off() {
+    for (code, length) in [("G10 L10 P1 Z2", 18.0), ("G10 L11 P1 Z2", 13.0)] {
+        let mut rig =
+            Rig::new(&format!("G21 G90 T1 M6\nG10 L2 P9 Z5\nG0 Z20\n{code}\nG43 H1\nG0 Z0\nM2\n"));
+        let sent = rig.run();
+        let table = ToolTable::parse(rig.fake.tables.last().unwrap()).0;
+        assert_eq!(table.find(1).unwrap().offset.z, length, "{code}");
+        let last = sent.iter().rfind(|s| s.contains("line")).unwrap();
+        assert_eq!(*last, format!("6: line 0 0 {length}"), "{code}");
+    }
+}
+
+/// G10 L0 reads the table again while a tool is in the spindle.
+#[test]
+fn a_table_that_is_reloaded_keeps_the_tool_in_the_spindle() {
+    let mut rig = Rig::new("T2 M6\nG10 L0\nM2\n");
+    rig.run();
+    assert_eq!(rig.core.interpreter.state.tool.number, 2);
+    assert_eq!(records(&rig).last(), Some(&Spindle::Holds(2)));
+}

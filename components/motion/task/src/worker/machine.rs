@@ -1,11 +1,11 @@
 //! Everything outside the core: motion, iocontrol, files, users' programs and messages.
 
-use super::Files;
+use super::{Files, files::ProgramFiles};
 use crate::{
     command_record::record,
     core::{Core, Interpreting},
     journal_file::JournalFile,
-    outside::{Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
+    outside::{FileAction, Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
     programs::UserProgram,
     texts::Texts,
 };
@@ -47,6 +47,7 @@ pub(super) struct Machine {
     /// The last message.
     said: &'static str,
     program: UserProgram,
+    program_files: ProgramFiles,
     /// Orders and requests in progress, with the numbers that the core has.
     orders: BTreeMap<u64, MotionId>,
     results: BTreeMap<u64, Progress>,
@@ -80,6 +81,7 @@ impl Machine {
             journal: JournalFile::default(),
             said: "",
             program: UserProgram::default(),
+            program_files: ProgramFiles::default(),
             orders: BTreeMap::new(),
             results: BTreeMap::new(),
             tickets: BTreeMap::new(),
@@ -309,6 +311,10 @@ impl Outside for Machine {
 
     fn read_journal(&self) -> Result<Vec<u8>, String> {
         self.journal.read()
+    }
+
+    fn file(&mut self, action: &FileAction) -> Result<(), String> {
+        self.program_files.act(action)
     }
 
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
