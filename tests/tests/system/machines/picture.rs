@@ -74,7 +74,11 @@ fn the_picture_of_the_part_is_as_it_was_drawn() {
     assert_eq!(output.status, Some(0), "{}", output.stderr);
     let title = "The pedal's finish: steps of X, Y and Z";
     let words = ["--size", "1200x420", "--from", "80s", "--to", "86s", "--title", title];
-    check_drawing(&scratch, "pedal.svg", &[&words[..], &["pedal.vcd", "xstep", "ystep", "zstep"]].concat());
+    check_drawing(
+        &scratch,
+        "pedal.svg",
+        &[&words[..], &["pedal.vcd", "xstep", "ystep", "zstep"]].concat(),
+    );
 }
 
 /// Draws and compares with the picture in the printer's folder.

@@ -2,6 +2,7 @@
 //!
 //! `UPDATE_EXPECT=1 cargo test -p hal-tests --test system machines::samples -- --ignored` starts each in virtual time and writes
 //! `tests/samples.md`.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{golden, programs::root, scratch::Scratch};
 use std::{
@@ -13,7 +14,7 @@ use std::{
 };
 
 const SAMPLES: &str = "/usr/share/doc/linuxcnc/examples/sample-configs";
-/// Their library of HAL files.
+/// The library of HAL files of the package.
 const LIBRARY: &str = "/usr/share/linuxcnc/hallib";
 
 /// A move there and back, in the machine's own units.
@@ -33,7 +34,7 @@ const BOARDS: [&str; 10] = [
     "opto_ac5",
 ];
 
-/// Beginnings and parts of lines that say no reason.
+/// Lines with these beginnings or parts give no reason.
 const NO_REASON: [&str; 6] =
     ["Warning", "Traceback", "  ", "motmod: ", "halrun: Warning", "hal_manualtoolchange"];
 
@@ -86,8 +87,7 @@ fn the_table_of_sample_configurations_is_true() {
         return;
     }
     let scratch = Scratch::new("samples");
-    let copied =
-        Command::new("cp").args(["-r", "--no-preserve=mode", SAMPLES]).arg(scratch.path()).status();
+    let copied = Command::new("cp").args(["-r", SAMPLES]).arg(scratch.path()).status();
     assert!(copied.unwrap().success());
     scratch.write("move.ngc", PROGRAM);
     let all = scratch.path().join("sample-configs");

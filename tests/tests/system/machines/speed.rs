@@ -1,9 +1,14 @@
 //! Times of jobs, which depend on the computer: they are printed, not judged.
 //!
 //! ```text
-//! cargo test --release -p hal-tests --test system machines::speed -- --ignored --nocapture
+//! cargo test -p hal-tests --release --test system machines::speed -- --ignored --nocapture
 //! ```
-#![expect(clippy::print_stdout, reason = "a benchmark prints")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    reason = "a benchmark prints"
+)]
 
 use hal_tests::{programs::root, scratch::Scratch};
 use std::{
@@ -71,7 +76,7 @@ fn wavy(lines: u32) -> String {
 }
 
 #[test]
-#[ignore = "prints times: cargo test --release -p hal-tests --test system machines::speed -- --ignored --nocapture"]
+#[ignore = "prints times, which depend on the computer: cargo test -p hal-tests --release --test system machines::speed -- --ignored --nocapture"]
 fn an_hour_of_the_mill_and_a_minute_of_the_printer() {
     let scratch = mill();
     scratch.write("hour.ngc", wavy(60_000));
@@ -92,7 +97,7 @@ fn an_hour_of_the_mill_and_a_minute_of_the_printer() {
 }
 
 #[test]
-#[ignore = "prints times: cargo test --release -p hal-tests --test system machines::speed -- --ignored --nocapture"]
+#[ignore = "prints times, which depend on the computer: cargo test -p hal-tests --release --test system machines::speed -- --ignored --nocapture"]
 fn from_the_command_to_the_first_motion_of_a_large_file() {
     let scratch = mill();
     let mut file = BufWriter::new(File::create(scratch.path().join("large.ngc")).unwrap());

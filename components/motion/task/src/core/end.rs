@@ -42,7 +42,7 @@ impl Core {
         self.keep_end(out);
         let Some(job) = self.job.take() else { return };
         if job.is_program {
-            close_files(out);
+            self.close_files(out);
         }
         self.current = None;
         self.jobs.0 = self.jobs.0.wrapping_add(1);
@@ -89,7 +89,7 @@ impl Core {
         self.at_speed_since = None;
         self.surface.fill(None);
         out.end_program();
-        close_files(out);
+        self.close_files(out);
         // The machine is in e-stop or iocontrol is full: then its outputs are off, or a later abort follows.
         let sent = out.request(IoRequest::Abort).is_some();
         self.ending = Some(Ending { order: None, sent, origin });
@@ -167,12 +167,13 @@ impl Core {
             self.tell(Level::Error, &why, out);
         }
     }
-}
 
-/// Closes the files of a program, which ends.
-fn close_files(out: &mut impl Outside) {
-    for kind in [FileKind::Log, FileKind::Probe] {
-        // A file that is not open has nothing to fail.
-        out.file(&FileAction::Close(kind)).unwrap_or_default();
+    /// Closes the files of a program, which ends.
+    fn close_files(&mut self, out: &mut impl Outside) {
+        for kind in [FileKind::Log, FileKind::Probe] {
+            if let Err(why) = out.file(&FileAction::Close(kind)) {
+                self.tell(Level::Error, &why, out);
+            }
+        }
     }
 }

@@ -1,45 +1,55 @@
 //! Files that programs write: `LOGOPEN`, `LOGAPPEND` and `PROBEOPEN`.
 
 use crate::outside::{FileAction, FileKind};
+use hal_output::Growing;
 use std::{
     collections::BTreeMap,
-    fs::{File, OpenOptions},
-    io::Write as _,
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
 /// The open files of a program.
 #[derive(Debug, Default)]
-pub(super) struct ProgramFiles(BTreeMap<FileKind, (PathBuf, File)>);
+pub(super) struct ProgramFiles(BTreeMap<FileKind, (PathBuf, Growing)>);
 
 impl ProgramFiles {
     /// Opens a file, writes a line to it, or closes it.
     pub(super) fn act(&mut self, action: &FileAction) -> Result<(), String> {
         match action {
-            FileAction::Open { kind, name, append } => {
-                self.0.remove(kind);
-                let path = PathBuf::from(&**name);
-                // The open of a pipe that nothing reads never returns.
-                if std::fs::metadata(&path).is_ok_and(|known| !known.is_file()) {
-                    return Err(format!("{name}: not a file"));
+            FileAction::Open { kind, name, append } => self.open(*kind, name, *append),
+            FileAction::Line(kind, text) => match self.0.get_mut(kind) {
+                Some((path, file)) => {
+                    file.append(format!("{text}\n").as_bytes()).map_err(|e| failed(path, &e))
                 }
-                let mut options = OpenOptions::new();
-                options.create(true).write(true).append(*append).truncate(!append);
-                let file = options.open(&path).map_err(|e| failed(&path, &e))?;
-                self.0.insert(*kind, (path, file));
-            }
-            FileAction::Line(kind, text) => {
-                if let Some((path, file)) = self.0.get_mut(kind) {
-                    file.write_all(format!("{text}\n").as_bytes()).map_err(|e| failed(path, &e))?;
-                }
-            }
-            FileAction::Close(kind) => drop(self.0.remove(kind)),
+                None => Ok(()),
+            },
+            FileAction::Close(kind) => match self.0.remove(kind) {
+                Some((path, file)) => file.finish().map_err(|e| failed(&path, &e)),
+                None => Ok(()),
+            },
         }
+    }
+
+    fn open(&mut self, kind: FileKind, name: &str, append: bool) -> Result<(), String> {
+        self.act(&FileAction::Close(kind))?;
+        let path = PathBuf::from(name);
+        // The open of a pipe that nothing reads never returns.
+        let known = std::fs::metadata(&path);
+        if known.as_ref().is_ok_and(|known| !known.is_file()) {
+            return Err(format!("{name}: not a file"));
+        }
+        let before = match known.is_ok() && append {
+            true => std::fs::read(&path).map_err(|e| failed(&path, &e))?,
+            false => Vec::new(),
+        };
+        let mut file = Growing::create(&path).map_err(|e| failed(&path, &e))?;
+        // The file appears now, also without a line.
+        file.append(&before).map_err(|e| failed(&path, &e))?;
+        self.0.insert(kind, (path, file));
         Ok(())
     }
 }
 
-fn failed(path: &std::path::Path, error: &std::io::Error) -> String {
+fn failed(path: &Path, error: &std::io::Error) -> String {
     format!("{}: {}", path.display(), hal_output::reason(error))
 }
 
@@ -71,12 +81,6 @@ mod tests {
             let said = files.act(&open).unwrap_err();
             assert!(said.starts_with(&format!("{name}: {why}")), "{said}");
         }
-        // A disk that is full.
-        files.0.insert(FileKind::Log, (path.clone(), File::create("/dev/full").unwrap()));
-        assert_eq!(
-            files.act(&line("a")),
-            Err(format!("{}: No space left on device", path.display()))
-        );
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }
