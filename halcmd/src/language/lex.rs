@@ -197,7 +197,7 @@ impl Link for Nobody {
 
 #[cfg(test)]
 mod tests {
-    use super::{Error, lines, without_comment, words};
+    use super::{Error, Line, lines, without_comment, words};
 
     fn shown(text: &[u8]) -> String {
         let mut out = String::new();

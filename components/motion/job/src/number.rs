@@ -65,7 +65,9 @@ mod tests {
             assert_eq!(why, format!("{}:2: {wanted}", path.display()), "{text}");
         }
         // Older files have the number of units in a millimetre.
-        for (text, unit) in [("1.0", Unit::Millimetre), ("0.03937", Unit::Inch), ("Inch", Unit::Inch)] {
+        for (text, unit) in
+            [("1.0", Unit::Millimetre), ("0.03937", Unit::Inch), ("Inch", Unit::Inch)]
+        {
             let machine = read(&format!("[TRAJ]\nLINEAR_UNITS = {text}\n")).ok().unwrap();
             assert_eq!(machine.settings.unit, unit, "{text}");
         }

@@ -1,14 +1,12 @@
 //! Start of a machine from its INI file.
 
+use super::folders::Folders;
 use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
 };
 use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
-use std::{
-    ffi::OsString,
-    path::{Path, PathBuf},
-};
+use std::{ffi::OsString, path::Path};
 
 const TCL: &str = "write it as a .hal file";
 const TWOPASS: &str = "name each module in one loadrt line and take TWOPASS out";
@@ -369,53 +367,6 @@ impl<'a, 'c> Args<'a, 'c> {
     }
 }
 
-/// Folders that contain HAL files of a machine.
-struct Folders {
-    /// Folder of the INI file, as the user wrote it.
-    named: PathBuf,
-    /// Absolute path of that folder.
-    here: PathBuf,
-    /// Libraries of HAL files.
-    libraries: Vec<PathBuf>,
-}
-
-impl Folders {
-    fn of(ini: &Path) -> Self {
-        let named = ini.parent().map(Path::to_path_buf).unwrap_or_default();
-        let here = std::path::absolute(ini)
-            .ok()
-            .and_then(|p| p.parent().map(Path::to_path_buf))
-            .unwrap_or_else(|| named.clone());
-        let asked = std::env::var("HALLIB_PATH").unwrap_or_default();
-        let whole = |f: &str| std::path::absolute(f).unwrap_or_else(|_| f.into());
-        let mut libraries: Vec<PathBuf> =
-            asked.split(':').filter(|f| !f.is_empty()).map(whole).collect();
-        if let Some(bin) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
-            libraries.push(bin.join("../share/ferrule/hallib"));
-        }
-        Self { named, here, libraries }
-    }
-
-    /// Finds a file beside the INI file or else in the libraries; `LIB:name` is searched in the
-    /// libraries only. Returns the name for messages, and the path.
-    fn find(&self, name: &str) -> Option<(String, PathBuf)> {
-        let (name, library) = name.strip_prefix("LIB:").map_or((name, false), |n| (n, true));
-        let own = self.here.join(name);
-        if !library && own.is_file() {
-            return Some((self.named.join(name).display().to_string(), own));
-        }
-        let found = self.libraries.iter().map(|l| l.join(name)).find(|p| p.is_file())?;
-        Some((found.display().to_string(), found))
-    }
-
-    fn searched(&self, name: &str) -> String {
-        let own = (!name.starts_with("LIB:")).then_some(&self.here);
-        let all: Vec<String> =
-            own.into_iter().chain(&self.libraries).map(|p| p.display().to_string()).collect();
-        all.join(", ")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -501,35 +452,5 @@ mod tests {
         for good in ["[HAL]\nTWOPASS =\nHALFILE = a.hal\n", "[HALUI]\nMDI_COMMAND = a|b\n"] {
             assert_eq!(refuse(&Ini::parse("m", good.as_bytes()).unwrap()), Ok(()), "{good}");
         }
-    }
-
-    #[test]
-    fn files_are_beside_the_ini_file_or_in_a_library() {
-        let folder = std::env::temp_dir().join(format!("ferrule-find-{}", std::process::id()));
-        let (own, library) = (folder.join("own"), folder.join("lib"));
-        for f in [&own, &library] {
-            std::fs::create_dir_all(f).unwrap();
-        }
-        for f in
-            [own.join("a.hal"), own.join("b.hal"), library.join("b.hal"), library.join("c.hal")]
-        {
-            std::fs::write(f, "").unwrap();
-        }
-        let folders =
-            Folders { named: "x".into(), here: own.clone(), libraries: vec![library.clone()] };
-        let found: Vec<_> = ["a.hal", "b.hal", "LIB:b.hal", "LIB:a.hal", "c.hal", "d.hal"]
-            .map(|n| folders.find(n))
-            .into();
-        std::fs::remove_dir_all(&folder).unwrap();
-        let at = |f: &Path, n: &str| Some((f.join(n).display().to_string(), f.join(n)));
-        let want = [
-            Some(("x/a.hal".to_owned(), own.join("a.hal"))),
-            Some(("x/b.hal".to_owned(), own.join("b.hal"))),
-            at(&library, "b.hal"),
-            None,
-            at(&library, "c.hal"),
-            None,
-        ];
-        assert_eq!(found, want);
     }
 }

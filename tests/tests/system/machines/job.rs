@@ -137,7 +137,7 @@ fn a_program_beyond_a_limit_fails_at_its_line() {
 fn a_run_from_a_line_shows_its_entry_and_goes_on_from_there() {
     let program =
         "G21 G90 G61\nG0 X5 Y5\no1 repeat [3]\nG91 G1 X10 F600\nG90\no1 endrepeat\nG0 X0 Y0\nM2\n";
-    let scratch = printer("", program);
+    let scratch = printer(program);
     let words = ["--virtual", "--run", "part.ngc", "--from", "4/3"];
     let asked = scratch.halrun(&[&words[..], &["printer.ini"]].concat());
     assert_eq!(asked.status, Some(1));
@@ -171,7 +171,8 @@ fn a_run_from_a_line_shows_its_entry_and_goes_on_from_there() {
 fn a_job_that_broke_off_is_resumed_when_a_person_agrees() {
     let program = "G21 G90 G61\nG0 X5 Y5\nG1 X15 F600\nM3 S100\nG1 Y15\nG1 X5\nG0 X0 Y0\nM2\n";
     // The spindle never reaches its speed, so that the job breaks off.
-    let scratch = printer("setp spindle.0.at-speed FALSE\n", program);
+    let scratch = printer(program);
+    scratch.write("custom.hal", "setp spindle.0.at-speed FALSE\n");
     let cut = scratch.halrun(&["--virtual", "--run", "part.ngc", "printer.ini"]);
     assert!(cut.stderr.contains("part.ngc: failed after "), "{}", cut.stderr);
     scratch.write("custom.hal", "");
