@@ -116,3 +116,19 @@ fn nothing_comes_from_elsewhere() {
         }
     }
 }
+
+#[test]
+fn a_jog_goes_on_only_while_it_is_held() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page/held.mjs");
+    let done = match Command::new("node").arg(script).output() {
+        Ok(done) => done,
+        Err(e) => {
+            let required = std::env::var("FERRULE_REQUIRE").unwrap_or_default();
+            let demanded = required.split(',').any(|name| ["node", "all"].contains(&name));
+            assert!(!demanded, "node (apt-get install nodejs): {e}");
+            println!("skipped: node is not installed (apt-get install nodejs)");
+            return;
+        }
+    };
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}

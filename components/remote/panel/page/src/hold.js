@@ -7,11 +7,30 @@ export const HOLD_MS = 600;
 /** Time in ms for which a jog button is held before the jog begins. */
 export const JOG_HOLD_MS = 150;
 
-const HOLDS = new Set();
+/** Elements that are held, with the function that ends the hold. */
+const HOLDS = new Map();
+/** Jogs that have not ended. */
+const JOGS = new Set();
 
 /** Ends each hold in progress, as if all buttons were released. */
 export function releaseAll() {
-  for (const end of [...HOLDS]) end();
+  for (const end of [...HOLDS.values()]) end();
+}
+
+/** Returns whether an element is held and can still be released. */
+export const isHeld = (node) => HOLDS.has(node) && node.isConnected && !node.disabled;
+
+/** Notes a jog `{ isHeld, end }`; returns the function that notes that the machine has ended it. */
+export function noteJog(jog) {
+  JOGS.add(jog);
+  return () => JOGS.delete(jog);
+}
+
+/** Returns whether something holds each jog, and ends those that nothing holds. */
+export function areJogsHeld() {
+  const lost = [...JOGS].filter((jog) => !jog.isHeld());
+  for (const jog of lost) jog.end();
+  return lost.length === 0;
 }
 
 for (const name of ["blur", "pagehide"]) window.addEventListener(name, releaseAll);
@@ -19,7 +38,7 @@ document.addEventListener("visibilitychange", () => document.hidden && releaseAl
 
 /**
  * Watches an element for a hold by pointer, Enter or space. `begin` is called after `delay` ms, `end` once when the hold
- * ends after that: on release, when the pointer leaves, on blur, when the page is hidden, when the element is disabled.
+ * ends after that: on release, at another key, when the pointer leaves, on blur, when the page is hidden, when the element is disabled.
  */
 export function watchHold(node, { delay, begin, end = () => {} }) {
   let timer = null;
@@ -27,11 +46,12 @@ export function watchHold(node, { delay, begin, end = () => {} }) {
   let pointer = null;
 
   const stop = () => {
+    // A touch while the element was disabled held nothing, but had a pointer.
+    pointer = null;
     if (timer === null && !active) return;
     clearTimeout(timer);
     timer = null;
-    pointer = null;
-    HOLDS.delete(stop);
+    HOLDS.delete(node);
     node.classList.remove("holding");
     if (active) {
       active = false;
@@ -40,7 +60,7 @@ export function watchHold(node, { delay, begin, end = () => {} }) {
   };
   const start = () => {
     if (node.disabled || timer !== null || active) return;
-    HOLDS.add(stop);
+    HOLDS.set(node, stop);
     node.classList.add("holding");
     timer = setTimeout(() => {
       timer = null;
@@ -61,11 +81,11 @@ export function watchHold(node, { delay, begin, end = () => {} }) {
   }
   node.addEventListener("contextmenu", (event) => event.preventDefault());
   node.addEventListener("keydown", (event) => {
-    if (event.key !== "Enter" && event.key !== " ") return;
+    if (event.key !== "Enter" && event.key !== " ") return stop();
     event.preventDefault();
     if (!event.repeat) start();
   });
-  node.addEventListener("keyup", (event) => (event.key === "Enter" || event.key === " ") && stop());
+  node.addEventListener("keyup", stop);
   node.addEventListener("blur", stop);
   new MutationObserver(() => node.disabled && stop()).observe(node, { attributeFilter: ["disabled"] });
 }

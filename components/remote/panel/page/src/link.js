@@ -1,7 +1,7 @@
 // The socket: status, messages, samples and commands.
 
 import { Refusal, sessionKey } from "./http.js";
-import { releaseAll } from "./hold.js";
+import { areJogsHeld, releaseAll } from "./hold.js";
 
 const RETRY_MS = 1000;
 
@@ -45,8 +45,8 @@ export class Link {
   receive(message) {
     switch (message.type) {
       case "pulse":
-        // A page that nobody sees holds no jog.
-        if (!document.hidden) this.post({ type: "beat", n: message.n });
+        // A page that nobody sees holds no jog, and a jog that nothing holds ends by the machine's dead man too.
+        if (!document.hidden && areJogsHeld()) this.post({ type: "beat", n: message.n });
         break;
       case "hello":
         this.isOpen = true;

@@ -1,7 +1,7 @@
 // The frame of the page: the bar at the top, the cards, the bar at the bottom of a phone.
 
 import { ask, el, enable, mark, setText, show } from "./dom.js";
-import { holdButton } from "./hold.js";
+import { holdButton, releaseAll } from "./hold.js";
 import { signOut } from "./http.js";
 import { findingsCard, flightCard, graphCard, logCard, orderCard, threadsCard } from "./integrator/diagnose.js";
 import { scopeCard } from "./integrator/scope.js";
@@ -42,7 +42,12 @@ export function buildPage(ctx) {
     el("a", { class: "skip", href: "#main" }, t("skip")), topBar(ctx), linkBanner(ctx), toolPrompt(ctx), main, nav, toasts(ctx),
   );
   let face = new AbortController();
-  signal.addEventListener("abort", () => face.abort());
+  // The release of a button that is removed never arrives.
+  const leave = () => {
+    releaseAll();
+    face.abort();
+  };
+  signal.addEventListener("abort", leave);
   let shown = null;
   prefs.listen(() => {
     document.body.dataset.group = prefs.get("group");
@@ -50,7 +55,7 @@ export function buildPage(ctx) {
     const page = prefs.get("page");
     if (page === shown) return;
     shown = page;
-    face.abort();
+    leave();
     face = new AbortController();
     document.body.dataset.page = page;
     main.replaceChildren(...columns(page, { ...ctx, signal: face.signal }));

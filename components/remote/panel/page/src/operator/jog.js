@@ -2,8 +2,10 @@
 
 import { card, el, enable, field, mark, setText, show } from "../dom.js";
 import { isAngular, length } from "../format.js";
-import { JOG_HOLD_MS, watchHold } from "../hold.js";
+import { JOG_HOLD_MS, isHeld, noteJog, watchHold } from "../hold.js";
 
+/** Time in ms without beats after a refused stop: the machine has ended the jog by then. */
+const SILENCE_MS = 200;
 /** Number of the axis or joint that a key moves, and its direction. */
 const KEYS = {
   ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowDown: [1, -1], ArrowUp: [1, 1], PageDown: [2, -1], PageUp: [2, 1],
@@ -93,7 +95,7 @@ function jogButton(item, way, jogger, t) {
     { type: "button", class: `jog jog-${item.name}-${side}`, "data-jog": item.name, "data-way": way, "aria-label": `${t("jog")} ${item.name}${sign}` },
     `${item.name}${sign}`,
   );
-  watchHold(button, { delay: JOG_HOLD_MS, begin: () => jogger.begin(item, way), end: () => jogger.end(item) });
+  watchHold(button, { delay: JOG_HOLD_MS, begin: () => jogger.begin(item, way, () => isHeld(button)), end: () => jogger.end(item) });
   return button;
 }
 
@@ -115,41 +117,48 @@ function slider(ctx, id, first, most, isTurning) {
 }
 
 /** Keys jog wherever the focus is, while the mode is on, which the page shows; typing, blur and Escape end it. */
-function watchKeys(jogger, items, { isOn, end, signal }) {
+export function watchKeys(jogger, items, { isOn, end, signal }) {
   const isTyping = (node) => node instanceof Element && node.matches("input:not([type=range]), textarea, select, dialog, dialog *");
   window.addEventListener("keydown", (event) => {
     if (!isOn()) return;
     if (event.key === "Escape") return end();
+    // Another key, such as Shift, may change what the release of the first one is called.
+    if (!event.repeat) jogger.stopKey();
     const [index, way] = KEYS[event.key] ?? [];
     const item = items()[index];
     if (!item || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
-    if (!event.repeat) jogger.beginKey(event.key, item, way);
+    if (!event.repeat) jogger.beginKey(item, way);
   }, { signal });
-  window.addEventListener("keyup", (event) => jogger.endKey(event.key), { signal });
+  window.addEventListener("keyup", () => jogger.stopKey(), { signal });
   document.addEventListener("focusin", (event) => isOn() && isTyping(event.target) && end(), { signal });
   window.addEventListener("blur", () => isOn() && end(), { signal });
   document.addEventListener("visibilitychange", () => isOn() && document.hidden && end(), { signal });
 }
 
 /** Jogs in progress. */
-class Jogger {
+export class Jogger {
   constructor(ctx) {
     this.ctx = ctx;
     this.active = new Map();
     this.key = null;
   }
 
-  async begin(item, way) {
+  /** Begins a jog, which ends when nothing holds it; a step ends by itself. */
+  async begin(item, way, isHeld) {
     if (this.active.has(item)) return;
     const text = this.step();
     const velocity = this.speed(item) * way;
     const jog = { isStep: text !== "0" };
     this.active.set(item, jog);
+    if (!jog.isStep) jog.ended = noteJog({ isHeld, end: () => this.active.get(item) === jog && this.end(item) });
     const isReady = await this.ctx.manual();
     // A release during the change of mode ends the jog before it begins.
     if (!isReady || this.active.get(item) !== jog) {
-      if (this.active.get(item) === jog) this.active.delete(item);
+      if (this.active.get(item) === jog) {
+        this.active.delete(item);
+        jog.ended?.();
+      }
       return;
     }
     if (!jog.isStep) {
@@ -161,21 +170,19 @@ class Jogger {
     this.active.delete(item);
   }
 
-  end(item) {
+  async end(item) {
     const jog = this.active.get(item);
     if (!jog || jog.isStep) return;
     this.active.delete(item);
-    this.ctx.run("jog-stop");
+    if (await this.ctx.run("jog-stop")) jog.ended();
+    else setTimeout(jog.ended, SILENCE_MS);
   }
 
-  beginKey(key, item, way) {
+  beginKey(item, way) {
     if (this.key !== null) return;
-    this.key = { key, item };
-    this.begin(item, way);
-  }
-
-  endKey(key) {
-    if (this.key?.key === key) this.stopKey();
+    const key = { item };
+    this.key = key;
+    this.begin(item, way, () => this.key === key);
   }
 
   stopKey() {
