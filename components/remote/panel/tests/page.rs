@@ -117,9 +117,9 @@ fn nothing_comes_from_elsewhere() {
     }
 }
 
-#[test]
-fn a_jog_goes_on_only_while_it_is_held() {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page/held.mjs");
+/// Runs a script of `tests/page/` with Node, if it is there.
+fn run_script(name: &str) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page").join(name);
     let done = match Command::new("node").arg(script).output() {
         Ok(done) => done,
         Err(e) => {
@@ -131,4 +131,14 @@ fn a_jog_goes_on_only_while_it_is_held() {
         }
     };
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
+#[test]
+fn a_jog_goes_on_only_while_it_is_held() {
+    run_script("held.mjs");
+}
+
+#[test]
+fn probing_changes_no_mode_and_each_message_is_shown_once() {
+    run_script("lines.mjs");
 }

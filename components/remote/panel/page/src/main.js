@@ -3,7 +3,7 @@
 import { el } from "./dom.js";
 import { currentSession, getJson, listPath, signIn, takeToken } from "./http.js";
 import { Link } from "./link.js";
-import { Messages } from "./operator/messages.js";
+import { Messages, machineMessages } from "./operator/messages.js";
 import { Prefs } from "./prefs.js";
 import { signInForm } from "./sign_in.js";
 import { Store } from "./store.js";
@@ -42,6 +42,7 @@ async function run(session) {
       el("button", { type: "button", onclick: () => location.reload() }, translator(prefs.get("language"))("refresh"))));
     return;
   }
+  const listenTo = machineMessages(messages, (key, ...rest) => translator(prefs.get("language"))(key, ...rest));
   const link = new Link({
     state: (isOpen, hello) => store.replace("link", { isOpen, client: hello?.client ?? null }),
     ended: () => location.reload(),
@@ -50,9 +51,9 @@ async function run(session) {
         if (changes === null) store.replace(part, {});
         else store.merge(part, changes);
       }
+      listenTo(store.get("task"));
     },
     values: ({ values }) => store.merge("values", values),
-    message: ({ level, text, time }) => messages.add(level, text, time),
   });
   const build = () => {
     built.abort();

@@ -111,7 +111,7 @@ export function watchCard(ctx) {
     const answer = await ask(`${t("watch.link")} ${name}`, [field(t("watch.signal"), input), el("p", { class: "note" }, t("watch.link.hint"))], { confirm: t("watch.link"), cancel: t("cancel") });
     if (!answer) return;
     if (answer.signal === "") ctx.run("unlink", { pin: name });
-    else ctx.run("net", { signal: answer.signal, pins: [name] });
+    else ctx.run("net", { signal: answer.signal, pins: name });
   }
 
   prefs.listen((name) => {

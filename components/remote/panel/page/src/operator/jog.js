@@ -18,7 +18,9 @@ export function jogCard(ctx) {
   const axes = [...info.axes.toLowerCase()].map((axis) => ({ name: axis.toUpperCase(), axis, target: { axis: axis.toUpperCase() } }));
   const joints = Array.from({ length: info.joints }, (_, j) => jointOf(info, j));
   const jogger = new Jogger(ctx);
-  const increments = ["0", ...(info.increments ?? [])];
+  const isRead = (text) => length(text, info.linear_units) > 0;
+  const increments = ["0", ...(info.increments ?? []).filter(isRead)];
+  const unread = (info.increments ?? []).filter((text) => !isRead(text));
   const step = el(
     "select", { id: "jog-step", onchange: () => prefs.set("step", step.value) },
     ...increments.map((text) => el("option", { value: text }, text === "0" ? t("jog.continuous") : text)),
@@ -65,6 +67,7 @@ export function jogCard(ctx) {
   return card(
     "jog", t("jog"), banner, ...pads, why,
     el("div", { class: "row" }, field(t("jog.step"), step), keys),
+    unread.length > 0 ? el("p", { class: "note" }, t("jog.unread", unread.join(", "))) : null,
     speed.label, turning?.label ?? null,
   );
 }

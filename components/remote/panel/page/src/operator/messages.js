@@ -13,8 +13,8 @@ export class Messages {
     this.listeners = new Set();
   }
 
-  add(level, text, time = null) {
-    this.all.push({ level, text, time: time ?? new Date() });
+  add(level, text) {
+    this.all.push({ level, text, time: new Date() });
     if (this.all.length > MAX_KEPT) this.all.shift();
     for (const listener of this.listeners) listener(this.all.at(-1));
   }
@@ -25,13 +25,27 @@ export class Messages {
   }
 }
 
+/** Returns a function that takes each new state of the task, and adds the machine's messages since the page was opened. */
+export function machineMessages(messages, t) {
+  let seen = null;
+  return ({ messages: count, message, message_level: level }) => {
+    if (count === undefined || count === seen) return;
+    // The task counts anew when it starts anew.
+    const missed = seen === null ? 0 : count - seen - 1;
+    const isFirst = seen === null;
+    seen = count;
+    if (isFirst || count === 0) return;
+    if (missed > 0) messages.add("warning", t("messages.missed", missed));
+    messages.add(level === 1 ? "error" : "info", message);
+  };
+}
+
 /** Makes the card of the history. */
 export function messagesCard(ctx) {
   const { messages, t, signal } = ctx;
   const list = el("ol", { class: "log", tabIndex: 0, "aria-label": t("messages") });
   const add = (m) => {
-    const time = m.time instanceof Date ? m.time.toLocaleTimeString() : `${Number(m.time).toFixed(1)} s`;
-    list.prepend(el("li", { "data-level": m.level }, el("time", {}, time), el("b", {}, t(`level.${m.level}`)), " ", m.text));
+    list.prepend(el("li", { "data-level": m.level }, el("time", {}, m.time.toLocaleTimeString()), el("b", {}, t(`level.${m.level}`)), " ", m.text));
     while (list.childElementCount > MAX_KEPT) list.lastChild.remove();
   };
   messages.all.forEach(add);

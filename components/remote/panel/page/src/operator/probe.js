@@ -7,6 +7,8 @@ import { holdButton } from "../hold.js";
 /** G codes of the task, times ten. */
 const INCH = 200;
 const INCREMENTAL = 910;
+const DIAMETER = 70;
+const MM_PER_INCH = 25.4;
 
 /** Makes the card of probing. */
 export function probeCard(ctx) {
@@ -29,20 +31,13 @@ export function probeCard(ctx) {
     const [far, speed, tip] = [distance, feed, radius].map((node) => Number(node.value));
     if (!(far > 0) || !(speed > 0) || !(tip >= 0)) return setText(state, t("probe.numbers"));
     if (!(await ctx.mode("mdi"))) return;
-    const before = store.get("task").g_codes ?? [];
-    const index = AXES.indexOf(axis.toLowerCase());
-    const units = isInch ? "G20" : "G21";
+    const [move, zero, value] = probeLines(axis, way, { far, speed, tip, isInch }, store.get("task").g_codes ?? []);
+    if (!move) return setText(state, t("probe.diameter"));
     setText(state, t("probe.moves"));
-    // A move without a touch is an error of G38.2: the command then fails, and the message says why.
-    const isFound = await run("mdi", { text: `${units} G91 G38.2 ${axis}${way * far} F${speed}` });
-    if (isFound) {
-      // The place of the touch gets the value, not that at which the move has braked.
-      const place = `${-way * tip} + #<_${axis.toLowerCase()}> - #506${index + 1}`;
-      const isSet = await run("mdi", { text: `${units} G10 L20 P0 ${axis}[${place}]` });
-      setText(state, isSet ? `${t("probe.found")} ${axis} ${-way * tip} ${unit.unit("x")}` : "");
-    } else setText(state, t("probe.missed"));
-    // What the lines changed is as it was.
-    await run("mdi", { text: `${before.includes(INCH) ? "G20" : "G21"} ${before.includes(INCREMENTAL) ? "G91" : "G90"}` });
+    // A move without a touch is an error of G38.2: the command then fails, and the message says why. Nothing follows a failure.
+    if (!(await run("mdi", { text: move }))) return setText(state, t("probe.missed"));
+    const isSet = await run("mdi", { text: zero });
+    setText(state, isSet ? `${t("probe.found")} ${axis} ${value} ${unit.unit("x")}` : "");
   }
 
   store.listen(() => {
@@ -56,4 +51,22 @@ export function probeCard(ctx) {
       field(t("probe.radius"), radius, unit.unit("x"))),
     el("div", { class: "row", role: "group", "aria-label": t("probe") }, ...buttons), state,
   );
+}
+
+/**
+ * Returns the line that probes and the line that sets the zero, and the value of the place in the unit of the numbers. The lines use
+ * the units and distances that are in force, and change neither; diameters are refused.
+ */
+export function probeLines(axis, way, { far, speed, tip, isInch }, codes) {
+  if (codes.includes(DIAMETER)) return [];
+  const isProgramInch = codes.includes(INCH);
+  const factor = isInch === isProgramInch ? 1 : isInch ? MM_PER_INCH : 1 / MM_PER_INCH;
+  const number = (value) => (value * factor).toFixed(6);
+  const here = `#<_${axis.toLowerCase()}>`;
+  const target = codes.includes(INCREMENTAL) ? number(way * far) : `[${here} ${way < 0 ? "-" : "+"} ${number(far)}]`;
+  // A tip touches with its side; along Z it touches with its end, which is the tool's length.
+  const value = axis === "Z" || tip === 0 ? 0 : -way * tip;
+  // The place of the touch gets the value, not that at which the move has braked.
+  const place = `[${number(value)} + ${here} - #506${AXES.indexOf(axis.toLowerCase()) + 1}]`;
+  return [`G38.2 ${axis}${target} F${number(speed)}`, `G10 L20 P0 ${axis}${place}`, value];
 }

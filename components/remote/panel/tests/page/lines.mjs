@@ -1,0 +1,34 @@
+// Lines that the page's probing gives, and messages of the machine. Run by `tests/page.rs`.
+
+import assert from "node:assert/strict";
+
+globalThis.window = new EventTarget();
+globalThis.document = new EventTarget();
+
+const { probeLines } = await import("../../page/src/operator/probe.js");
+const { machineMessages } = await import("../../page/src/operator/messages.js");
+
+const mm = { far: 10, speed: 50, tip: 2, isInch: false };
+const cases = [
+  // Axis, way, numbers, codes in force: the two lines and the value.
+  ["X", 1, mm, [210, 900], "G38.2 X[#<_x> + 10.000000] F50.000000", "G10 L20 P0 X[-2.000000 + #<_x> - #5061]", -2],
+  ["Y", -1, mm, [210, 910], "G38.2 Y-10.000000 F50.000000", "G10 L20 P0 Y[2.000000 + #<_y> - #5062]", 2],
+  ["Z", -1, mm, [210, 900], "G38.2 Z[#<_z> - 10.000000] F50.000000", "G10 L20 P0 Z[0.000000 + #<_z> - #5063]", 0],
+  ["X", 1, { ...mm, far: 25.4, speed: 254, tip: 0 }, [200, 900], "G38.2 X[#<_x> + 1.000000] F10.000000", "G10 L20 P0 X[0.000000 + #<_x> - #5061]", 0],
+  ["X", 1, { ...mm, far: 1, speed: 2, isInch: true }, [210, 910], "G38.2 X25.400000 F50.800000", "G10 L20 P0 X[-50.800000 + #<_x> - #5061]", -2],
+];
+for (const [axis, way, numbers, codes, ...lines] of cases) assert.deepEqual(probeLines(axis, way, numbers, codes), lines);
+assert.deepEqual(probeLines("X", 1, mm, [70, 210, 900]), []);
+
+const shown = [];
+const take = machineMessages({ add: (level, text) => shown.push(`${level}: ${text}`) }, (key, n) => `${key} ${n}`);
+const state = (messages, message, level) => take({ messages, message, message_level: level });
+take({});
+state(3, "before the page", 1);
+state(3, "before the page", 1);
+state(4, "a limit", 1);
+state(5, "a limit", 1);
+state(8, "a word", 0);
+state(0, "", 0);
+state(1, "anew", 0);
+assert.deepEqual(shown, ["error: a limit", "error: a limit", "warning: messages.missed 2", "info: a word", "info: anew"]);
