@@ -61,6 +61,16 @@ impl Core {
         Ok(true)
     }
 
+    /// Follows the end of a change. A change to another tool stays open: a person must say which tool is there.
+    pub(super) fn changed_tool(&mut self, tool: i32, out: &mut impl Outside) -> Result<(), String> {
+        let is = out.io().tool;
+        if is == tool {
+            return self.take_tool(tool, out);
+        }
+        self.held.seen = is;
+        Err(format!("the changer was asked for tool {tool} and states tool {is}"))
+    }
+
     /// Writes the tool that iocontrol has changed, or that the operator states.
     pub(super) fn take_tool(&mut self, tool: i32, out: &mut impl Outside) -> Result<(), String> {
         if self.world.machine.settings.random_changer {

@@ -105,7 +105,7 @@ impl Core {
                     job.user_code = Ok(());
                 }
                 if let Waiting::Change { tool, .. } = waiting
-                    && let Err(why) = self.take_tool(tool, out)
+                    && let Err(why) = self.changed_tool(tool, out)
                 {
                     self.fail(&why, out);
                     return false;

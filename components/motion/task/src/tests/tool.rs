@@ -194,3 +194,16 @@ fn a_table_that_is_reloaded_keeps_the_tool_in_the_spindle() {
     assert_eq!(rig.core.interpreter.state.tool.number, 2);
     assert_eq!(records(&rig).last(), Some(&Spindle::Holds(2)));
 }
+
+#[test]
+fn a_changer_that_brings_another_tool_leaves_the_change_open() {
+    let (mut rig, ticket) = changing();
+    rig.fake.io.prepared = 1;
+    rig.fake.answer_changer();
+    rig.pass(0.5);
+    let why = rig.result(ticket).unwrap().unwrap_err();
+    assert!(why.ends_with("the changer was asked for tool 2 and states tool 1"), "{why}");
+    assert_eq!(records(&rig), [Spindle::Changing { from: 0, to: 2 }]);
+    assert!(rig.refused(Command::Run).contains("was interrupted"));
+    assert!(!rig.sent().iter().any(|s| s.contains("line")), "nothing moves");
+}
