@@ -340,8 +340,8 @@ impl Core {
 
     /// Returns the line in execution; 0 without one.
     pub(crate) fn line(&self) -> u32 {
-        if self.awaited_tool().is_some() {
-            return self.interpreter.state.line;
+        if self.awaited_tool().is_some() && self.waiting.is_none() {
+            return self.queue.front().map_or(0, |entry| entry.origin.line);
         }
         let flight = self.flight.front().map(|f| f.origin.line);
         match (&self.waiting, &self.current) {
@@ -353,12 +353,12 @@ impl Core {
 
     /// Returns whether the job waits for a tool, and its number.
     pub(crate) fn awaited_tool(&self) -> Option<i32> {
-        let waits = matches!(self.waiting, Some(Waiting::Io(_) | Waiting::Change { .. }))
-            || self.preparing.is_some();
-        match self.job.as_ref()?.reading {
-            _ if !waits || !self.flight.is_empty() => None,
-            Reading::Asked(Request::ToolChange { tool }) => Some(tool),
-            Reading::Lines | Reading::Asked(_) | Reading::Ended => None,
+        match (&self.waiting, self.queue.front().map(|entry| &entry.action)) {
+            _ if !self.flight.is_empty() => None,
+            (Some(Waiting::Change { tool, .. }), _) => Some(*tool),
+            // The change waits until its tool is prepared.
+            (None, Some(Action::Change(tool))) if self.preparing.is_some() => Some(*tool),
+            _ => None,
         }
     }
 

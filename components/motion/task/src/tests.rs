@@ -1,5 +1,6 @@
 //! The core on a machine that notes what it is sent.
 
+mod entry;
 mod job;
 mod real;
 mod recover;
@@ -325,6 +326,7 @@ impl Rig {
             change_position: None,
             safe_height: None,
         };
+        machine.limits[2].1 = Some(80.0);
         change(&mut machine, &mut rules);
         let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
         let mut rig = Self { core, fake: Fake::new(), tickets: 0, folder };

@@ -16,8 +16,10 @@ impl Core {
         is_program: bool,
         ticket: Option<super::Ticket>,
         stepping: bool,
-        out: &impl Outside,
+        out: &mut impl Outside,
     ) {
+        self.forget_dry_run("another job has begun", out);
+        self.leave_entry();
         self.job = Some(Job {
             is_program,
             reading: Reading::Lines,
@@ -31,7 +33,6 @@ impl Core {
         });
         self.current = None;
         self.last_tag = None;
-        self.forget_proposal();
         self.undo.clear();
         drop(self.interpreter.state.numbered.take_changes());
     }
@@ -40,6 +41,7 @@ impl Core {
     pub(super) fn complete(&mut self, out: &mut impl Outside) {
         self.save_parameters(out);
         self.keep_end(out);
+        self.leave_entry();
         let Some(job) = self.job.take() else { return };
         if job.is_program {
             self.close_files(out);
@@ -68,6 +70,7 @@ impl Core {
     /// Stops everything: motion, the job, lines of MDI that wait, coolant and spindles.
     pub(super) fn end_job(&mut self, why: &str, out: &mut impl Outside) {
         self.keep_break(out);
+        self.leave_entry();
         let job = self.job.take();
         if job.is_some() {
             self.jobs.0 = self.jobs.0.wrapping_add(1);
@@ -127,6 +130,7 @@ impl Core {
     /// Sets the interpreter to the modal state and the parameters of the line that was in execution, at rest and
     /// without calls.
     fn reset(&mut self, origin: Option<Origin>, out: &mut impl Outside) {
+        self.return_from_entry();
         let io = out.io();
         let tools = &self.world.machine.tools;
         let state = &mut self.interpreter.state;

@@ -43,7 +43,7 @@ pub(super) struct Before<'a> {
 /// Returns the steps from the machine's state to that of a line.
 ///
 /// # Errors
-/// A move of the entry is beyond the machine's limits; all reasons.
+/// The machine has no safe height, or a move of the entry is beyond its limits; all reasons.
 pub(super) fn entry(
     before: &Before<'_>,
     found: &Found,
@@ -59,13 +59,14 @@ pub(super) fn entry(
     };
     let (state, now) = (&found.state, &before.state.modal);
     let target = place(machine, state, before.pose);
-    let safe = plan.safe_height(rules, &target);
+    let safe = plan.safe_height(rules, &target)?;
     plan.converter.restart(state, before.pose);
     plan.mode(state, before.state);
     plan.up(safe);
     let tool = state.tool.number;
-    if before.io.tool != tool {
-        plan.change(tool, before.io.prepared);
+    let changes = before.io.tool != tool;
+    if changes {
+        plan.change(tool, state.modal.spindles.len());
         plan.up(safe);
     }
     let [k_from, k_to] = [before.state, state].map(|s| s.frame.unit.to(machine.settings.unit));
@@ -75,13 +76,13 @@ pub(super) fn entry(
         let text = format!("tool offset {}", plan.words(&offset));
         plan.add("offset", text, vec![Action::Path(Order::ToolOffset(offset))]);
     }
-    if let Some(next) = state.selected.filter(|t| *t != tool && *t != before.io.prepared) {
+    if let Some(next) = state.selected.filter(|t| *t != tool) {
         plan.add("prepare", format!("tool {next} is prepared"), vec![Action::Prepare(next)]);
     }
     for (number, spindle) in (0u8..).zip(&state.modal.spindles) {
         let was = now.spindles.get(usize::from(number)).map(|s| s.direction);
         let direction = spindle.direction;
-        if direction == Direction::Stopped && was == Some(Direction::Stopped) {
+        if direction == Direction::Stopped && (changes || was == Some(Direction::Stopped)) {
             continue;
         }
         let call = Call::TurnSpindle { spindle: number, direction };
@@ -95,7 +96,7 @@ pub(super) fn entry(
         };
         plan.call("spindle", text, call);
     }
-    plan.coolant(state, &before.io);
+    plan.coolant(state);
     plan.travel("over", format!("over the place at Z{safe:.4}"), |at| {
         for (axis, (at, to)) in at.iter_mut().zip(target).enumerate() {
             *at = if axis == Z { *at } else { to };
@@ -131,12 +132,19 @@ struct Plan<'a> {
 impl Plan<'_> {
     /// Returns the height of moves over the part: the INI file's, or the upper end of Z's travel; never below the
     /// machine's place or the target's.
-    fn safe_height(&self, rules: &Rules, target: &[f64; 9]) -> f64 {
+    fn safe_height(&self, rules: &Rules, target: &[f64; 9]) -> Result<f64, String> {
         let k = self.machine.settings.unit.millimetres();
         let top = self.machine.limits.get(Z).and_then(|(_, high)| *high);
         let top = top.filter(|high| *high < ENDLESS).map(|high| high / k);
-        let height = rules.safe_height.or(top).unwrap_or(f64::NEG_INFINITY);
-        [height, self.at[Z], target[Z]].into_iter().fold(f64::NEG_INFINITY, f64::max)
+        let height = rules.safe_height.or(top);
+        if height.is_none() && self.machine.settings.axes.has(Axis::Z) {
+            return Err(
+                "no height is safe: Z has no upper limit, and the INI file no [TASK]SAFE_HEIGHT"
+                    .into(),
+            );
+        }
+        let heights = [self.at[Z], target[Z]].into_iter().chain(height);
+        Ok(heights.fold(f64::NEG_INFINITY, f64::max))
     }
 
     fn add(&mut self, kind: &'static str, text: String, actions: Vec<Action>) {
@@ -186,10 +194,13 @@ impl Plan<'_> {
         }
     }
 
-    fn change(&mut self, tool: i32, prepared: i32) {
-        if prepared != tool {
-            self.add("prepare", format!("tool {tool} is prepared"), vec![Action::Prepare(tool)]);
+    /// Changes the tool, with all spindles at rest, whatever they did before.
+    fn change(&mut self, tool: i32, spindles: usize) {
+        for spindle in (0u8..).take(spindles) {
+            let call = Call::TurnSpindle { spindle, direction: Direction::Stopped };
+            self.call("spindle", format!("spindle {spindle} stops"), call);
         }
+        self.add("prepare", format!("tool {tool} is prepared"), vec![Action::Prepare(tool)]);
         self.call("tool", format!("tool {tool} into the spindle"), Call::ChangeTool(tool));
     }
 
@@ -219,11 +230,8 @@ impl Plan<'_> {
         }
     }
 
-    fn coolant(&mut self, state: &State, io: &IoState) {
+    fn coolant(&mut self, state: &State) {
         let (mist, flood) = (state.modal.mist, state.modal.flood);
-        if (mist, flood) == (io.mist, io.flood) {
-            return;
-        }
         let text = match (mist, flood) {
             (false, false) => "coolant off",
             (true, false) => "mist on",

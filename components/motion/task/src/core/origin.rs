@@ -1,6 +1,7 @@
 //! The lines that steps come from, and the state to which an abort returns.
 
-use hal_gcode::{Numbered, canon::Frame, parameters::Change, state::Modal};
+use crate::{convert::Action, outside::Order};
+use hal_gcode::{Numbered, axis::Axis, canon::Frame, parameters::Change, state::Modal};
 use std::{
     collections::{BTreeSet, VecDeque},
     sync::Arc,
@@ -12,6 +13,30 @@ pub(super) struct Tag {
     pub(super) file: Box<str>,
     pub(super) modal: Modal,
     pub(super) frame: Frame,
+}
+
+impl Tag {
+    /// Adds what a step of an entry changes. The unit is that of the frame in machine units.
+    pub(super) fn note(&mut self, action: &Action, unit: f64) {
+        match action {
+            Action::FeedOverride(on) => self.modal.feed_override = *on,
+            Action::SpeedOverride { spindle, on } => {
+                if let Some(spindle) = self.modal.spindles.get_mut(usize::from(*spindle)) {
+                    spindle.speed_override = *on;
+                }
+            }
+            Action::Rest(Order::AdaptiveFeed(on)) => self.modal.adaptive_feed = *on,
+            Action::Rest(Order::FeedHold(on)) => self.modal.feed_hold = *on,
+            Action::Path(Order::ToolOffset(offset)) => {
+                for (axis, value) in Axis::ALL.into_iter().zip(offset) {
+                    let k = if axis.is_rotary() { 1.0 } else { unit };
+                    self.frame.tool[axis] = value / k;
+                }
+                self.modal.tool_offset = offset.iter().any(|value| *value != 0.0);
+            }
+            _ => {}
+        }
+    }
 }
 
 /// The line that a step comes from.

@@ -29,7 +29,7 @@ pub(super) struct Recovery {
 }
 
 impl Core {
-    /// Begins the search for the place where the last job broke off. Its program becomes the one that is open.
+    /// Begins the search for the place where the last job broke off. The proposal makes its program the one that is open.
     pub(super) fn recover(&mut self, ticket: Ticket, out: &mut impl Outside) -> Result<(), String> {
         self.needs_no_job("a dry run cannot begin")?;
         self.needs_no_search()?;
@@ -73,7 +73,6 @@ impl Core {
         if journal.is_cut {
             notes.push("the end of the journal was lost".to_owned());
         }
-        self.program = Some(path.clone());
         let run = self.replay(&journal, Target::Number(number))?;
         let recovery = Box::new(Recovery { journal, checks, notes });
         let program = Opened { path, version };

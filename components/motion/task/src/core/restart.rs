@@ -1,7 +1,7 @@
 //! A start in the middle of a program: the dry run, the proposal that is shown, and its confirmation.
 
 use super::{
-    Core, Entry, Mode, Origin, Ticket,
+    Core, Entry, Mode, Origin, Tag, Ticket,
     entry::{self, Before, EntryStep, words},
     recover::Recovery,
 };
@@ -29,6 +29,7 @@ const MOVED: f64 = 0.01;
 pub(super) struct Restart {
     search: Option<Search>,
     proposal: Option<Proposal>,
+    before: Option<Box<BeforeEntry>>,
     /// The last token.
     token: u32,
 }
@@ -46,6 +47,13 @@ pub(super) struct Search {
 pub(super) struct Opened {
     pub(super) path: PathBuf,
     pub(super) version: Version,
+}
+
+/// The interpreter before an entry, to which the task returns if the entry breaks off.
+struct BeforeEntry {
+    interpreter: Interpreter,
+    /// Serial number of the entry's steps.
+    serial: u64,
 }
 
 /// A start that waits for its confirmation.
@@ -158,6 +166,7 @@ impl Core {
         let notes = match recovery {
             Some(recovery) => {
                 self.check_offsets(&recovery, &found)?;
+                self.program = Some(program.path.clone());
                 recovery.notes
             }
             None => Vec::new(),
@@ -213,17 +222,26 @@ impl Core {
         }
         let Some(proposal) = self.restart.proposal.take() else { return Ok(()) };
         let Proposal { found, interpreter, program, entry, place, .. } = proposal;
-        self.interpreter = *interpreter;
+        let before = core::mem::replace(&mut self.interpreter, *interpreter);
+        self.interpreter.state.settings.block_delete = self.world.machine.settings.block_delete;
         self.interpreter.state.numbered.record_changes();
         self.begin_job(true, Some(ticket), false, out);
         self.begin_journal(&program.path, &found.outputs, out);
         self.serial += 1;
         let number = found.begin.number;
-        let origin =
-            Origin { line: found.begin.line, serial: self.serial, number, tag: self.tag() };
+        let (line, serial) = (found.begin.line, self.serial);
+        let mut tag = Tag {
+            file: self.tag().file.clone(),
+            modal: before.state.modal.clone(),
+            frame: before.state.frame,
+        };
+        let unit = before.state.frame.unit.to(self.world.machine.settings.unit);
         for action in entry.unwrap_or_default().into_iter().flat_map(|step| step.actions) {
-            self.queue.push_back(Entry { action, origin: origin.clone() });
+            tag.note(&action, unit);
+            let origin = Origin { line, serial, number, tag: Arc::new(tag.clone()) };
+            self.queue.push_back(Entry { action, origin });
         }
+        self.restart.before = Some(Box::new(BeforeEntry { interpreter: before, serial }));
         self.converter.restart(&self.interpreter.state, place);
         Ok(())
     }
@@ -233,14 +251,31 @@ impl Core {
         self.restart.proposal.as_ref().map(|p| p.shown.clone())
     }
 
-    /// Forgets a proposal.
-    pub(super) fn forget_proposal(&mut self) {
-        self.restart.proposal = None;
+    /// Forgets the interpreter before the entry, unless a step of the entry is in execution or waits.
+    pub(super) fn leave_entry(&mut self) {
+        let Some(BeforeEntry { serial, .. }) = self.restart.before.as_deref() else { return };
+        let queue = self.queue.iter().map(|entry| &entry.origin);
+        let flight = self.flight.iter().map(|flight| &flight.origin);
+        let current = self.current.iter().filter(|_| self.waiting.is_some());
+        if !queue.chain(flight).chain(current).any(|origin| origin.serial == *serial) {
+            self.restart.before = None;
+        }
+    }
+
+    /// Returns to the interpreter before an entry that has broken off.
+    pub(super) fn return_from_entry(&mut self) {
+        if let Some(before) = self.restart.before.take() {
+            self.interpreter = before.interpreter;
+            // Its changes are those of lines that were read from the place.
+            self.undo.clear();
+            let block_delete = self.world.machine.settings.block_delete;
+            self.interpreter.state.settings.block_delete = block_delete;
+        }
     }
 
     /// Ends a dry run and forgets a proposal.
     pub(super) fn forget_dry_run(&mut self, why: &str, out: &mut impl Outside) {
-        self.forget_proposal();
+        self.restart.proposal = None;
         if let Some(search) = self.restart.search.take() {
             out.finish(search.ticket, Err(why.to_owned()));
         }

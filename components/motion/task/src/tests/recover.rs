@@ -245,8 +245,11 @@ fn a_machine_that_is_not_as_the_job_left_it_is_refused_by_name() {
         rig.pass(0.25);
         let mut new = after_loss(&rig, rig.fake.journal.clone());
         change(&mut new, &rig.folder.join("job.ngc"));
+        let open = new.core.program.take();
         let why = new.recovered().unwrap_err();
         assert!(why.contains(wanted), "{wanted}: {why}");
+        assert_eq!(new.core.program, None, "{wanted}: the open program stays");
+        new.core.program = open;
         assert!(new.sent().is_empty() && new.core.shown_start().is_none());
     }
 }

@@ -111,13 +111,14 @@ fn the_proposal_shows_the_state_and_every_step() {
          g92 X0.0000 Y0.0000 Z0.0000\n\
          tool-offset X0.0000 Y0.0000 Z10.0000\n\
          entry 1 up: up to Z80.0000: X0.0000 Y0.0000 Z80.0000\n\
-         entry 2 prepare: tool 1 is prepared\n\
-         entry 3 tool: tool 1 into the spindle\n\
-         entry 4 offset: tool offset X0.0000 Y0.0000 Z10.0000\n\
-         entry 5 spindle: spindle 0 clockwise, 1000 rpm\n\
-         entry 6 coolant: flood on\n\
-         entry 7 over: over the place at Z80.0000: X3.0000 Y2.0000 Z80.0000\n\
-         entry 8 down: down to Z9.0000 at feed 60: X3.0000 Y2.0000 Z9.0000",
+         entry 2 spindle: spindle 0 stops\n\
+         entry 3 prepare: tool 1 is prepared\n\
+         entry 4 tool: tool 1 into the spindle\n\
+         entry 5 offset: tool offset X0.0000 Y0.0000 Z10.0000\n\
+         entry 6 spindle: spindle 0 clockwise, 1000 rpm\n\
+         entry 7 coolant: flood on\n\
+         entry 8 over: over the place at Z80.0000: X3.0000 Y2.0000 Z80.0000\n\
+         entry 9 down: down to Z9.0000 at feed 60: X3.0000 Y2.0000 Z9.0000",
         file.display()
     );
     assert_eq!(shown.join("\n"), wanted);
