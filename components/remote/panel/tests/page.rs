@@ -66,7 +66,10 @@ fn each_text_is_there_in_each_language_and_is_used() {
         }
         for (at, _) in source.match_indices("t(`") {
             let (key, _) = source[at + 3..].split_once("${").unwrap();
-            begun.insert(key.to_owned());
+            let is_call = !source[..at].ends_with(|c: char| c.is_alphanumeric() || c == '.');
+            if is_call && !key.is_empty() {
+                begun.insert(key.to_owned());
+            }
         }
     }
     for key in texts.keys() {
@@ -141,4 +144,58 @@ fn a_jog_goes_on_only_while_it_is_held() {
 #[test]
 fn probing_changes_no_mode_and_each_message_is_shown_once() {
     run_script("lines.mjs");
+}
+
+/// Returns the texts in quotes that follow one of these beginnings in the page's sources.
+fn quoted_after(beginnings: &[&str]) -> BTreeSet<String> {
+    let sources: Vec<_> =
+        files(&page().join("src")).iter().map(|p| fs::read_to_string(p).unwrap()).collect();
+    let mut found = BTreeSet::new();
+    for (source, beginning) in sources.iter().flat_map(|s| beginnings.iter().map(move |b| (s, b))) {
+        for (at, _) in source.match_indices(beginning) {
+            let rest = &source[at + beginning.len()..];
+            let (text, _) = rest.split_once(['"', '`', '$', '?']).unwrap();
+            found.insert(text.to_owned());
+        }
+    }
+    found
+}
+
+fn source(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
+}
+
+#[test]
+fn the_page_asks_for_nothing_that_is_not_served() {
+    let rows = source("src/commands.rs");
+    let commands = quoted_after(&["run(\"", "command(\""]);
+    assert!(["jog", "jog-stop", "mdi", "estop"].iter().all(|c| commands.contains(*c)));
+    for name in &commands {
+        assert!(
+            rows.contains(&format!("row(\"{name}\""))
+                || rows.contains(&format!("        \"{name}\",\n")),
+            "there is no command '{name}'"
+        );
+    }
+    let (routes, kinds) = (source("src/http/mod.rs"), source("src/http/lists.rs"));
+    let paths = quoted_after(&[
+        "getJson(\"/",
+        "request(\"GET\", \"/",
+        "request(\"POST\", \"/",
+        "request(\"PUT\", \"/",
+        "request(\"DELETE\", \"/",
+        "listPath(\"",
+    ]);
+    assert!(["info", "tools", "pins"].iter().all(|p| paths.contains(*p)));
+    for path in &paths {
+        let is_route = routes.contains(&format!(".route(\"/{path}\""));
+        assert!(is_route || kinds.contains(&format!("(\"{path}\"")), "there is no path /{path}");
+    }
+    let written = quoted_after(&["request(\"PUT\", \"/", "request(\"PUT\", `/"]);
+    assert!(written.is_empty(), "only programs are stored: {written:?}");
+    let messages = source("src/socket/message.rs");
+    for ty in quoted_after(&["post({ type: \"", "ask({ type: \"", "stringify({ type: \""]) {
+        let variant = format!("{}{} {{", ty[..1].to_uppercase(), &ty[1..]);
+        assert!(messages.contains(&variant), "there is no message '{ty}'");
+    }
 }

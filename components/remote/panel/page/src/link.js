@@ -1,4 +1,4 @@
-// The socket: status, messages, samples and commands.
+// The socket: status, values and commands.
 
 import { Refusal, sessionKey } from "./http.js";
 import { areJogsHeld, releaseAll } from "./hold.js";
@@ -7,12 +7,11 @@ const RETRY_MS = 1000;
 
 /** The connection to the server. A lost one is opened again, as a new client without the lease. */
 export class Link {
-  /** `on` has functions by message type: `status`, `message`, `values`, and `state` for the connection itself. */
+  /** `on` has functions by message type: `status`, `values`, and `state` for the connection itself. */
   constructor(on) {
     this.on = on;
     this.nextId = 1;
     this.pending = new Map();
-    this.captures = new Map();
     this.watched = new Map();
     this.isOpen = false;
     this.isClosed = false;
@@ -30,7 +29,6 @@ export class Link {
       this.isOpen = false;
       for (const { reject } of this.pending.values()) reject(new Refusal({ code: "no-server", text: this.lostText ?? "" }));
       this.pending.clear();
-      this.captures.clear();
       this.on.state(false);
       if (!this.isClosed) setTimeout(() => this.open(), RETRY_MS);
     };
@@ -56,9 +54,6 @@ export class Link {
       case "reply":
       case "done":
         this.settle(message);
-        break;
-      case "samples":
-        this.captures.get(message.id)?.(message);
         break;
       case "error":
         if (message.error?.code === "no-session") {
@@ -116,25 +111,5 @@ export class Link {
   sendWatch() {
     const names = [...new Set([...this.watched.values()].flat())].slice(0, 1000);
     if (this.isOpen) this.post({ type: "watch", names });
-  }
-
-  /** Starts a capture; `receive` gets its samples. Resolves to its period, names, types and `id`. */
-  async capture(options, receive) {
-    const id = this.nextId++;
-    this.captures.set(id, receive);
-    const answer = new Promise((resolve, reject) => this.pending.set(id, { resolve, reject }));
-    this.post({ type: "scope", id, ...options });
-    try {
-      return { ...(await answer), id };
-    } catch (error) {
-      this.captures.delete(id);
-      throw error;
-    }
-  }
-
-  /** Ends a capture. */
-  endCapture(id) {
-    this.captures.delete(id);
-    this.post({ type: "scope", id, names: [] });
   }
 }

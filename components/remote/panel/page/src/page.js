@@ -1,10 +1,9 @@
 // The frame of the page: the bar at the top, the cards, the bar at the bottom of a phone.
 
 import { ask, el, enable, mark, setText, show } from "./dom.js";
-import { holdButton, releaseAll } from "./hold.js";
+import { releaseAll } from "./hold.js";
 import { signOut } from "./http.js";
-import { findingsCard, flightCard, graphCard, logCard, orderCard, threadsCard } from "./integrator/diagnose.js";
-import { scopeCard } from "./integrator/scope.js";
+import { absentCard, findingsCard, flightCard, orderCard, threadsCard } from "./integrator/diagnose.js";
 import { treeCard, watchCard } from "./integrator/tree.js";
 import { jogCard } from "./operator/jog.js";
 import { machineCard } from "./operator/machine.js";
@@ -28,8 +27,8 @@ const OPERATOR = [
 ];
 const GROUPS = ["move", "view", "job", "mdi", "more"];
 const INTEGRATOR = [
-  ["left", treeCard], ["centre", watchCard], ["centre", scopeCard], ["centre", graphCard], ["right", findingsCard], ["right", orderCard],
-  ["right", threadsCard], ["right", flightCard], ["right", logCard],
+  ["left", treeCard], ["centre", watchCard], ["centre", absentCard], ["right", findingsCard], ["right", orderCard],
+  ["right", threadsCard], ["right", flightCard],
 ];
 
 /** Builds the page anew. */
@@ -125,19 +124,17 @@ function topBar(ctx) {
     el("span", { class: "note user" }, `${session.user ?? ""} · ${t(`role.${session.role}`)}`), leave, abort, stop);
 }
 
-/** Says at once that the server or the engine is gone; a new engine is joined only when a person says so. */
+/** Says at once that the server or the engine is gone. */
 function linkBanner(ctx) {
-  const { store, t, run, signal } = ctx;
+  const { store, t, signal } = ctx;
   const text = el("span");
-  const join = holdButton(t("engine.join"), t("hold.hint"), () => run("rejoin"), { id: "rejoin" });
-  const box = el("div", { class: "banner", role: "alert", hidden: true, id: "link-banner" }, text, join);
+  const box = el("div", { class: "banner", role: "alert", hidden: true, id: "link-banner" }, text);
   store.listen(() => {
     const [link, panel] = [store.get("link"), store.get("panel")];
     const isLost = link.isOpen === false;
     const engine = panel.engine ?? "joined";
     show(box, isLost || engine !== "joined");
-    show(join, !isLost && engine === "another");
-    setText(text, isLost ? t("link.lost") : engine === "another" ? t("engine.another") : t("engine.gone"));
+    setText(text, isLost ? t("link.lost") : t("engine.gone"));
   }, signal);
   return box;
 }

@@ -1,10 +1,10 @@
-// Findings of check, the order of functions, the graph, the flight recorder, times of threads, and the log.
+// Findings of check, the order of functions, the flight recorder, times of threads, and what is not served.
 
 import { card, el, setText } from "../dom.js";
-import { getJson, listPath, request } from "../http.js";
+import { getJson, listPath } from "../http.js";
 
 /** Makes a card that asks the server when its button is pressed, and when it is first seen. */
-function asked(ctx, id, title, ask, extra = []) {
+function asked(ctx, id, title, ask) {
   const { t, signal } = ctx;
   const body = el("div", { class: "answer", tabIndex: 0, role: "region", "aria-label": title });
   const state = el("p", { class: "note", role: "status" });
@@ -16,7 +16,7 @@ function asked(ctx, id, title, ask, extra = []) {
       if (error.name !== "AbortError") setText(state, error.message);
     }
   };
-  const box = card(id, title, el("div", { class: "row" }, ...extra, el("button", { type: "button", onclick: refresh }, t("refresh"))), state, body);
+  const box = card(id, title, el("div", { class: "row" }, el("button", { type: "button", onclick: refresh }, t("refresh"))), state, body);
   const seen = new IntersectionObserver((entries) => {
     if (!entries.some((e) => e.isIntersecting)) return;
     seen.disconnect();
@@ -24,7 +24,7 @@ function asked(ctx, id, title, ask, extra = []) {
   });
   seen.observe(box);
   signal.addEventListener("abort", () => seen.disconnect());
-  return { box, refresh };
+  return box;
 }
 
 /** Makes the card of findings. */
@@ -36,13 +36,13 @@ export function findingsCard(ctx) {
     return [el("ul", { class: "findings" }, ...all.map((f) =>
       el("li", { "data-level": f.level }, el("b", {}, `${t(`level.${f.level}`)} ${f.code ?? ""}`), " ",
         f.at?.file ? el("span", { class: "code" }, `${f.at.file}:${f.at.line}`) : null, el("p", {}, f.text), f.remedy ? el("p", { class: "note" }, f.remedy) : null)))];
-  }).box;
+  });
 }
 
 /** Makes the card of the order of functions. */
 export function orderCard(ctx) {
   const { t, signal } = ctx;
-  return asked(ctx, "order", t("order"), async () => [tree(await getJson("/order", { signal }))]).box;
+  return asked(ctx, "order", t("order"), async () => [tree(await getJson("/order", { signal }))]);
 }
 
 /** Shows any answer of the server as nested lists. */
@@ -56,54 +56,10 @@ function tree(value) {
   }));
 }
 
-/** Makes the card of the graph: the machine's wiring as a picture, with live values. */
-export function graphCard(ctx) {
-  const { t, link, store, signal } = ctx;
-  const pattern = el("input", { type: "search", id: "graph-pattern", placeholder: "joint.0.*", "aria-label": t("tree.search") });
-  let texts = [];
-  const { box, refresh } = asked(ctx, "graph", t("graph"), async () => {
-    const patterns = pattern.value.trim().split(/\s+/).filter(Boolean);
-    const svg = await (await request("GET", listPath("graph", patterns), { signal })).text();
-    const parsed = new DOMParser().parseFromString(svg, "image/svg+xml");
-    if (parsed.querySelector("parsererror")) throw new Error(t("graph.broken"));
-    for (const script of parsed.querySelectorAll("script, foreignObject")) script.remove();
-    const picture = document.importNode(parsed.documentElement, true);
-    picture.setAttribute("role", "img");
-    picture.setAttribute("aria-label", t("graph"));
-    await live(picture);
-    return [el("div", { class: "scroll graph", tabIndex: 0, role: "region", "aria-label": t("graph") }, picture)];
-  }, [pattern]);
-  pattern.addEventListener("change", refresh);
-
-  // A text that is the name of a pin or signal gets its value below the pointer, and beside it.
-  async function live(picture) {
-    const known = new Set((await getJson("/signals", { signal })).map((s) => s.name));
-    texts = [...picture.querySelectorAll("text")].filter((node) => known.has(node.textContent.trim()))
-      .map((node) => ({ node, name: `sig:${node.textContent.trim()}`, first: node.textContent.trim() })).slice(0, 300);
-    link.watch("graph", texts.map((x) => x.name));
-  }
-  store.listen(() => {
-    const values = store.get("values");
-    for (const { node, name, first } of texts) {
-      if (!(name in values) || values[name] === null) continue;
-      const [[kind, value]] = Object.entries(values[name]);
-      const text = kind === "float" && typeof value === "number" ? value.toPrecision(4) : String(value);
-      setText(node, `${first} = ${text}`);
-      node.classList.toggle("live-true", value === true);
-    }
-  }, signal);
-  signal.addEventListener("abort", () => link.watch("graph", []));
-  return box;
-}
-
 /** Makes the card of the flight recorder. */
 export function flightCard(ctx) {
-  const { t, signal, session } = ctx;
-  const { box, refresh } = asked(ctx, "flight", t("flight"), async () => [tree(await getJson("/flight", { signal }))],
-    session.role === "integrator"
-      ? ["on", "off"].map((what) => el("button", { type: "button", onclick: async () => { await ctx.run(`flight-${what}`); refresh(); } }, t(`flight.${what}`)))
-      : []);
-  return box;
+  const { t, signal } = ctx;
+  return asked(ctx, "flight", t("flight"), async () => [tree(await getJson("/flight", { signal }))]);
 }
 
 /** Makes the card of threads: their times, those of their functions, overruns, and the histogram of wake-ups. */
@@ -118,7 +74,7 @@ export function threadsCard(ctx) {
       ...threads.map((thread) => threadPart(thread, most, t)),
       el("details", {}, el("summary", {}, t("threads.instance")), tree(status)),
     ];
-  }).box;
+  });
 }
 
 function threadPart(thread, most, t) {
@@ -140,14 +96,7 @@ function threadPart(thread, most, t) {
       el("tbody", {}, ...thread.functs.map((name) => row(name, most.has(name) ? us(most.get(name)) : "—")))));
 }
 
-/** Makes the card of the log. */
-export function logCard(ctx) {
-  const { t, signal, messages } = ctx;
-  const { box, refresh } = asked(ctx, "log", t("log"), async () => {
-    const all = await getJson("/log", { signal });
-    return [el("ol", { class: "log", tabIndex: 0, "aria-label": t("log") }, ...all.toReversed().map((m) =>
-      el("li", { "data-level": m.level }, el("time", {}, typeof m.time === "number" ? `${m.time.toFixed(3)} s` : String(m.time ?? "")), el("b", {}, t(`level.${m.level}`)), " ", m.text)))];
-  });
-  messages.listen(() => !box.hidden && refresh(), signal);
-  return box;
+/** Makes the card that names what this version does not serve. */
+export function absentCard({ t }) {
+  return card("absent", t("absent"), el("p", { class: "note" }, t("absent.what")));
 }

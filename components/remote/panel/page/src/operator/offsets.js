@@ -1,9 +1,9 @@
 // Coordinate systems, touch-off and the tool table.
 
-import { ask, card, el, enable, field } from "../dom.js";
+import { card, el, enable, field } from "../dom.js";
 import { AXES } from "../format.js";
 import { holdButton } from "../hold.js";
-import { getJson, request } from "../http.js";
+import { getJson } from "../http.js";
 import { systemName } from "./positions.js";
 
 /** Makes the card of touch-off and coordinate systems. */
@@ -74,50 +74,23 @@ export function toolsCard(ctx) {
   const { store, t, signal } = ctx;
   const now = el("p", { class: "row spread" });
   const table = el("table", { class: "grid", "aria-label": t("tools.table") });
-  const add = el("button", { type: "button", onclick: () => edit(null) }, t("tools.add"));
-  let tools = [];
 
   async function refresh() {
     try {
-      tools = await getJson("/tools", { signal });
-      draw();
+      draw(await getJson("/tools", { signal }));
     } catch (error) {
       if (error.name !== "AbortError") ctx.fail(error);
     }
   }
-  function draw() {
+  function draw(tools) {
     const head = COLUMNS.map((c) => el("th", { scope: "col" }, t(`tools.${c}`)));
-    table.replaceChildren(el("thead", {}, el("tr", {}, ...head, el("th", { scope: "col" }, t("tools.edit")))), el("tbody", {}, ...tools.map(row)));
+    table.replaceChildren(el("thead", {}, el("tr", {}, ...head)), el("tbody", {}, ...tools.map(row)));
   }
   function row(tool) {
     const unit = ctx.units();
     const { number, pocket, diameter, comment, offset } = tool;
     const cells = [number, pocket, unit.text(offset[2]), unit.text(offset[0]), unit.text(diameter), comment];
-    const change = el("button", { type: "button", class: "small", "aria-label": `${t("tools.edit")} T${number}`, onclick: () => edit(tool) }, "✎");
-    return el("tr", {}, ...cells.map((c, i) => el("td", { class: i < 5 ? "number" : "" }, String(c))), el("td", {}, change));
-  }
-
-  async function edit(tool) {
-    const unit = ctx.units();
-    const first = tool ?? { number: 1 + Math.max(0, ...tools.map((x) => x.number)), pocket: 1 + Math.max(0, ...tools.map((x) => x.pocket)), offset: Array(9).fill(0), diameter: 0, front: 0, back: 0, orientation: 0, comment: "" };
-    const values = { number: first.number, pocket: first.pocket, z: unit.show(first.offset[2]), x: unit.show(first.offset[0]), diameter: unit.show(first.diameter), comment: first.comment };
-    const fields = COLUMNS.map((c) => {
-      const isText = c === "comment";
-      return field(t(`tools.${c}`), el("input", { name: c, type: isText ? "text" : "number", step: "any", required: !isText, value: String(values[c]) }), "zx".includes(c) || c === "diameter" ? unit.unit("x") : "");
-    });
-    const answer = await ask(tool ? `${t("tools.edit")} T${tool.number}` : t("tools.add"), fields, { confirm: t("save"), cancel: t("cancel") });
-    if (!answer) return;
-    const offset = [...first.offset];
-    offset[2] = unit.read(Number(answer.z));
-    offset[0] = unit.read(Number(answer.x));
-    const changed = { ...first, number: Number(answer.number), pocket: Number(answer.pocket), offset, diameter: unit.read(Number(answer.diameter)), comment: answer.comment };
-    const all = tool ? tools.map((x) => (x === tool ? changed : x)) : [...tools, changed];
-    try {
-      await request("PUT", "/tools", { json: all });
-    } catch (error) {
-      ctx.fail(error);
-    }
-    refresh();
+    return el("tr", {}, ...cells.map((c, i) => el("td", { class: i < 5 ? "number" : "" }, String(c))));
   }
 
   let known;
@@ -127,7 +100,6 @@ export function toolsCard(ctx) {
       el("span", {}, `${t("tools.now")} T${task.tool ?? 0}`),
       el("span", {}, task.tool_prepared ? `${t("tools.next")} T${task.tool_prepared}` : ""),
     );
-    enable(add, ctx.mayControl());
     const state = `${task.tool} ${task.tool_offset} ${ctx.units().name}`;
     if (state !== known) {
       known = state;
@@ -135,5 +107,5 @@ export function toolsCard(ctx) {
     }
   }, signal);
   return card("tools", t("tools"), now, el("details", {}, el("summary", {}, t("tools.table")),
-    el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": t("tools.table") }, table), el("div", { class: "row" }, add)));
+    el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": t("tools.table") }, table)));
 }
