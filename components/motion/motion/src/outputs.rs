@@ -12,7 +12,7 @@ use hal_component::MotionStatus;
 pub(crate) struct Outputs {
     state: Shown<1>,
     segment: Shown<6>,
-    feed: Shown<2>,
+    feed: Shown<3>,
     tool: Shown<9>,
     digital: Shown<1>,
 }
@@ -113,10 +113,11 @@ impl Outputs {
             t.traj_active_tc.set(status.segment);
         }
         let (requested, feed) = s.path.feeds();
-        if self.feed.changes([requested.to_bits(), feed.to_bits()]) {
+        let units = s.traj.units_per_mm;
+        if self.feed.changes([requested.to_bits(), feed.to_bits(), units.to_bits()]) {
             g.requested_vel.set(requested);
             g.interp_feedrate.set(requested);
-            write_feed(g, feed, s.traj.units_per_mm);
+            write_feed(g, feed, units);
         }
     }
 

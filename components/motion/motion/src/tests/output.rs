@@ -163,6 +163,21 @@ fn outputs_for_programs() {
 }
 
 #[test]
+fn feeds_follow_the_unit_of_the_machine() {
+    let mut rig = Rig::on(&[]);
+    rig.say("motion.move x=30 velocity=5");
+    rig.cycles(2000);
+    let feeds = |rig: &Rig| {
+        ["motion.feed-upm", "motion.feed-mm-per-minute"].map(|pin| rig.float(pin).round())
+    };
+    let before = feeds(&rig);
+    assert!(before[0] > 0.0 && before[0] == before[1], "{before:?}");
+    rig.say("motion.configure linear-units=inch");
+    rig.cycle();
+    assert_eq!(feeds(&rig), [before[0], (before[0] * 25.4).round()]);
+}
+
+#[test]
 fn the_limits_of_a_spindle() {
     let mut rig = Rig::on(&[]);
     rig.say("motion.configure spindle=0 min-forward-velocity=100 max-forward-velocity=2000");
