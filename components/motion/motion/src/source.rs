@@ -105,6 +105,15 @@ impl State {
         self.origin.is_claimed().then_some(MotionSource::Task)
     }
 
+    /// Returns the origin of what moves, or of what moved last.
+    pub(crate) fn origin_in_progress(&self) -> MotionSource {
+        if self.is_jogging() && self.rests_on_path() {
+            self.origin.beside
+        } else {
+            self.origin.source
+        }
+    }
+
     /// Returns whether a path rests in a pause, with the axes on it or away from it.
     fn rests_on_path(&self) -> bool {
         self.path.can_park() || self.path.parked() != Parked::No

@@ -53,7 +53,7 @@ pub(crate) fn update(r: &mut MotionStatus, s: &State, lists: &Lists, changed: u3
     r.pose = s.pose;
     r.pose_feedback = s.pose_feedback;
     r.axis_to_go = s.path.axis_to_go();
-    r.source = match s.origin.source {
+    r.source = match s.origin_in_progress() {
         MotionSource::Task => motion_source::TASK,
         MotionSource::Local => motion_source::LOCAL,
         MotionSource::Remote => motion_source::REMOTE,

@@ -64,9 +64,12 @@ Without distance and position it lasts until motion.jog-stop, and only while bea
     },
     Row {
         name: "remote.start",
-        doc: "Says that a program, a line or homing is about to start under the lease.",
-        args: &[&LEASE],
-        run: |keeper, call| keeper.start(lease(call)),
+        doc: "\
+Says that a program, a line or homing is about to start under the lease.
+
+With release it first ends the hold of a program: both, or neither.",
+        args: &[&LEASE, &Arg::bit("release", "TRUE ends a hold.")],
+        run: |keeper, call| keeper.start(lease(call), call.bit("release").unwrap_or(false)),
     },
     Row {
         name: "remote.release",

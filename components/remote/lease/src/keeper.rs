@@ -5,7 +5,10 @@ use hal_component::{
     Clock, Error, Messages, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal,
     MotionStatus, MotionToken, Period, Touch, Update, Uses, motion_kind, motion_source,
 };
-use std::sync::{Arc, Mutex, PoisonError, atomic::Ordering::Relaxed};
+use std::sync::{
+    Arc, Mutex, PoisonError,
+    atomic::{Ordering::Relaxed, Ordering::SeqCst, fence},
+};
 
 /// Longest time from the command that starts a program to its start, in nanoseconds.
 const START_NS: i64 = 2_000_000_000;
@@ -43,6 +46,8 @@ pub(crate) struct Keeper {
     aborts: bool,
     jogs: Vec<Jog>,
     job: Job,
+    /// True after the lease of the job was lost: homing that begins later ends too.
+    orphaned: bool,
 }
 
 impl Keeper {
@@ -54,7 +59,18 @@ impl Keeper {
         aborts: bool,
     ) -> Self {
         let (holder, jogs) = (String::new(), Vec::new());
-        Self { lease, motion, holder, last: 0, clock, say, aborts, jogs, job: Job::None }
+        Self {
+            lease,
+            motion,
+            holder,
+            last: 0,
+            clock,
+            say,
+            aborts,
+            jogs,
+            job: Job::None,
+            orphaned: false,
+        }
     }
 
     /// Begins a lease and returns its number. `from` is the lease that its holder hands over.
@@ -77,6 +93,7 @@ impl Keeper {
     pub(crate) fn give(&self, number: u32) -> Result<(), Error> {
         self.check(number)?;
         if self.lease.number.compare_exchange(number, 0, Relaxed, Relaxed).is_ok() {
+            fence(SeqCst); // As in `start`.
             self.lease.lost.store(true, Relaxed);
             if self.lease.holds && self.lease.job.load(Relaxed) {
                 self.lease.hold.store(true, Relaxed);
@@ -97,12 +114,8 @@ impl Keeper {
     /// Sends a jog to motion.
     pub(crate) fn jog(&mut self, number: u32, command: MotionCommand) -> Result<(), Error> {
         self.check(number)?;
+        self.check_allowed()?;
         let held = command.extent == 0;
-        if !self.lease.allowed.load(Relaxed) {
-            return Err(Error::new(
-                "remote.allow-motion is FALSE: the machine permits no remote motion",
-            ));
-        }
         if held && !self.lease.permit.load(Relaxed) {
             return Err(Error::new(format!(
                 "no beat younger than {} ms has arrived: a held jog needs a faster connection, or \
@@ -111,6 +124,10 @@ impl Keeper {
             )));
         }
         let kind = if held { jog::HELD } else { jog::STEP };
+        let of = self.lease.jog_lease.load(Relaxed);
+        if self.lease.jog.load(Relaxed) != jog::NONE && of != number {
+            return Err(Error::new("a jog of the lease before has not ended: wait until it has"));
+        }
         // Before the jog is sent: the servo thread must know of it when it begins.
         self.lease.jog_lease.store(number, Relaxed);
         self.lease.jog.fetch_max(kind, Relaxed);
@@ -129,26 +146,54 @@ impl Keeper {
     }
 
     /// Notes that a program, a line or homing is about to start under the lease.
-    pub(crate) fn start(&mut self, number: u32) -> Result<(), Error> {
+    pub(crate) fn start(&mut self, number: u32, release: bool) -> Result<(), Error> {
         self.check(number)?;
-        if self.lease.hold.load(Relaxed) {
+        self.check_allowed()?;
+        if self.lease.hold.load(Relaxed) && !release {
             return Err(Error::new(
                 "a program is held since the lease was lost: remote.release ends that",
             ));
         }
-        if self.job == Job::None {
+        let begins = self.job == Job::None;
+        self.lease.job.store(true, Relaxed);
+        // Either the servo thread sees the job when it ends the lease, or its end is seen here.
+        fence(SeqCst);
+        if let Err(why) = self.check(number) {
+            if begins {
+                self.lease.job.store(false, Relaxed);
+            }
+            return Err(why);
+        }
+        if begins {
             self.job = Job::Commanded(self.clock.now_ns());
         }
-        self.lease.job.store(true, Relaxed);
+        if release {
+            self.lease.hold.store(false, Relaxed);
+            // A loss since then has set a hold that this may have ended.
+            fence(SeqCst);
+            if let Err(why) = self.check(number) {
+                self.lease.hold.store(self.lease.holds, Relaxed);
+                return Err(why);
+            }
+        }
+        self.orphaned = false;
         Ok(())
     }
 
+    fn check_allowed(&self) -> Result<(), Error> {
+        if self.lease.allowed.load(Relaxed) {
+            return Ok(());
+        }
+        Err(Error::new("remote.allow-motion is FALSE: the machine permits no remote motion"))
+    }
+
     /// Ends a hold.
-    pub(crate) fn release(&self) -> Result<(), Error> {
+    pub(crate) fn release(&mut self) -> Result<(), Error> {
         if !self.lease.allowed.load(Relaxed) {
             return Err(Error::new("remote.allow-motion is FALSE: the hold lasts"));
         }
         self.lease.hold.store(false, Relaxed);
+        self.orphaned = false;
         Ok(())
     }
 
@@ -162,13 +207,21 @@ impl Keeper {
         let Some(status) = self.motion.status() else { return };
         self.follow_jogs(&status);
         if self.lease.lost.swap(false, Relaxed) {
-            self.say.warn("the control lease has ended: remote jogs stop", &[]);
+            let text = if self.lease.allowed.load(Relaxed) {
+                "the control lease has ended: remote jogs stop"
+            } else {
+                "remote.allow-motion is FALSE: remote jogs stop"
+            };
+            self.say.warn(text, &[]);
             if self.lease.hold.load(Relaxed) {
                 self.say.warn("a program that was started remotely is held", &[]);
             }
-            if self.job != Job::None && (self.aborts || status.homing) {
-                self.send(motion_kind::ABORT);
-            }
+            self.orphaned = self.job != Job::None;
+        }
+        // Homing may begin later: it waits in a queue.
+        if self.orphaned && (self.aborts || status.homing) {
+            self.send(motion_kind::ABORT);
+            self.orphaned = false;
         }
         self.follow_job(&status);
     }
@@ -210,6 +263,7 @@ impl Keeper {
             self.lease.job.store(false, Relaxed);
             // Nothing is left that it could hold.
             self.lease.hold.store(false, Relaxed);
+            self.orphaned = false;
         }
     }
 }

@@ -2,7 +2,10 @@
 
 use crate::lease::{Lease, jog};
 use hal_component::{Builder, Clock, Error, In, Out, Period, Touch, Update};
-use std::sync::{Arc, atomic::Ordering::Relaxed};
+use std::sync::{
+    Arc,
+    atomic::{Ordering::Relaxed, Ordering::SeqCst, fence},
+};
 
 /// Nanoseconds in a millisecond.
 const MS: i64 = 1_000_000;
@@ -39,6 +42,8 @@ struct Judged {
     beat: u32,
     /// True once a beat has arrived under this lease.
     beats: bool,
+    /// Value of `allow-motion` in the cycle before.
+    allowed: bool,
     /// Value of `jog-stop` in the cycle before: motion acts on its edges.
     stops: bool,
 }
@@ -96,7 +101,8 @@ impl Update for Watch {
         }
         if beat != judged.beat {
             judged.beat = beat;
-            judged.beats = true;
+            // A pulse that left before this lease began answers for the one before.
+            judged.beats |= beat.wrapping_sub(judged.taken).cast_signed() >= 0;
         }
         // A number from the future has a great age.
         let age = now.wrapping_sub(beat);
@@ -106,6 +112,7 @@ impl Update for Watch {
         if number != 0 && !beats && !awaits_first {
             // A lease that was given or taken meanwhile is another one.
             if shared.number.compare_exchange(number, 0, Relaxed, Relaxed).is_ok() {
+                fence(SeqCst); // As in `Keeper::start`.
                 shared.lost.store(true, Relaxed);
                 if shared.holds && shared.job.load(Relaxed) {
                     shared.hold.store(true, Relaxed);
@@ -113,6 +120,10 @@ impl Update for Watch {
             }
             number = 0;
         }
+        if judged.allowed && !allowed && (number != 0 || shared.job.load(Relaxed)) {
+            shared.lost.store(true, Relaxed);
+        }
+        judged.allowed = allowed;
         if !allowed && shared.holds && shared.job.load(Relaxed) {
             shared.hold.store(true, Relaxed);
         }

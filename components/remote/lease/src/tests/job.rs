@@ -5,7 +5,7 @@ use hal_component::{MotionCommand, motion_kind};
 
 impl Rig {
     /// Begins a program: a long move, for which the task claims motion.
-    fn program(&mut self) {
+    pub(super) fn program(&mut self) {
         self.command("motion.mode", "mode=coord").unwrap();
         self.cycles(10);
         assert!(self.motion.claim(self.token, true));
@@ -22,7 +22,7 @@ impl Rig {
         assert!(self.at(0) > 1.0, "the program moves");
     }
 
-    fn homed(args: &[&str]) -> Self {
+    pub(super) fn homed(args: &[&str]) -> Self {
         let mut rig = Self::leased(args);
         rig.command("motion.home", "joint=all").unwrap();
         rig.cycles(200);
@@ -111,4 +111,59 @@ fn a_program_that_never_began_is_not_held() {
     rig.cycles(2500);
     rig.ends_lease("beats");
     assert!(!rig.is("hold"));
+}
+
+#[test]
+fn nothing_starts_while_the_wiring_forbids_it() {
+    let mut rig = Rig::homed(&[]);
+    rig.bench.set("remote.allow-motion", false);
+    rig.cycles(1);
+    let why = "remote.allow-motion is FALSE: the machine permits no remote motion";
+    assert_eq!(rig.command("remote.start", "lease=1"), Err(why.to_owned()));
+}
+
+#[test]
+fn homing_ends_with_the_lease_and_the_permission() {
+    for how in ["give", "allow-motion"] {
+        // Homing that runs when the lease ends, and homing that begins later.
+        for later in [false, true] {
+            let mut rig = Rig::leased(&[]);
+            let slow = "joint=0 home=0 home-offset=0 home-search-vel=5 home-latch-vel=1";
+            rig.command("motion.configure", slow).unwrap();
+            rig.command("remote.start", "lease=1").unwrap();
+            if !later {
+                rig.command("motion.home", "joint=0").unwrap();
+                rig.cycles(100);
+                assert!(rig.motion.status().unwrap().homing, "{how}");
+            }
+            match how {
+                "give" => drop(rig.command("remote.give", "lease=1").unwrap()),
+                _ => rig.bench.set("remote.allow-motion", false),
+            }
+            rig.cycles(20);
+            if later {
+                rig.command("motion.home", "joint=0").unwrap();
+            }
+            rig.cycles(200);
+            assert!(!rig.motion.status().unwrap().homing, "{how} {later}");
+        }
+    }
+}
+
+#[test]
+fn a_release_and_a_start_are_one_and_need_the_lease() {
+    let mut rig = Rig::homed(&[]);
+    rig.command("remote.start", "lease=1").unwrap();
+    rig.program();
+    rig.ends_lease("give");
+    assert!(rig.is("hold"));
+    let taken = rig.command("remote.take", "holder=eva");
+    assert_eq!(taken, Ok(vec!["lease=2".to_owned()]));
+    rig.command("remote.start", "lease=1 release=TRUE").unwrap_err();
+    rig.cycles(100);
+    assert!(rig.is("hold"), "the number of another lease releases nothing");
+    let at = rig.at(0);
+    rig.command("remote.start", "lease=2 release=TRUE").unwrap();
+    rig.cycles(500);
+    assert!(!rig.is("hold") && rig.at(0) > at);
 }

@@ -178,3 +178,36 @@ fn a_local_command_ends_a_remote_jog() {
     rig.cycles(1000);
     assert_eq!(rig.bench.get::<f64>("joint.1.vel-cmd"), 5.0);
 }
+
+#[test]
+fn a_jog_beside_a_paused_program_ends_when_beats_end() {
+    let mut rig = Rig::homed(&[]);
+    rig.program();
+    rig.command("motion.pause", "").unwrap();
+    rig.cycles(500);
+    // As the task does while a program rests.
+    assert!(rig.motion.claim(rig.token, false));
+    rig.command("motion.mode", "mode=teleop").unwrap();
+    rig.cycles(10);
+    rig.command("remote.jog", "lease=1 axis=y velocity=20").unwrap();
+    rig.cycles(300);
+    assert!(rig.at(1) > 1.0, "{}", rig.at(1));
+    rig.answers = false;
+    rig.cycles(300);
+    let at = rig.at(1);
+    rig.cycles(300);
+    assert_eq!(rig.at(1), at, "the dead man ends the jog");
+}
+
+#[test]
+fn an_answer_to_a_pulse_of_the_lease_before_is_no_beat() {
+    let mut rig = Rig::leased(&[]);
+    rig.delay = 60;
+    rig.cycles(200);
+    rig.answers = false;
+    rig.command("remote.take", "holder=eva from=1").unwrap();
+    for _ in 0..200 {
+        rig.cycles(1);
+        assert!(!rig.is("heartbeat") && !rig.is("permit"));
+    }
+}
