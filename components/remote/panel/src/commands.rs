@@ -203,8 +203,22 @@ fn touch_off(given: &Given<'_>) -> Result<Vec<Request>, Error> {
     Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
 }
 
+/// Pins of motion that the dead man acts on.
+const STOPS: &[&str] = &["motion.jog-stop", "motion.feed-inhibit"];
+
+/// Refuses changes of the pins that stop remote motion: no client rewires what guards against it.
+fn guard(name: &str) -> Result<(), Error> {
+    let guarded = name.starts_with("remote.") || name.starts_with("halpanel.");
+    if guarded || STOPS.contains(&name) {
+        let text = format!("{name} stops remote motion: it is not changed from afar");
+        return Err(Error::new(Code::Remote, text));
+    }
+    Ok(())
+}
+
 fn setp(given: &Given<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["name", "value"])?;
+    guard(&given.needed("name")?)?;
     Ok(vec![Request::Set { name: given.needed("name")?, value: given.needed("value")? }])
 }
 
@@ -215,17 +229,20 @@ fn sets(given: &Given<'_>) -> Result<Vec<Request>, Error> {
 
 fn net(given: &Given<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["signal", "pins"])?;
-    let pins = given.needed("pins")?.split_whitespace().map(str::to_owned).collect();
+    let pins: Vec<String> = given.needed("pins")?.split_whitespace().map(str::to_owned).collect();
+    pins.iter().try_for_each(|pin| guard(pin))?;
     Ok(vec![Request::Net { signal: given.needed("signal")?, pins }])
 }
 
 fn linkp(given: &Given<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["pin", "signal"])?;
+    guard(&given.needed("pin")?)?;
     Ok(vec![Request::Link { pin: given.needed("pin")?, signal: given.needed("signal")? }])
 }
 
 fn unlink(given: &Given<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["pin"])?;
+    guard(&given.needed("pin")?)?;
     Ok(vec![Request::Unlink { pin: given.needed("pin")? }])
 }
 

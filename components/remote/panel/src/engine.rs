@@ -3,13 +3,19 @@
 use crate::error::{Code, Error};
 use hal_protocol::{Client, Link as _, Place, Reply, Request};
 use std::{
-    sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering::Relaxed},
+        mpsc::{Receiver, SyncSender, TrySendError, sync_channel},
+    },
     thread,
 };
 use tokio::sync::oneshot;
 
 /// Number of requests that wait for the engine.
 const MAX_WAITING: usize = 256;
+/// Number of further places, for what ends motion.
+const MAX_STOPS: usize = 64;
 
 struct Job {
     request: Request,
@@ -20,36 +26,91 @@ struct Job {
 #[derive(Clone, Debug)]
 pub(crate) struct Engine {
     jobs: SyncSender<Job>,
+    /// Number of requests that wait.
+    waiting: Arc<AtomicUsize>,
+    /// Number of stops so far. It is locked while a request joins those that wait.
+    stops: Arc<Mutex<u64>>,
 }
 
 impl Engine {
     /// Connects, and starts the thread.
     pub(crate) fn join(place: Place) -> Result<Self, String> {
         let client = Client::connect(&place, "").map_err(|e| e.to_string())?;
-        let (jobs, waiting) = sync_channel(MAX_WAITING);
+        let (jobs, queue) = sync_channel(MAX_WAITING + MAX_STOPS);
+        let waiting = Arc::new(AtomicUsize::new(0));
         let thread = thread::Builder::new().name("engine".to_owned());
-        let begun = thread.spawn(move || carry(client, &waiting));
+        let left = waiting.clone();
+        let begun = thread.spawn(move || carry(client, &queue, &left));
         begun.map_err(|e| hal_output::reason(&e))?;
-        Ok(Self { jobs })
+        Ok(Self { jobs, waiting, stops: Arc::default() })
+    }
+
+    /// Returns the number of stops so far.
+    pub(crate) fn stops(&self) -> u64 {
+        *self.stops.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Executes a request.
     pub(crate) async fn call(&self, request: Request) -> Result<Reply, Error> {
-        let gone = || Error::new(Code::NoEngine, "the engine has ended");
-        let (answer, reply) = oneshot::channel();
-        match self.jobs.try_send(Job { request, answer }) {
-            Ok(()) => reply.await.map_err(|_| gone())?,
-            Err(TrySendError::Full(_)) => {
-                Err(Error::new(Code::TooMany, "too many requests wait for the engine"))
+        let waits = self.send(request, MAX_WAITING)?;
+        waits.await.map_err(|_| gone())?
+    }
+
+    /// Executes a request, unless something has been stopped since there were this many stops.
+    pub(crate) async fn call_unless_stopped(
+        &self,
+        request: Request,
+        before: u64,
+    ) -> Result<Reply, Error> {
+        let waits = {
+            let stops = self.stops.lock().unwrap_or_else(PoisonError::into_inner);
+            if *stops != before {
+                let text = "a stop has come meanwhile: give the command again";
+                return Err(Error::new(Code::Conflict, text));
             }
-            Err(TrySendError::Disconnected(_)) => Err(gone()),
+            self.send(request, MAX_WAITING)?
+        };
+        waits.await.map_err(|_| gone())?
+    }
+
+    /// Executes a request that ends motion; with `work`, it also ends orders of which a part has not been sent.
+    pub(crate) async fn stop(&self, request: Request, work: bool) -> Result<Reply, Error> {
+        let waits = {
+            let mut stops = self.stops.lock().unwrap_or_else(PoisonError::into_inner);
+            *stops += u64::from(work);
+            self.send(request, MAX_WAITING + MAX_STOPS)?
+        };
+        waits.await.map_err(|_| gone())?
+    }
+
+    fn send(&self, request: Request, most: usize) -> Result<Waits, Error> {
+        let full = || Error::new(Code::TooMany, "too many requests wait for the engine");
+        if self.waiting.fetch_add(1, Relaxed) >= most {
+            self.waiting.fetch_sub(1, Relaxed);
+            return Err(full());
         }
+        let (answer, reply) = oneshot::channel();
+        self.jobs.try_send(Job { request, answer }).map_err(|why| {
+            self.waiting.fetch_sub(1, Relaxed);
+            match why {
+                TrySendError::Full(_) => full(),
+                TrySendError::Disconnected(_) => gone(),
+            }
+        })?;
+        Ok(reply)
     }
 }
 
+type Waits = oneshot::Receiver<Result<Reply, Error>>;
+
+fn gone() -> Error {
+    Error::new(Code::NoEngine, "the engine has ended")
+}
+
 /// Executes requests until the engine or this program ends.
-fn carry(mut client: Client, jobs: &Receiver<Job>) {
+fn carry(mut client: Client, jobs: &Receiver<Job>, waiting: &AtomicUsize) {
     while let Ok(job) = jobs.recv() {
+        waiting.fetch_sub(1, Relaxed);
         if client.is_gone() {
             return;
         }

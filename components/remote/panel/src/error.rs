@@ -25,13 +25,14 @@ pub(crate) enum Code {
     Disk,
     NoEngine,
     Lease,
+    Remote,
 }
 
 impl Code {
     const fn status(self) -> StatusCode {
         match self {
             Self::NoSession | Self::WrongLogin => StatusCode::UNAUTHORIZED,
-            Self::ForeignOrigin | Self::Role | Self::Lease => StatusCode::FORBIDDEN,
+            Self::ForeignOrigin | Self::Role | Self::Lease | Self::Remote => StatusCode::FORBIDDEN,
             Self::NotFound => StatusCode::NOT_FOUND,
             Self::Conflict => StatusCode::CONFLICT,
             Self::TooLarge => StatusCode::PAYLOAD_TOO_LARGE,

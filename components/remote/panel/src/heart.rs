@@ -1,6 +1,6 @@
 //! Pins of the panel: pulses from the servo thread, and the beats that answer them.
 
-use hal_protocol::{Client, Direction, Link as _, PinPage, Place, Request, Type};
+use hal_protocol::{Client, Direction, Kind, Link as _, PinPage, Place, Reply, Request, Type};
 use std::{
     sync::{
         Arc,
@@ -85,8 +85,18 @@ fn join(client: &mut Client) -> Result<PinPage, hal_protocol::Failure> {
     let page = client.share_pins(pins, None)?;
     client.call(Request::Ready)?;
     for (name, _, _, signal, pin) in PINS {
-        let pins = vec![(*pin).to_owned(), (*name).to_owned()];
-        client.call(Request::Net { signal: (*signal).to_owned(), pins })?;
+        // The machine's files may have linked the pin: then its signal is used.
+        let patterns = vec![(*pin).to_owned()];
+        let own = client.call(Request::List { kind: Kind::Pins, patterns, ty: None })?;
+        let linked = match own {
+            Reply::Items(pins) => pins.into_iter().find_map(|pin| pin.signal),
+            _ => None,
+        };
+        let (signal, pins) = match linked {
+            Some(signal) => (signal, vec![(*name).to_owned()]),
+            None => ((*signal).to_owned(), vec![(*pin).to_owned(), (*name).to_owned()]),
+        };
+        client.call(Request::Net { signal, pins })?;
     }
     Ok(page)
 }

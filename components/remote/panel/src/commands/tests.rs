@@ -99,6 +99,26 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
         ),
         ("setp", json!({"name": "a.b", "value": 1}), Ok("setp a.b 1")),
         ("net", json!({"signal": "s", "pins": "a b"}), Ok("net s a b")),
+        (
+            "setp",
+            json!({"name": "remote.allow-motion", "value": true}),
+            Err("remote.allow-motion stops remote motion: it is not changed from afar"),
+        ),
+        (
+            "net",
+            json!({"signal": "s", "pins": "a remote.beat"}),
+            Err("remote.beat stops remote motion: it is not changed from afar"),
+        ),
+        (
+            "unlink",
+            json!({"pin": "motion.jog-stop"}),
+            Err("motion.jog-stop stops remote motion: it is not changed from afar"),
+        ),
+        (
+            "linkp",
+            json!({"pin": "halpanel.beat", "signal": "s"}),
+            Err("halpanel.beat stops remote motion: it is not changed from afar"),
+        ),
         ("shutdown", json!({}), Err("there is no command 'shutdown'")),
     ] {
         let wanted = wanted.map(str::to_owned).map_err(str::to_owned);

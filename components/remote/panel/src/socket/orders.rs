@@ -10,11 +10,33 @@ use crate::{
 };
 use hal_protocol::{Reply, Request, TicketInfo};
 use serde_json::{Value as Json, json};
-use std::{sync::Arc, time::Duration};
+use std::{
+    pin::Pin,
+    sync::{Arc, atomic::Ordering::Relaxed},
+    task::{Context, Poll, Waker},
+    time::Duration,
+};
 use tokio::{sync::mpsc, time::sleep};
 
 /// Commands that the engine must know of as work under the lease.
 const STARTS: &[&str] = &["run", "resume", "step", "mdi", "home", "touch-off"];
+/// Commands that begin motion or the power of it: refused while the machine's wiring permits no motion from afar.
+const WORK: &[&str] = &[
+    "run",
+    "resume",
+    "step",
+    "mdi",
+    "home",
+    "touch-off",
+    "jog",
+    "on",
+    "estop-reset",
+    "spindle",
+    "override-limits",
+    "tool-changed",
+];
+/// Commands that end work: orders of which a part has not been sent end too.
+const ENDS: &[&str] = &["abort", "estop", "off", "pause"];
 /// Time for which the button of the tool change is pressed.
 const PRESS: Duration = Duration::from_millis(300);
 /// Time between two looks at a command that has not ended.
@@ -30,6 +52,9 @@ pub(super) struct Order {
 
 impl Connection {
     /// Executes an order beside the connection, and answers it.
+    ///
+    /// Its first request joins those that wait for the engine before this returns: a stop that follows a jog reaches
+    /// the engine after it.
     pub(super) fn order<F, R>(&self, id: u64, run: F)
     where
         F: FnOnce(Arc<Order>) -> R + Send + 'static,
@@ -41,7 +66,7 @@ impl Connection {
             client: self.client,
             answers: self.answers.clone(),
         });
-        tokio::spawn(async move {
+        let mut work = Box::pin(async move {
             let answer = match run(order.clone()).await {
                 Ok(ok) => json!({ "type": "reply", "id": id, "ok": ok }),
                 Err(e) => json!({ "type": "reply", "id": id, "error": e }),
@@ -49,7 +74,20 @@ impl Connection {
             // A client that has gone needs no answer.
             drop(order.answers.send(answer).await);
         });
+        if !begin(&mut work) {
+            tokio::spawn(work);
+        }
     }
+}
+
+/// Runs a future until it waits; returns whether it has ended. Who spawns it then wakes it.
+fn begin<F: Future<Output = ()> + Unpin>(work: &mut F) -> bool {
+    Pin::new(work).poll(&mut Context::from_waker(Waker::noop())) == Poll::Ready(())
+}
+
+/// Returns the refusal of a command where the machine's wiring permits no motion from afar.
+fn not_allowed() -> Error {
+    Error::new(Code::Remote, "remote.allow-motion is FALSE: the machine permits no remote motion")
 }
 
 impl Order {
@@ -91,6 +129,11 @@ impl Order {
         if row.lease && lease.is_none() {
             return Err(no_lease());
         }
+        let ends_spindle =
+            name == "spindle" && args.get("speed").and_then(Json::as_f64) == Some(0.0);
+        if WORK.contains(&name) && !ends_spindle && !self.panel.heart.allowed.load(Relaxed) {
+            return Err(not_allowed());
+        }
         let (given, lease) = (Given { args }, lease.unwrap_or(0));
         let requests = match row.action {
             Action::Engine(requests) => requests(&given)?,
@@ -103,18 +146,24 @@ impl Order {
             Action::ToolChanged => return self.tool_changed().await,
         };
         let engine = &self.panel.engine;
+        let stops = engine.stops();
         if STARTS.contains(&name) {
+            let mut args = vec![format!("lease={lease}")];
             if name == "resume" {
-                let release = "remote.release".to_owned();
-                engine.call(Request::Command { name: release, args: Vec::new() }).await?;
+                args.push("release=TRUE".to_owned());
             }
-            let args = vec![format!("lease={lease}")];
-            engine.call(Request::Command { name: "remote.start".to_owned(), args }).await?;
+            let start = Request::Command { name: "remote.start".to_owned(), args };
+            engine.call_unless_stopped(start, stops).await?;
         }
         let mut lines = Vec::new();
         let mut pending = None;
         for request in requests {
-            if let Reply::Answer(answer) = engine.call(request).await? {
+            let reply = if row.lease {
+                engine.call_unless_stopped(request, stops).await?
+            } else {
+                engine.stop(request, ENDS.contains(&name)).await?
+            };
+            if let Reply::Answer(answer) = reply {
                 lines.extend(answer.lines);
                 pending = answer.ticket;
             }
@@ -163,7 +212,35 @@ impl Order {
         engine.call(press(true)).await?;
         sleep(PRESS).await;
         // A button that stays pressed would answer the next tool change too.
-        engine.call(press(false)).await?;
+        while let Err(why) = engine.call(press(false)).await {
+            if why.code == Code::NoEngine {
+                return Err(why);
+            }
+            sleep(PRESS).await;
+        }
         Ok(json!({ "lines": [] }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! Order of what is sent.
+
+    use super::begin;
+    use std::sync::Mutex;
+
+    #[test]
+    fn the_first_part_of_an_order_precedes_the_order_after_it() {
+        let sent = Mutex::new(Vec::new());
+        let order = async |n| {
+            sent.lock().unwrap().push((n, "first"));
+            tokio::task::yield_now().await;
+            sent.lock().unwrap().push((n, "second"));
+        };
+        let mut orders = [Box::pin(order(1)), Box::pin(order(2))];
+        for order in &mut orders {
+            assert!(!begin(order));
+        }
+        assert_eq!(*sent.lock().unwrap(), [(1, "first"), (2, "first")]);
     }
 }
