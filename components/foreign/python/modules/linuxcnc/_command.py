@@ -62,7 +62,7 @@ class command:
             return
         if ticket is not None:
             self._ticket = (self._channel, ticket)
-            _messages.pending.append(self._ticket)
+            _messages.follow(self._ticket)
 
     def _succeed(self):
         global serial
@@ -158,6 +158,8 @@ class command:
 
     def jog(self, what, is_joint, index, speed=None, distance=None):
         """jog(JOG_STOP, JOINT_FLAG, INDEX), jog(JOG_CONTINUOUS, …, SPEED) or jog(JOG_INCREMENT, …, SPEED, DISTANCE)."""
+        if not is_joint and not 0 <= index < len(_AXES):
+            raise _machine.error("axis is %s, should be 0 to %d" % (index, len(_AXES) - 1))
         target = "joint=%d" % index if is_joint else "axis=" + _AXES[index]
         if what == JOG_STOP:
             self._send("motion.jog-stop", target)

@@ -8,7 +8,7 @@ from ._constants import OPERATOR_DISPLAY, OPERATOR_ERROR
 own = []
 #: Largest number of messages that wait; the oldest ones give way.
 MAX_WAITING = 100
-#: Commands in progress whose failure nobody has seen yet: (channel, ticket).
+#: Commands in progress whose failure nobody has seen yet: (channel, ticket). As many wait as messages do.
 pending = []
 
 
@@ -16,6 +16,14 @@ def add(kind, text):
     """Adds a message of this program."""
     own.append((kind, text))
     del own[:-MAX_WAITING]
+
+
+def follow(entry):
+    """Notes a command in progress."""
+    pending.append(entry)
+    if len(pending) > MAX_WAITING:
+        collect()
+        del pending[:-MAX_WAITING]
 
 
 def fail(why):
@@ -39,7 +47,11 @@ def collect():
 
 
 class error_channel:
-    """Messages since this object was made."""
+    """Messages of the machine since this object was made, and those of this program that nobody has read.
+
+    The machine shows its last message only: of several between two calls of `poll`, the last is returned, then the number of
+    the others.
+    """
 
     def __init__(self):
         self._page = None
@@ -62,10 +74,14 @@ class error_channel:
         collect()
         count = self._page["messages"]
         if count != self._seen:
+            lost = count - self._seen - 1
             self._seen = count
             text = self._page.text("message")
             failed = self._page["message_level"] > 0 if "message_level" in self._page else True
             # The failure of a job is also that of the command that began it.
             own[:] = [m for m in own if m[1] != text]
+            # A machine that began anew counts anew.
+            if lost > 0:
+                add(OPERATOR_DISPLAY, "%d more messages came too fast to be shown" % lost)
             return OPERATOR_ERROR if failed else OPERATOR_DISPLAY, text
         return own.pop(0) if own else None
