@@ -194,14 +194,24 @@ impl Core {
                 self.follow_surface(out);
             }
             Action::FeedOverride(on) => {
-                self.feed_counts = *on;
-                return self.send_feed_scale(out);
+                let before = core::mem::replace(&mut self.feed_counts, *on);
+                let sent = self.send_feed_scale(out);
+                // Without the order, motion's override is still that of before.
+                if sent != Ok(true) {
+                    self.feed_counts = before;
+                }
+                return sent;
             }
             Action::SpeedOverride { spindle, on } => {
+                let before = self.spindle_counts;
                 if let Some(counts) = self.spindle_counts.get_mut(usize::from(*spindle)) {
                     *counts = *on;
                 }
-                return self.send_spindle_scale(*spindle, out);
+                let sent = self.send_spindle_scale(*spindle, out);
+                if sent != Ok(true) {
+                    self.spindle_counts = before;
+                }
+                return sent;
             }
             Action::UserCode { code, p, q } => {
                 out.begin_program(*code, *p, *q)?;

@@ -84,9 +84,9 @@ impl Core {
             Waiting::Dwell { until } if out.now() >= until && !paused => Progress::Done,
             Waiting::Input { index, analog, mode, until, before } => {
                 let mut seen = before;
-                let ended = self.input(index, analog, mode, until, &mut seen, out);
+                let progress = self.input(index, analog, mode, until, &mut seen, out);
                 self.waiting = Some(Waiting::Input { index, analog, mode, until, before: seen });
-                if ended { Progress::Done } else { Progress::Pending }
+                progress
             }
             Waiting::Oriented { until } => match self.orienting(out) {
                 Progress::Pending if out.now() >= until => {
@@ -131,7 +131,7 @@ impl Core {
         self.job.as_ref().is_some_and(|j| matches!(j.reading, Reading::Asked(_)))
     }
 
-    /// Follows the wait for an input; returns true at its end.
+    /// Follows the wait for an input.
     fn input(
         &mut self,
         index: u32,
@@ -140,7 +140,7 @@ impl Core {
         until: f64,
         before: &mut bool,
         out: &mut impl Outside,
-    ) -> bool {
+    ) -> Progress {
         let motion = out.motion();
         let n = index as usize;
         let on = index < 64 && motion.digital_in >> index & 1 != 0;
@@ -156,13 +156,18 @@ impl Core {
             true => motion.analog_in.get(n).copied().unwrap_or(0.0),
             false => f64::from(u8::from(on)),
         };
+        if found && !value.is_finite() {
+            return Progress::Failed(format!(
+                "analog input {index} is {value}, which is no number"
+            ));
+        }
         let is_late = out.now() >= until;
         if let Some(job) = &mut self.job
             && (found || is_late)
         {
             job.input = if found { value } else { -1.0 };
         }
-        found || is_late
+        if found || is_late { Progress::Done } else { Progress::Pending }
     }
 
     /// Returns how far the last orientation has come: its order is in flight.

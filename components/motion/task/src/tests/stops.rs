@@ -144,3 +144,30 @@ fn every_state_ends_as_the_table_says() {
     let known = std::fs::read_to_string(path).unwrap_or_default();
     assert!(known == text, "stops.md is out of date: UPDATE_EXPECT=1 cargo test -p task stops");
 }
+
+#[test]
+fn an_override_that_counts_again_is_the_operators_although_motion_is_full() {
+    let mut rig = Rig::new("M50 P0\nG4 P1\nM50 P1\nG4 P1\nM2\n");
+    rig.good(Command::FeedOverride(0.5));
+    rig.send(Command::Run);
+    rig.pass(0.5);
+    assert_eq!((rig.fake.motion.feed_override, rig.core.feed_scale), (1.0, 0.5));
+    for _ in 0..70 {
+        rig.fake.refuse = Some(Refusal::Full);
+        rig.pass(0.01);
+    }
+    rig.fake.refuse = None;
+    rig.pass(0.3);
+    assert_eq!((rig.fake.motion.feed_override, rig.core.feed_scale), (0.5, 0.5));
+}
+
+#[test]
+fn an_analog_input_without_a_number_ends_the_job() {
+    let mut rig = Rig::new("G21\nM66 E0 L0\n#1=#5399\nG0 X1\nM2\n");
+    rig.fake.motion.analog_in[0] = f64::NAN;
+    let ticket = rig.send(Command::Run);
+    rig.pass(0.5);
+    let why = rig.result(ticket).unwrap().unwrap_err();
+    assert!(why.ends_with("job.ngc:2: analog input 0 is NaN, which is no number"), "{why}");
+    assert!(!rig.sent().iter().any(|s| s.contains("line")), "nothing moves");
+}
