@@ -26,7 +26,7 @@ impl Audit {
     /// Adds what somebody did, and how it ended.
     pub(crate) fn note(&self, user: &str, client: u64, what: &Json, end: Result<(), &Error>) {
         let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let end = end.map_or_else(|e| e.text.as_str(), |()| "ok");
+        let end = end.map_or_else(|e| json!(e.code), |()| json!("ok"));
         let line = json!({
             "time": time.as_secs_f64(), "user": user, "client": client, "what": what, "end": end,
         });

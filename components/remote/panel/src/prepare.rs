@@ -2,8 +2,9 @@
 
 use hal_ini::Ini;
 use hal_protocol::{
-    Client, Edit, ItemInfo, Kind, Link as _, Place, Reply, Request, SignalInfo, ThreadInfo,
+    Client, Direction, Edit, ItemInfo, Kind, Link as _, Place, Reply, Request, ThreadInfo,
 };
+use std::collections::BTreeSet;
 
 /// Pins of the plugin that stop motion, with the signal and the pin of motion that each must reach.
 const STOPS: &[(&str, &str, &str)] = &[
@@ -40,15 +41,17 @@ pub(crate) fn load(place: &Place, ini: Option<&Ini>) -> Result<(), String> {
         })?;
         let funct = "remote".to_owned();
         requests.push(Request::AddFunct { funct, thread, position, init: false });
+    } else if !threads.iter().any(|thread| runs_before(&thread.functs)) {
+        return Err(format!(
+            "function remote is not in the thread of {CONTROLLER} before it: motion would see a stop a cycle late, or \
+             never; addf it there, before halpanel is started"
+        ));
     }
     let Reply::Items(pins) = list(&mut client, Kind::Pins)? else {
         return Err("the engine lists no pins".to_owned());
     };
-    let Reply::Signals(signals) = list(&mut client, Kind::Signals)? else {
-        return Err("the engine lists no signals".to_owned());
-    };
     for (from, signal, to) in STOPS {
-        requests.extend(wire(&pins, &signals, from, signal, to)?);
+        requests.extend(wire(&pins, from, signal, to)?);
     }
     if requests.is_empty() {
         return Ok(());
@@ -79,13 +82,7 @@ fn place_of(threads: &[ThreadInfo]) -> Option<(String, i64)> {
 }
 
 /// Returns the link of two pins, unless the machine's files have made it.
-fn wire(
-    pins: &[ItemInfo],
-    signals: &[SignalInfo],
-    from: &str,
-    signal: &str,
-    to: &str,
-) -> Result<Option<Request>, String> {
+fn wire(pins: &[ItemInfo], from: &str, signal: &str, to: &str) -> Result<Option<Request>, String> {
     let signal_of =
         |name: &str| pins.iter().find(|p| p.name == name).and_then(|p| p.signal.clone());
     match (signal_of(from), signal_of(to)) {
@@ -95,7 +92,7 @@ fn wire(
             Ok(Some(Request::Net { signal: signal.to_owned(), pins }))
         }
         // The machine's own logic stands between the two.
-        (Some(a), Some(_)) if feeds(signals, &a) => Ok(None),
+        (Some(a), Some(b)) if reaches(pins, &a, &b, to) => Ok(None),
         _ => Err(format!(
             "{to} is linked, and {from} does not reach it: join both in the machine's HAL file, as \
              with loadrt or2, before halpanel is started"
@@ -103,7 +100,92 @@ fn wire(
     }
 }
 
-/// Returns whether a signal leads anywhere.
-fn feeds(signals: &[SignalInfo], name: &str) -> bool {
-    signals.iter().any(|s| s.name == name && s.pins.len() > 1)
+/// Returns whether the plugin's function runs before the controller's, in its thread.
+fn runs_before(functs: &[String]) -> bool {
+    let at = |name: &str| functs.iter().position(|f| f == name);
+    at("remote").zip(at(CONTROLLER)).is_some_and(|(own, controller)| own < controller)
+}
+
+/// Returns whether a signal reaches another through components: from a pin that reads it to one that the same part
+/// writes. Motion itself, whose pin `to` is, joins nothing.
+fn reaches(pins: &[ItemInfo], from: &str, goal: &str, to: &str) -> bool {
+    let part = |pin: &ItemInfo| {
+        let own = pin.original.as_ref().unwrap_or(&pin.name);
+        (pin.owner, own.rsplit_once('.').map_or("", |(part, _)| part).to_owned())
+    };
+    let motion = pins.iter().find(|pin| pin.name == to).map(|pin| pin.owner);
+    let mut seen = BTreeSet::from([from.to_owned()]);
+    let mut next = vec![from.to_owned()];
+    while let Some(signal) = next.pop() {
+        let readers = pins.iter().filter(|pin| {
+            pin.signal.as_ref() == Some(&signal)
+                && pin.direction != Direction::Out
+                && Some(pin.owner) != motion
+        });
+        let parts: BTreeSet<_> = readers.map(part).collect();
+        for pin in pins.iter().filter(|pin| pin.direction != Direction::In) {
+            if let Some(signal) = &pin.signal
+                && parts.contains(&part(pin))
+                && seen.insert(signal.clone())
+            {
+                next.push(signal.clone());
+            }
+        }
+    }
+    seen.contains(goal)
+}
+
+#[cfg(test)]
+mod tests {
+    //! Wiring that the machine's files have made.
+
+    use super::{ItemInfo, reaches, runs_before, wire};
+    use hal_protocol::{Direction, Value};
+
+    fn pin(owner: u32, name: &str, direction: Direction, signal: &str) -> ItemInfo {
+        ItemInfo {
+            owner,
+            owner_name: String::new(),
+            direction,
+            value: Value::Bit(false),
+            name: name.to_owned(),
+            original: None,
+            signal: Some(signal.to_owned()),
+            doc: String::new(),
+        }
+    }
+
+    #[test]
+    fn a_stop_reaches_motion_through_parts_or_is_refused() {
+        let (i, o) = (Direction::In, Direction::Out);
+        let mut pins = vec![
+            pin(1, "remote.jog-stop", o, "a"),
+            pin(2, "or2.0.in0", i, "a"),
+            pin(2, "or2.0.out", o, "b"),
+            pin(2, "or2.1.out", o, "c"),
+            pin(3, "motion.jog-stop", i, "b"),
+            pin(3, "motion.other", i, "a"),
+            pin(3, "motion.out", o, "d"),
+        ];
+        assert!(reaches(&pins, "a", "b", "motion.jog-stop"));
+        assert!(!reaches(&pins, "a", "c", "motion.jog-stop"), "another part of the component");
+        assert!(!reaches(&pins, "a", "d", "motion.jog-stop"), "motion joins nothing");
+        let made = |pins: &[ItemInfo]| wire(pins, "remote.jog-stop", "s", "motion.jog-stop");
+        assert_eq!(made(&pins), Ok(None));
+        // Both are linked, and nothing joins them.
+        pins[4].signal = Some("c".to_owned());
+        made(&pins).unwrap_err();
+    }
+
+    #[test]
+    fn the_function_runs_before_the_controller() {
+        for (functs, right) in [
+            (&["remote", "motion-controller"][..], true),
+            (&["motion-controller", "remote"], false),
+            (&["remote"], false),
+        ] {
+            let functs: Vec<String> = functs.iter().map(|f| (*f).to_owned()).collect();
+            assert_eq!(runs_before(&functs), right, "{functs:?}");
+        }
+    }
 }

@@ -8,7 +8,7 @@ use crate::{
     lease::Clients,
     options::Options,
     prepare,
-    session::Sessions,
+    session::{Sessions, secret},
     status,
 };
 use axum::Router;
@@ -74,11 +74,13 @@ pub(crate) struct Panel {
 impl Panel {
     /// Writes a new one-time token into the file with the address.
     pub(crate) fn renew_token(&self) -> Result<(), String> {
-        let token = self.sessions.renew_token()?;
+        let token = secret()?;
         let text = format!("http://{}/#token={token}\n", self.address);
         let written = hal_output::install(&self.address_file, text.as_bytes(), 0o600);
         let file = self.address_file.display();
-        written.map_err(|e| format!("{file}: {}", hal_output::reason(&e)))
+        written.map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?;
+        self.sessions.set_token(token);
+        Ok(())
     }
 }
 
@@ -106,6 +108,9 @@ pub fn run(options: &Options) -> Result<(), String> {
         let beside = |kind: &str| place.folder().join(format!("panel-{}.{kind}", place.name()));
         let audit = options.audit.clone().unwrap_or_else(|| beside("audit"));
         let programs = options.programs.clone().or_else(|| programs(options, ini.as_ref()));
+        // The engine's folder is another.
+        let programs = programs.map(std::path::absolute).transpose();
+        let programs = programs.map_err(|e| hal_output::reason(&e))?;
         let audit = Audit::open(&audit)?;
         prepare::load(&place, ini.as_ref())?;
         let panel = Arc::new(Panel {

@@ -79,10 +79,8 @@ impl Sessions {
     }
 
     /// Replaces the one-time token.
-    pub(crate) fn renew_token(&self) -> Result<String, String> {
-        let token = secret()?;
-        *self.token.lock().unwrap_or_else(PoisonError::into_inner) = Some(token.clone());
-        Ok(token)
+    pub(crate) fn set_token(&self, token: String) {
+        *self.token.lock().unwrap_or_else(PoisonError::into_inner) = Some(token);
     }
 
     /// Takes the one-time token, if this is it.

@@ -51,18 +51,14 @@ impl Panel {
         Ok(folder.join(name))
     }
 
-    /// Refuses to change a program that runs.
+    /// Refuses to change a file while a program runs: it may be one of its subroutines.
     fn check_idle(&self, path: &std::path::Path) -> Result<(), Error> {
         let machine = self.machine.borrow();
         let Some(task) = &machine.task else { return Ok(()) };
         let runs = task.get("interpreter").and_then(serde_json::Value::as_u64) != Some(0);
-        let file = task.get("file").and_then(|file| file.as_str()).unwrap_or_default();
-        // The status has the first bytes of a long name.
-        if runs && !file.is_empty() && path.display().to_string().starts_with(file) {
-            return Err(Error::new(
-                Code::Conflict,
-                "this program runs: it can be changed at its end",
-            ));
+        if runs && path.exists() {
+            let text = "a program runs, and this may be a part of it: it can be changed at its end";
+            return Err(Error::new(Code::Conflict, text));
         }
         Ok(())
     }

@@ -44,7 +44,11 @@ pub(crate) async fn sign_in(
         return Err(Error::new(Code::WrongLogin, "the token is wrong, or has been used"));
     }
     let fail = |text: String| Error::new(Code::Disk, text);
-    panel.renew_token().map_err(fail)?;
+    if let Err(why) = panel.renew_token() {
+        // The file still has this token.
+        panel.sessions.set_token(login.token);
+        return Err(fail(why));
+    }
     let (session, key) = panel.sessions.begin(LOCAL, panel.options.role).map_err(fail)?;
     let name = cookie_name(panel.address.port());
     let cookie = format!("{name}={}; HttpOnly; SameSite=Strict; Path=/", session.cookie);

@@ -42,6 +42,11 @@ pub(super) enum Received {
     },
 }
 
+/// Returns the `id` of a message that cannot be read as one, if it has one.
+pub(super) fn id(text: &str) -> Option<u64> {
+    serde_json::from_str::<Json>(text).ok()?.get("id")?.as_u64()
+}
+
 /// Request of a client about the lease.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -73,5 +78,27 @@ impl Watched {
         let changed = changed.map(|(name, value)| (name.clone(), value.clone())).collect();
         self.sent = now;
         changed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! Messages that cannot be read.
+
+    use super::{Received, id};
+
+    #[test]
+    fn a_message_that_cannot_be_read_is_answered_if_it_has_an_id() {
+        for (text, wanted) in [
+            (r#"{"type": "scope", "id": 7}"#, Some(7)),
+            (r#"{"type": "lease", "id": 8, "do": "steal"}"#, Some(8)),
+            (r#"{"type": "scope"}"#, None),
+            (r#"{"type": "scope", "id": -1}"#, None),
+            ("[7]", None),
+            ("{", None),
+        ] {
+            serde_json::from_str::<Received>(text).unwrap_err();
+            assert_eq!(id(text), wanted, "{text}");
+        }
     }
 }

@@ -112,6 +112,8 @@ struct Connection {
     watched: Watched,
     /// Number of messages received in the current second.
     rate: u32,
+    /// True after a message other than a beat in the current second.
+    used: bool,
     /// Number of the last beat.
     beat: u32,
     /// Lease of this client that the engine has confirmed.
@@ -134,6 +136,7 @@ impl Connection {
             view: View::default(),
             watched: Watched::default(),
             rate: 0,
+            used: false,
             beat: 0,
             confirmed: None,
             answers,
@@ -164,17 +167,17 @@ impl Connection {
                 // Beats and commands first.
                 biased;
                 message = socket.recv() => {
+                    self.rate += 1;
+                    if self.rate > MAX_RATE {
+                        let why = format!("more than {MAX_RATE} messages in a second");
+                        return Err(Some(Error::new(Code::TooMany, why)));
+                    }
                     let text = match message {
                         Some(Ok(Message::Text(text))) => text,
                         Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
                         Some(Ok(Message::Binary(_))) => return Err(malformed("messages are texts")),
                         Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(None),
                     };
-                    self.rate += 1;
-                    if self.rate > MAX_RATE {
-                        let why = format!("more than {MAX_RATE} messages in a second");
-                        return Err(Some(Error::new(Code::TooMany, why)));
-                    }
                     self.receive(&text)?;
                 }
                 Some(answer) = self.ready.recv() => give(socket, &answer).await?,
@@ -197,7 +200,8 @@ impl Connection {
                 }
                 _ = second.tick() => {
                     // A connection that a person uses keeps the session alive.
-                    let used = core::mem::take(&mut self.rate) > 0;
+                    let used = core::mem::take(&mut self.used);
+                    self.rate = 0;
                     let (cookie, key) = &self.secret;
                     let lives = if used {
                         self.panel.sessions.find(cookie, key).is_some()
@@ -214,8 +218,11 @@ impl Connection {
     }
 
     fn receive(&mut self, text: &str) -> Result<(), End> {
-        let received = serde_json::from_str(text)
-            .map_err(|e| malformed(&format!("this is no message: {e}")))?;
+        let received = match serde_json::from_str(text) {
+            Ok(received) => received,
+            Err(e) => return self.refuse(text, &format!("this is no message: {e}")),
+        };
+        self.used |= !matches!(received, Received::Beat { .. });
         match received {
             Received::Hello { .. } => return Err(malformed("hello comes first, and once")),
             Received::Beat { n } => {
@@ -238,6 +245,15 @@ impl Connection {
                 self.order(id, async move |order| order.command(id, &name, &args).await);
             }
         }
+        Ok(())
+    }
+
+    /// Refuses a message that cannot be read. With an `id` it has an answer; without one the connection ends.
+    fn refuse(&self, text: &str, why: &str) -> Result<(), End> {
+        let id = message::id(text).ok_or_else(|| malformed(why))?;
+        let error = Error::new(Code::Malformed, why);
+        // A client that reads no answers gets none.
+        drop(self.answers.try_send(json!({ "type": "reply", "id": id, "error": error })));
         Ok(())
     }
 

@@ -37,6 +37,10 @@ const WORK: &[&str] = &[
 ];
 /// Commands that end work: orders of which a part has not been sent end too.
 const ENDS: &[&str] = &["abort", "estop", "off", "pause"];
+/// State of the interpreter in the task's status that waits in a pause.
+const PAUSED: u64 = 2;
+/// Longest name of a command in the audit log, in characters.
+const MAX_NAME: usize = 64;
 /// Time for which the button of the tool change is pressed.
 const PRESS: Duration = Duration::from_millis(300);
 /// Time between two looks at a command that has not ended.
@@ -114,7 +118,12 @@ impl Order {
 
     pub(super) async fn command(&self, id: u64, name: &str, args: &Args) -> Result<Json, Error> {
         let end = self.execute(id, name, args).await;
-        self.note(&json!({ "command": name, "args": args }), end.as_ref());
+        // Of a command that was refused nothing is known to be short.
+        let what = match &end {
+            Ok(_) => json!({ "command": name, "args": args }),
+            Err(_) => json!({ "command": name.chars().take(MAX_NAME).collect::<String>() }),
+        };
+        self.note(&what, end.as_ref());
         end
     }
 
@@ -147,6 +156,8 @@ impl Order {
         };
         let engine = &self.panel.engine;
         let stops = engine.stops();
+        // A program that is held, and not paused, goes on by the release alone.
+        let released = name == "resume" && self.panel.heart.hold.load(Relaxed) && !self.is_paused();
         if STARTS.contains(&name) {
             let mut args = vec![format!("lease={lease}")];
             if name == "resume" {
@@ -154,6 +165,9 @@ impl Order {
             }
             let start = Request::Command { name: "remote.start".to_owned(), args };
             engine.call_unless_stopped(start, stops).await?;
+        }
+        if released {
+            return Ok(json!({ "lines": [] }));
         }
         let mut lines = Vec::new();
         let mut pending = None;
@@ -174,6 +188,13 @@ impl Order {
             self.follow(id, ticket);
         }
         Ok(ok)
+    }
+
+    /// Returns whether the task waits in a pause.
+    fn is_paused(&self) -> bool {
+        let machine = self.panel.machine.borrow();
+        let task = machine.task.as_ref();
+        task.and_then(|task| task.get("interpreter")?.as_u64()) == Some(PAUSED)
     }
 
     /// Tells the client how a command ends that takes time.
