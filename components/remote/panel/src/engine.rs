@@ -119,3 +119,44 @@ fn carry(mut client: Client, jobs: &Receiver<Job>, waiting: &AtomicUsize) {
         drop(job.answer.send(result));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    //! Stops, and requests that wait.
+
+    use super::{Code, Engine, Error, MAX_STOPS, MAX_WAITING, Reply, Request, sync_channel};
+    use std::{
+        pin::pin,
+        sync::Arc,
+        task::{Context, Poll, Waker},
+    };
+
+    /// Sends a request; returns the refusal, or `None` while it waits for its answer.
+    fn refusal(request: impl Future<Output = Result<Reply, Error>>) -> Option<Code> {
+        match pin!(request).poll(&mut Context::from_waker(Waker::noop())) {
+            Poll::Pending => None,
+            Poll::Ready(end) => Some(end.unwrap_err().code),
+        }
+    }
+
+    #[test]
+    fn stops_end_what_is_half_sent_and_have_places_of_their_own() {
+        let (jobs, queue) = sync_channel(MAX_WAITING + MAX_STOPS);
+        let engine = Engine { jobs, waiting: Arc::default(), stops: Arc::default() };
+        let before = engine.stops();
+        assert_eq!(refusal(engine.call_unless_stopped(Request::Ready, before)), None);
+        // The end of a jog ends no program that starts.
+        assert_eq!(refusal(engine.stop(Request::Ready, false)), None);
+        assert_eq!(refusal(engine.call_unless_stopped(Request::Ready, before)), None);
+        assert_eq!(refusal(engine.stop(Request::Ready, true)), None);
+        let late = engine.call_unless_stopped(Request::Ready, before);
+        assert_eq!(refusal(late), Some(Code::Conflict));
+        assert_eq!(refusal(engine.call_unless_stopped(Request::Ready, engine.stops())), None);
+        for _ in 5..MAX_WAITING {
+            assert_eq!(refusal(engine.call(Request::Ready)), None);
+        }
+        assert_eq!(refusal(engine.call(Request::Ready)), Some(Code::TooMany));
+        assert_eq!(refusal(engine.stop(Request::Ready, true)), None);
+        assert_eq!(queue.try_iter().count(), MAX_WAITING + 1);
+    }
+}
