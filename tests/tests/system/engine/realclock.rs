@@ -86,7 +86,7 @@ fn a_machine_from_another_terminal() {
     }
     assert!(!pins.contains(".sim."), "simulated registers are shown when they are named");
     let threads = ask(&scratch, &["show", "thread"]);
-    for part in ["1000000  YES          servo-thread (", "100000  YES           base-thread ("] {
+    for part in ["1000000  YES          servo-thread (", "100000  NO            base-thread ("] {
         assert!(threads.contains(part), "{threads}");
     }
     ask(&scratch, &["setp", "stepgen.0.maxaccel", "1250"]);

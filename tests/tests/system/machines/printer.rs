@@ -35,7 +35,7 @@ fn its_own_files_make_the_machine() {
         assert_eq!(links, 43, "{clock}: pin links");
         let text = &output.stdout;
         for part in [
-            "   100000  YES           base-thread ",
+            "   100000  NO            base-thread ",
             "1 viagpio.read\n                  2 stepgen.make-pulses\n                  3 viagpio.write\n",
             "  1000000  YES          servo-thread ",
             "1 stepgen.capture-position\n                  2 motion-command-handler\n                  \
