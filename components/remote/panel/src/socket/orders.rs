@@ -7,6 +7,7 @@ use crate::{
     lease::no_lease,
     server::Panel,
     session::Session,
+    values,
 };
 use hal_protocol::{Reply, Request, TicketInfo};
 use serde_json::{Value as Json, json};
@@ -230,11 +231,17 @@ impl Order {
             value: if on { "TRUE" } else { "FALSE" }.to_owned(),
         };
         let engine = &self.panel.engine;
+        let change = "hal_manualtoolchange.change".to_owned();
+        let values = values::read(engine, std::slice::from_ref(&change)).await?;
+        if values.get(&change) != Some(&json!({ "bit": true })) {
+            // A press now would answer the next change, before its tool is there.
+            return Err(Error::new(Code::Conflict, "no tool change waits for its answer"));
+        }
         engine.call(press(true)).await?;
         sleep(PRESS).await;
         // A button that stays pressed would answer the next tool change too.
         while let Err(why) = engine.call(press(false)).await {
-            if why.code == Code::NoEngine {
+            if why.code != Code::TooMany {
                 return Err(why);
             }
             sleep(PRESS).await;
