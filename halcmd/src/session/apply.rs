@@ -97,7 +97,7 @@ impl Session<'_> {
     /// Removes the lines that say what is so already, and returns their number. After a line that removes something, a
     /// later one may have to make it again.
     fn drop_held(&mut self, plan: &mut Plan) -> Result<usize, Error> {
-        let already = Already::ask(self.link, plan.edits.iter().map(|edit| &edit.request))?;
+        let mut already = Already::ask(self.link, plan.edits.iter().map(|edit| &edit.request))?;
         let mut begins = true;
         let held: Vec<bool> = plan
             .edits
