@@ -11,6 +11,7 @@ pub(crate) mod machine;
 pub(crate) mod plan;
 mod realtime;
 mod serve;
+mod table;
 
 use crate::{
     Bytes, Error, Outcome, Session, Stdio, Terminal,

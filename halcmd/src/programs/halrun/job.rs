@@ -4,6 +4,7 @@
 use super::begin::{Begin, Job};
 use crate::{Error, Outcome, Session};
 use hal_protocol::{Reply, Request, TicketInfo};
+use rustix::termios::QueueSelector;
 
 /// Machine time between two looks at the program, in nanoseconds.
 const LOOK_NS: u64 = 100_000_000;
@@ -43,6 +44,9 @@ pub(super) fn run(session: &mut Session<'_>, job: &Job) -> Outcome {
 
 /// Returns false if nobody wanted the program to begin.
 fn run_program(session: &mut Session<'_>, job: &Job) -> Result<bool, Error> {
+    if matches!(job.begin, Begin::From(..)) && !job.yes && !is_asked(session) {
+        return Ok(false);
+    }
     if job.begin == Begin::Resume {
         // Nothing moves before the person has seen what is resumed.
         complete(session, "task.recover", Vec::new())?;
@@ -108,15 +112,28 @@ fn proposal(session: &mut Session<'_>) -> Result<String, Error> {
 
 /// Asks the person at the terminal. Without one, nobody agrees.
 fn agrees(session: &mut Session<'_>, question: &str) -> bool {
-    let is_person = session.terminal.is_person() && rustix::termios::isatty(std::io::stdin());
-    if !is_person {
-        session.terminal.err("nothing has begun: --yes begins there\n");
+    if !is_asked(session) {
+        return false;
+    }
+    // What was typed before the question is no answer to it.
+    if rustix::termios::tcflush(std::io::stdin(), QueueSelector::IFlush).is_err() {
         return false;
     }
     session.terminal.err(&format!("{question} (y/N) "));
-    let mut line = String::new();
-    let read = std::io::stdin().read_line(&mut line).is_ok();
-    read && line.trim_start().starts_with(['y', 'Y'])
+    // Without a buffer, in which a later question would find what is typed here behind the answer.
+    let mut line = [0; 64];
+    let read = rustix::io::retry_on_intr(|| rustix::io::read(std::io::stdin(), &mut line));
+    let answer = read.ok().and_then(|n| line.get(..n)).unwrap_or_default();
+    matches!(answer.trim_ascii_start().first(), Some(b'y' | b'Y'))
+}
+
+/// Returns whether a person at the terminal can be asked, and says what to do if none can.
+fn is_asked(session: &mut Session<'_>) -> bool {
+    let is_person = session.terminal.is_person() && rustix::termios::isatty(std::io::stdin());
+    if !is_person {
+        session.terminal.err("no terminal to ask: give --yes to begin there\n");
+    }
+    is_person
 }
 
 /// Follows a program that a command begins, and tells how it ends.

@@ -141,7 +141,12 @@ fn a_run_from_a_line_shows_its_entry_and_goes_on_from_there() {
     let words = ["--virtual", "--run", "part.ngc", "--from", "4/3"];
     let asked = scratch.halrun(&[&words[..], &["printer.ini"]].concat());
     assert_eq!(asked.status, Some(1));
-    assert!(asked.stderr.contains("nothing has begun: --yes begins there"), "{}", asked.stderr);
+    assert!(
+        asked.stderr.contains("no terminal to ask: give --yes to begin there"),
+        "{}",
+        asked.stderr
+    );
+    assert!(!asked.stderr.contains("position X25"), "nothing is switched on: {}", asked.stderr);
     let run =
         scratch.halrun(&[&words[..], &["--yes", "--record", "out.vcd", "printer.ini"]].concat());
     assert_eq!(run.status, Some(0), "{}", run.stderr);
@@ -178,7 +183,8 @@ fn a_job_that_broke_off_is_resumed_when_a_person_agrees() {
     scratch.write("custom.hal", "");
     let asked = scratch.halrun(&["--virtual", "--resume", "--record", "out.vcd", "printer.ini"]);
     assert_eq!(asked.status, Some(1));
-    for part in ["note the job broke off at line ", "not-ready ", "nothing has begun: --yes"] {
+    for part in ["note the job broke off at line ", "not-ready ", "no terminal to ask: give --yes"]
+    {
         assert!(asked.stderr.contains(part), "no {part:?} in\n{}", asked.stderr);
     }
     let still = Vcd::parse(&scratch.read("out.vcd"));
