@@ -21,7 +21,7 @@ pub use texts::Texts;
 
 use crate::{
     Error, Terminal,
-    programs::halrun::plan::plugin_path,
+    programs::halrun::folders::plugin_path,
     programs::options::{Opt, mixed, usage},
     programs::profile::Profile,
 };

@@ -9,7 +9,7 @@ mod text;
 
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style, Terminal, language::hint::nearest,
-    programs::halrun::plan::plugin_path,
+    programs::halrun::folders::plugin_path,
 };
 use gather::{Found, functions, gathered};
 use hal_engine::{ClockKind, Engine, Options};

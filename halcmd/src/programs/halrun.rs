@@ -4,7 +4,7 @@ mod begin;
 pub(crate) mod compat;
 mod detach;
 mod display;
-mod folders;
+pub(crate) mod folders;
 mod job;
 mod log;
 pub(crate) mod machine;

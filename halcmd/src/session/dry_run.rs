@@ -9,7 +9,7 @@ pub use unknown::Unknown;
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style,
     ini::{Ini, placed},
-    programs::halrun::{compat, machine, plan::plugin_path},
+    programs::halrun::{compat, folders::plugin_path, machine},
     programs::profile::Profile,
 };
 use hal_engine::{ClockKind, Engine, Options};

@@ -477,6 +477,7 @@ fn output_goes_through_one_crate() {
             "a folder that is renamed when it is whole",
         ),
         ("components/foreign/halcompile/src/program.rs", scratch),
+        ("components/remote/panel/src/audit.rs", "a log that only grows, line by line"),
         ("components/drivers/parport/src/hardware.rs", device),
         ("components/drivers/speaker/src/device.rs", device),
         ("components/drivers/viagpio/src/hardware.rs", device),

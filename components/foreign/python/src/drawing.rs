@@ -13,7 +13,7 @@ const PIECE_DEGREES: f64 = 10.0;
 /// The most straight pieces of a line.
 const MAX_PIECES: f64 = 10_000.0;
 
-/// Whether rotations are about the offset of the coordinate system, and that offset.
+/// Offset of the coordinate system, and a flag that is set if rotations are about it.
 static OFFSETS: Mutex<(bool, [f64; 3])> = Mutex::new((false, [0.0; 3]));
 
 /// `gui_respect_offsets(COORDINATES, ON)`: rotations are about the offset of the coordinate system.

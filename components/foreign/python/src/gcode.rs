@@ -34,7 +34,7 @@ const LINES_PER_CHECK: u32 = 50;
 /// Lines of G-code that come before a file.
 #[derive(FromPyObject)]
 enum Codes {
-    /// One line.
+    /// A single line.
     Line(String),
     /// Lines.
     Lines(Vec<String>),

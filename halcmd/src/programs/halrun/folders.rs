@@ -1,4 +1,4 @@
-//! Folders in which the HAL files of a machine are searched.
+//! Folders in which the HAL files of a machine, and plugins, are searched.
 
 use std::path::{Path, PathBuf};
 
@@ -48,6 +48,32 @@ impl Folders {
             own.into_iter().chain(&self.libraries).map(|p| p.display().to_string()).collect();
         all.join(", ")
     }
+}
+
+/// Environment variable that adds the folder of LinuxCNC's package to the search path.
+pub(super) const LINUXCNC_MODULES: &str = "HAL_LINUXCNC_MODULES";
+
+/// Folder of LinuxCNC's components.
+const LINUXCNC_FOLDER: &str = "/usr/lib/linuxcnc/modules";
+
+/// Returns the search path of plugins: `HAL_RTMOD_DIR`, then beside the program, installed with it,
+/// or just built; and LinuxCNC's components in C if requested.
+pub(crate) fn plugin_path(environment: &dyn Fn(&str) -> Option<String>) -> Vec<PathBuf> {
+    let asked = environment("HAL_RTMOD_DIR").unwrap_or_default();
+    let mut path: Vec<PathBuf> = asked
+        .split(':')
+        .filter(|folder| !folder.is_empty())
+        .map(|folder| std::path::absolute(folder).unwrap_or_else(|_| folder.into()))
+        .collect();
+    if let Some(here) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
+        path.push(here.to_path_buf());
+        path.push(here.join("../lib/ferrule"));
+        path.push(here.join("deps"));
+    }
+    if environment(LINUXCNC_MODULES).is_some_and(|asked| !["", "0"].contains(&&*asked)) {
+        path.push(LINUXCNC_FOLDER.into());
+    }
+    path
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Options of halrun.
 
-use super::plan::LINUXCNC_MODULES;
+use super::folders::LINUXCNC_MODULES;
 use crate::{
     programs::{common::Id as Common, options::Opt, profile},
     session::remote::instance_option,
