@@ -9,7 +9,7 @@
 use hal_protocol::Offer;
 use hal_tests::{
     counted::Sources,
-    golden, pins,
+    every, golden, pins,
     programs::{family, programs, root},
 };
 use halcmd::manual::man::{self, Page};
@@ -121,6 +121,10 @@ impl Shown {
     fn time(&self, page: &Page) -> Result<String, String> {
         if page.functs.is_empty() {
             return Ok("no function".to_owned());
+        }
+        // The benchmark runs each component alone.
+        if every::needs_motion(&page.offer.component) {
+            return Ok("not measured alone".to_owned());
         }
         let row = self.speed.get(&page.offer.component);
         let cell = row.and_then(|row| row.get(2)).filter(|cell| !cell.is_empty());

@@ -74,7 +74,7 @@ fn a_machine_from_another_terminal() {
     let ini = scratch.read("impresora3D.ini");
     assert!(ini.contains("\n[HAL]\n"), "{ini}");
     scratch.write("impresora3D.ini", ini.replace("\n[HAL]\n", "\n[HAL]\nSTUCK_TIME = 60s\n"));
-    let mut machine = halrun(&scratch, &["--simulate", "impresora3D.ini"]);
+    let mut machine = halrun(&scratch, &["--simulate", "--headless", "impresora3D.ini"]);
     until_up(&scratch, &mut machine, "servo-thread");
     let own = vec![process(&scratch), program(&scratch, "hal_manualtoolchange")];
 
