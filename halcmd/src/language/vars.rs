@@ -231,7 +231,10 @@ mod tests {
             ("print [SEC", "! Missing close square bracket."),
             ("print $(HOME", "! Missing close parenthesis."),
             ("print [SEC](VAR", "! Missing close parenthesis."),
-            ("print $BIG$BIG$BIG$BIG", "! Line too long."),
+            (
+                "print $BIG$BIG$BIG$BIG",
+                "! Line too long.; a line has at most 1023 bytes, and 2044 with the values of its variables",
+            ),
             ("no variables", "no variables"),
             ("", ""),
         ] {

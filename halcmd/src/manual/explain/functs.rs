@@ -65,18 +65,6 @@ pub(super) const ROWS: &[Row] = &[
                 addf stepgen.update-freq servo\nstart\n",
     },
     Row {
-        code: Code::NeedsFp,
-        means: "The function computes with floating-point numbers, and its thread was made for functions \
-                that do not: with fp1=0, or as motmod's base thread without base_thread_fp=1.",
-        matters: "LinuxCNC refuses it as well: on old systems such a thread did not save the registers of \
-                  the processor for these numbers.",
-        remedy: "Add it to another thread, or create the thread with floating point.",
-        wrong: "loadrt threads name1=base period1=100000 fp1=0 name2=servo period2=1000000\n\
-                loadrt limit1\naddf limit1.0 base # <--\nstart\n",
-        right: "loadrt threads name1=base period1=100000 fp1=0 name2=servo period2=1000000\n\
-                loadrt limit1\naddf limit1.0 servo\nstart\n",
-    },
-    Row {
         code: Code::SlowInFast,
         means: "The function computes with numbers, its component has another one for the fast \
                 thread, and it is in the fast thread as well.",
@@ -145,5 +133,17 @@ pub(super) const ROWS: &[Row] = &[
                 addf stepgen.update-freq servo\nstart\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0\n\
                 addf stepgen.make-pulses servo\naddf stepgen.update-freq servo\nstart\n",
+    },
+    Row {
+        code: Code::NeedsFp,
+        means: "The function computes with floating-point numbers, and its thread was made for functions \
+                that do not: with fp1=0, or as motmod's base thread without base_thread_fp=1.",
+        matters: "LinuxCNC refuses it as well: on old systems such a thread did not save the registers of \
+                  the processor for these numbers.",
+        remedy: "Add it to another thread, or create the thread with floating point.",
+        wrong: "loadrt threads name1=base period1=100000 fp1=0 name2=servo period2=1000000\n\
+                loadrt limit1\naddf limit1.0 base # <--\nstart\n",
+        right: "loadrt threads name1=base period1=100000 fp1=0 name2=servo period2=1000000\n\
+                loadrt limit1\naddf limit1.0 servo\nstart\n",
     },
 ];
