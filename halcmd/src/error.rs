@@ -61,7 +61,7 @@ pub enum Error {
     },
     NotApplied {
         word: Box<str>,
-        why: &'static str,
+        why: Box<str>,
     },
     NoFunct,
     NoThread,

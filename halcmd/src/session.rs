@@ -8,6 +8,7 @@ pub(crate) mod messages;
 pub(crate) mod program;
 pub(crate) mod prompt;
 pub mod remote;
+pub(crate) mod running;
 pub(crate) mod trailer;
 
 use crate::{

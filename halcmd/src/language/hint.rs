@@ -36,9 +36,9 @@ impl Error {
             )),
             Self::NoDestination { why, .. }
             | Self::Ini(hal_ini::Error::File { why, .. })
-            | Self::NoCommandFile { why, .. } => Some(why.to_string()),
+            | Self::NoCommandFile { why, .. }
+            | Self::NotApplied { why, .. } => Some(why.to_string()),
             Self::IniNotFound { folders, .. } => Some(format!("looked in {folders}")),
-            Self::NotApplied { why, .. } => Some((*why).to_owned()),
             Self::NotYet { instead, .. } => Some((*instead).to_owned()),
             _ => None,
         }
@@ -47,7 +47,9 @@ impl Error {
     /// Returns error and remedy in one line, for a program that ends with it.
     #[must_use]
     pub fn whole(&self) -> String {
-        self.hint().map_or_else(|| self.to_string(), |hint| format!("{self}; {hint}"))
+        let text = self.to_string();
+        let Some(hint) = self.hint() else { return text };
+        format!("{}; {hint}", text.strip_suffix('.').unwrap_or(&text))
     }
 }
 

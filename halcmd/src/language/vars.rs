@@ -203,7 +203,7 @@ mod tests {
         for (line, want) in [
             ("print [SEC]VAR", "print 12.5"),
             ("print [SEC](VAR)mm", "print 12.5mm"),
-            ("print [SEC]VAR-2", "! Ini variable '[SEC]VAR-2' not found.; did you mean [SEC]VAR?"),
+            ("print [SEC]VAR-2", "! Ini variable '[SEC]VAR-2' not found; did you mean [SEC]VAR?"),
             ("print [SEC]LIST", "print a"),
             ("print [SEC]EMPTY", "print "),
             ("print [SEC]SPACED", "print some value with spaces"),
@@ -214,9 +214,9 @@ mod tests {
             ("print [](VAR)", "print 12.5"),
             (
                 "print [NO]NOSUCHTHING",
-                "! Ini variable '[NO]NOSUCHTHING' not found.; nearest to it is [SEC]LIST",
+                "! Ini variable '[NO]NOSUCHTHING' not found; nearest to it is [SEC]LIST",
             ),
-            ("print [SEC]VAT", "! Ini variable '[SEC]VAT' not found.; did you mean [SEC]VAR?"),
+            ("print [SEC]VAT", "! Ini variable '[SEC]VAT' not found; did you mean [SEC]VAR?"),
             ("print \"[S_1]CONT\"", "print \"one    two\""),
             ("print \"[S_1]ESC\"", "print \"a\tbA\""),
             ("print $HOME", "print /home/me"),
@@ -233,7 +233,7 @@ mod tests {
             ("print [SEC](VAR", "! Missing close parenthesis."),
             (
                 "print $BIG$BIG$BIG$BIG",
-                "! Line too long.; a line has at most 1023 bytes, and 2044 with the values of its variables",
+                "! Line too long; a line has at most 1023 bytes, and 2044 with the values of its variables",
             ),
             ("no variables", "no variables"),
             ("", ""),
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn case_matters_and_no_ini_file_has_nothing() {
-        assert!(replaced("[sec]var").starts_with("! Ini variable '[sec]var' not found."));
+        assert!(replaced("[sec]var").starts_with("! Ini variable '[sec]var' not found; "));
         let nothing = Values { environment: &|_| None, ini: None };
         let error = replace("[SEC]VAR", nothing).unwrap_err().to_string();
         assert_eq!(error, "Ini variable '[SEC]VAR' not found.");

@@ -3,11 +3,12 @@
 use crate::{
     Bytes, Command, Error, Fault, Outcome, Session,
     ini::{Ini, plain},
-    language::command::{Apply, LockChange},
+    language::command::{Apply, Launch, LockChange},
     language::lex::{Line, Reader},
     language::syntax::Statement,
     session::{
         already::{Already, removes},
+        running::Running,
         trailer::Trailer,
     },
 };
@@ -17,6 +18,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// Reason why a program cannot be started.
+const START: &str = "starting a program cannot be undone";
 /// Name of standard input in messages.
 const STDIN: &str = "<stdin>";
 
@@ -29,6 +32,8 @@ pub(crate) struct Plan {
     texts: Vec<Text>,
     /// The line that is being read.
     line: Option<Line>,
+    /// Programs that run already, one for each `loadusr` line.
+    running: Vec<i32>,
     /// Text that `print` commands write after a successful apply, with file and line.
     said: Vec<(String, u32, String)>,
 }
@@ -114,14 +119,28 @@ impl Session<'_> {
         Ok(held.into_iter().filter(|held| *held).count())
     }
 
-    /// Returns whether the program of a `loadusr` line runs.
-    fn runs(&mut self, program: String) -> Result<bool, Error> {
-        let found = self.ask(Request::Component { name: program })?;
-        Ok(matches!(found, Reply::Components(list) if list.iter().any(|c| c.pid.is_some())))
+    /// Notes the program of a `loadusr` line, which must run from the same command line.
+    fn meet(&mut self, launch: &Launch) -> Result<(), Error> {
+        let taken = self.plan.as_ref().map_or_else(Vec::new, |plan| plan.running.clone());
+        let why = match self.running(launch, &taken)? {
+            Running::Same(pid) => {
+                self.plan.get_or_insert_default().running.push(pid);
+                return Ok(());
+            }
+            Running::No => START.into(),
+            Running::Other { component, line } if line.is_empty() => {
+                format!("the command line of the running '{component}' cannot be read").into()
+            }
+            Running::Other { component, line } => format!(
+                "'{component}' runs from another command line, '{line}'; 'unloadusr {component}' ends it"
+            )
+            .into(),
+        };
+        Err(Error::NotApplied { word: "loadusr".into(), why })
     }
 
     fn give(&mut self, mut plan: Plan, name: &str, dry: bool) -> Result<(), Error> {
-        let held = self.drop_held(&mut plan)?;
+        let held = self.drop_held(&mut plan)? + plan.running.len();
         let places: Vec<(u32, u32)> = plan.edits.iter().map(|e| (e.file, e.line)).collect();
         let (files, lines) = (plan.files.clone(), plan.edits.len());
         if !dry && plan.edits.iter().any(|e| e.request == Request::Start) {
@@ -189,7 +208,7 @@ impl Session<'_> {
             Command::Lock(Some(LockChange::Without(bits))) => Request::ClearLock { bits },
             Command::Lock(None) => return Ok(()),
             Command::Source(path) => return self.source(&path),
-            Command::Launch(launch) if self.runs(launch.expected())? => return Ok(()),
+            Command::Launch(launch) => return self.meet(&launch),
             Command::Echo(_) => return self.execute(command),
             Command::Print(text) => {
                 let (file, line) = self.place();
@@ -199,7 +218,7 @@ impl Session<'_> {
             }
             other => {
                 let word = statement.words().first().map_or("", String::as_str).into();
-                return Err(Error::NotApplied { word, why: why_not(&other) });
+                return Err(Error::NotApplied { word, why: why_not(&other).into() });
             }
         };
         let (name, line) = (self.place().0.to_owned(), self.place().1);
@@ -222,7 +241,6 @@ fn counted(n: usize, what: &str) -> String {
 /// Returns the reason why a command cannot be part of an all-or-nothing change.
 const fn why_not(command: &Command) -> &'static str {
     match command {
-        Command::Launch(_) => "starting a program cannot be undone",
         Command::UnloadAll => "ending programs cannot be undone; 'unloadrt all' unloads the rest",
         Command::Component { .. } => "a command to a component cannot be undone",
         Command::Apply(_) => "'source' takes another file in",

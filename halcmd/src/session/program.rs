@@ -225,7 +225,7 @@ impl Session<'_> {
         }
     }
 
-    fn components(&mut self) -> Result<Vec<ComponentInfo>, Error> {
+    pub(crate) fn components(&mut self) -> Result<Vec<ComponentInfo>, Error> {
         let all = Request::List { kind: Kind::Components, patterns: Vec::new(), ty: None };
         match self.ask(all)? {
             Reply::Components(list) => Ok(list),
