@@ -5,7 +5,7 @@
 use hal_tests::{programs::root, scratch::Scratch, tools::Tool};
 use std::{
     fs::{self, File, Permissions},
-    io::{self, Read},
+    io::Read,
     os::unix::{
         fs::{PermissionsExt, symlink},
         process::ExitStatusExt,
@@ -88,6 +88,15 @@ impl Drop for Stand {
         drop(self.machine.kill());
         drop(self.machine.wait());
     }
+}
+
+/// Returns a script of the shell that runs a command whose descriptor is a pipe without a reader.
+///
+/// The command's own process opens the pipe. A pipe of this process would be inherited by processes
+/// that other tests start at the same time, which keep it open until they execute their programs.
+fn without_reader(descriptor: u32) -> String {
+    let open = format!("exec 3<>unread {descriptor}>unread 3<&-");
+    format!("rm -f unread && mkfifo unread && {open} && exec \"$@\"")
 }
 
 /// Runs a program. Returns its status or signal, and its messages.
@@ -256,9 +265,8 @@ fn what_cannot_be_printed_is_an_error() {
         if said.contains("panicked") {
             return Err(format!("{row}, full: {said}"));
         }
-        let (reader, writer) = io::pipe().unwrap();
-        drop(reader);
-        let (got, said) = ended(&mut stand.command(&[], row), writer.into());
+        let (got, said) =
+            ended(&mut stand.command(&["sh", "-c", &without_reader(1), "sh"], row), Stdio::null());
         if got != Err(SIGPIPE) || !said.is_empty() {
             return Err(format!("{row}, closed: {got:?}\n{said}"));
         }
@@ -354,13 +362,12 @@ fn standard_error_that_cannot_be_written_to_disturbs_nothing() {
         ("hal_manualtoolchange -x", 1),
     ];
     for_each(&rows, |stand, (row, wanted)| {
+        let script = without_reader(2);
         for closed in [false, true] {
-            let (reader, writer) = io::pipe().unwrap();
-            drop(reader);
             let full = File::options().write(true).open("/dev/full").unwrap();
-            let stderr = if closed { writer.into() } else { Stdio::from(full) };
-            let mut command = stand.command(&[], row);
-            let status = command.stdout(Stdio::null()).stderr(stderr).status().unwrap();
+            let before: &[&str] = if closed { &["sh", "-c", &script, "sh"] } else { &[] };
+            let mut command = stand.command(before, row);
+            let status = command.stdout(Stdio::null()).stderr(full).status().unwrap();
             if status.code() != Some(*wanted) {
                 return Err(format!("{row}, closed {closed}: {status}"));
             }
