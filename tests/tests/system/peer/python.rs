@@ -211,6 +211,35 @@ fn a_run_in_virtual_time_with_a_program_in_python_gives_the_same_bytes_twice() {
     }
 }
 
+/// What the script `machine/bounds.py` prints on the mill, whose e-stop chain is closed.
+const BOUNDS: &str = "\
+axis is -1, should be 0 to 8
+axis is -1, should be 0 to 8
+axis is 9, should be 0 to 8
+axis is 9, should be 0 to 8
+reset 1
+on 1
+home 1
+mdi 1
+waiting: [100, 0] 100
+messages: 100 True
+abort 1
+mdi 1
+(13, 'fourth') (13, '3 more messages came too fast to be shown') None
+";
+
+#[test]
+fn commands_and_messages_of_a_machine_are_bounded_and_lost_ones_are_counted() {
+    let Some(python) = python() else { return };
+    let scratch = Scratch::copy_of(&root().join("configs/mill"));
+    scratch.write("bounds.py", fs::read(folder().join("machine/bounds.py")).unwrap());
+    scratch.write("run.ini", "#INCLUDE mill.ini\n[HAL]\nPOSTGUI_HALFILE = run.hal\n");
+    let lines = "loadrt task\nsetp parport.0.sim.status 192\n";
+    scratch.write("run.hal", format!("{lines}loadusr -w {python} bounds.py\nshutdown\n"));
+    let output = ours(&scratch, &["--virtual", "run.ini"]);
+    assert_eq!(output.stdout, BOUNDS, "{}", output.stderr);
+}
+
 #[test]
 fn a_program_that_is_killed_leaves_nothing_behind() {
     let Some(python) = python() else { return };
