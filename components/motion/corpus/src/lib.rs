@@ -31,7 +31,7 @@ pub struct Program {
 }
 
 /// A move with its mode and feed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// Shape of the move.
     pub motion: Motion,
@@ -42,7 +42,7 @@ pub struct Step {
 }
 
 /// Shape of a move, relative to its start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
     /// A straight line.
     Line {
@@ -62,6 +62,34 @@ pub enum Motion {
         /// Displacement of A B C U V W.
         others: [f64; 6],
     },
+    /// A B-spline or NURBS.
+    Spline(Box<Spline>),
+}
+
+/// A B-spline (all weights equal) or NURBS, which starts at its first control point and ends at its last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spline {
+    /// Degree.
+    pub degree: usize,
+    /// Knots: as many as control points, and `degree` + 1 more.
+    pub knots: Vec<f64>,
+    /// Control points, relative to the first, each with its weight.
+    pub points: Vec<([f64; AXES], f64)>,
+}
+
+impl Spline {
+    /// Returns the control points for a start at `pose`, each with its weight.
+    pub fn placed(&self, pose: &[f64; AXES]) -> Vec<([f64; AXES], f64)> {
+        self.points.iter().map(|(by, weight)| (sum(pose, by), *weight)).collect()
+    }
+}
+
+fn sum(a: &[f64; AXES], b: &[f64; AXES]) -> [f64; AXES] {
+    let mut out = *a;
+    for (x, d) in out.iter_mut().zip(b) {
+        *x += d;
+    }
+    out
 }
 
 /// Path control.
@@ -93,6 +121,12 @@ impl Program {
         for (pose, step) in self.poses().iter().zip(&self.steps) {
             let values: &[f64] = match &step.motion {
                 Motion::Line { by } => by,
+                Motion::Spline(spline) => {
+                    for (point, _) in spline.placed(pose) {
+                        size = point.iter().fold(size, |m, x| m.max(x.abs()));
+                    }
+                    pose
+                }
                 Motion::Arc { center, angle, rise, .. } => {
                     let radius = center.iter().map(|x| x * x).sum::<f64>().sqrt();
                     size = size.max(radius * angle.abs()).max(rise.abs());
@@ -111,10 +145,9 @@ impl Motion {
     pub fn end(&self, start: &[f64; AXES]) -> [f64; AXES] {
         let mut end = *start;
         match self {
-            Self::Line { by } => {
-                for (x, d) in end.iter_mut().zip(by) {
-                    *x += d;
-                }
+            Self::Line { by } => end = sum(start, by),
+            Self::Spline(spline) => {
+                end = spline.points.last().map_or(*start, |(by, _)| sum(start, by));
             }
             Self::Arc { center: c, normal: n, angle, rise, others } => {
                 // The arm turns around the axis: cos·arm + sin·(normal × arm).

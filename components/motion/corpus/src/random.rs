@@ -1,6 +1,6 @@
 //! Random programs.
 
-use crate::{AXES, Mode, Motion, Program, Rng, Step};
+use crate::{AXES, Mode, Motion, Program, Rng, Spline, Step};
 
 /// Kind of a random program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,10 +19,12 @@ pub enum Kind {
     Scales,
     /// All of the above in one program.
     Mixed,
+    /// B-splines and NURBS beside lines, arcs and dense code.
+    Splines,
 }
 
 impl Kind {
-    /// Every kind.
+    /// Every kind of lines and arcs.
     pub const ALL: [Self; 7] = [
         Self::Lines,
         Self::Tiny,
@@ -43,6 +45,7 @@ impl Kind {
             Self::Rotary => "rotary",
             Self::Scales => "scales",
             Self::Mixed => "mixed",
+            Self::Splines => "splines",
         }
     }
 }
@@ -75,6 +78,10 @@ pub fn random(kind: Kind, seed: u64, options: &Options) -> Program {
         if kind == Kind::Mixed {
             one = rng.pick(&Kind::ALL, Kind::Lines);
         }
+        if kind == Kind::Splines {
+            let kinds = [Kind::Splines, Kind::Splines, Kind::Lines, Kind::Arcs, Kind::Tiny];
+            one = rng.pick(&kinds, kind);
+        }
         let arcs_fit = options.axes >= 2;
         let motion = match one {
             Kind::Lines | Kind::Mixed => lines(&mut rng, options.axes),
@@ -83,9 +90,11 @@ pub fn random(kind: Kind, seed: u64, options: &Options) -> Program {
             Kind::Arcs | Kind::Reversals => reversals(&mut rng, &mut heading, options.axes),
             Kind::Rotary => rotary(&mut rng, options.axes),
             Kind::Scales => scales(&mut rng, options.axes),
+            Kind::Splines => spline(&mut rng, &mut heading, options.axes),
         };
-        let end = motion.end(&pose);
-        let outside = end.iter().any(|x| x.abs() > options.area);
+        let far = |p: &[f64; AXES]| p.iter().any(|x| x.abs() > options.area);
+        let outside = far(&motion.end(&pose))
+            || matches!(&motion, Motion::Spline(s) if s.placed(&pose).iter().any(|p| far(&p.0)));
         let motion = if outside { home(&mut rng, &pose) } else { motion };
         pose = motion.end(&pose);
         let stop = rng.chance(options.stops);
@@ -169,6 +178,49 @@ fn arc(rng: &mut Rng, heading: &mut f64, axes: usize) -> Motion {
         }
     }
     Motion::Arc { center, normal: [0.0, 0.0, 1.0], angle, rise, others }
+}
+
+/// Four to nine control points, half of them rational; some knots are double, and some joints to the move before are
+/// tangent in X and Y.
+fn spline(rng: &mut Rng, heading: &mut f64, axes: usize) -> Motion {
+    let degree = if rng.chance(0.3) { 2 } else { 3 };
+    let count = degree + 1 + usize::try_from(rng.below(6)).unwrap_or(0);
+    let step = rng.pick(&[0.1, 1.0, 10.0, 10.0], 1.0);
+    let wild = rng.pick(&[0.3, 1.0, 3.0], 1.0);
+    let rational = rng.chance(0.5);
+    if rng.chance(0.5) {
+        *heading += rng.between(-2.0, 2.0);
+    }
+    let mut by = [0.0; AXES];
+    let mut points = Vec::with_capacity(count);
+    for k in 0..count {
+        let weight = if rational { rng.log(0.3, 3.0) } else { 1.0 };
+        points.push((by, weight));
+        if k + 1 == count {
+            break;
+        }
+        if k > 0 {
+            *heading += rng.between(-wild, wild);
+        }
+        let length = step * rng.between(0.3, 1.5);
+        let (sin, cos) = libm::sincos(*heading);
+        for (axis, x) in by.iter_mut().take(axes).enumerate() {
+            *x += match axis {
+                0 => cos * length,
+                1 => sin * length,
+                _ => rng.between(-0.5, 0.5) * length,
+            };
+        }
+    }
+    let mut knots = vec![0.0; degree + 1];
+    let (mut last, mut double) = (0.0, true);
+    for _ in degree + 1..count {
+        double = !double && rng.chance(0.15);
+        last += if double { 0.0 } else { rng.between(0.5, 2.0) };
+        knots.push(last);
+    }
+    knots.extend(vec![last + 1.0; degree + 1]);
+    Motion::Spline(Box::new(Spline { degree, knots, points }))
 }
 
 fn rotary(rng: &mut Rng, axes: usize) -> Motion {

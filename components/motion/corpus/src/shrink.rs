@@ -11,7 +11,7 @@ pub fn shrink(program: &Program, mut fails: impl FnMut(&Program) -> bool) -> Pro
         while from < best.steps.len() {
             let kept = |(k, step): (usize, &Step)| {
                 let removed = from <= k && k < from + part;
-                if removed { None } else { Some(*step) }
+                if removed { None } else { Some(step.clone()) }
             };
             let steps: Vec<Step> = best.steps.iter().enumerate().filter_map(kept).collect();
             let smaller = Program { steps, ..best.clone() };

@@ -55,6 +55,8 @@ fn run(program: &Program, jerk: f64) -> Result<Vec<Pose>, Error> {
                 normal: [a, b, c].map(|n| n * angle.signum()),
                 turns: if angle.abs() > 15.0 { 2 } else { 0 },
             },
+            // No picture has one.
+            Motion::Spline(_) => continue,
         };
         let CorpusMode::Blend(p) = step.mode else { continue };
         planner.push(&Move { shape, feed: step.feed, mode: Mode::Blend(p), line: 0 })?;

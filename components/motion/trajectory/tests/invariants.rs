@@ -33,7 +33,7 @@ fn programs() -> impl Iterator<Item = (Program, Machine)> {
 fn planned(program: &Program, machine: &Machine) -> Planner<Trivial> {
     let mut planner = Planner::new(*machine, Trivial, Pose(program.start)).unwrap();
     for m in &convert(program, machine).0 {
-        planner.push(m).unwrap();
+        m.push(&mut planner).unwrap();
     }
     planner.finish();
     planner
@@ -73,7 +73,7 @@ fn published_speeds_only_rise_and_nothing_else_changes() {
         let mut planner = Planner::new(machine, Trivial, Pose(program.start)).unwrap();
         let mut old: Vec<Cell> = Vec::new();
         for m in &convert(&program, &machine).0 {
-            planner.push(m).unwrap();
+            m.push(&mut planner).unwrap();
             let new: Vec<Cell> = planner.track().cells().copied().collect();
             for (k, (a, b)) in old.iter().zip(&new).enumerate() {
                 assert!(b.end >= a.end, "cell {k} of {} falls", program.name);
@@ -110,6 +110,7 @@ fn mirrored_and_permuted_programs_take_the_same_time() {
         let mirrored = mapped(
             &program,
             |m| match *m {
+                Motion::Spline(_) => m.clone(),
                 Motion::Line { by: [x, y, z, ..] } => line([-x, y, z]),
                 Motion::Arc { center: [x, y, z], normal: [a, b, c], angle, rise, others } => {
                     // A mirror turns the sense of the arc.
@@ -123,6 +124,7 @@ fn mirrored_and_permuted_programs_take_the_same_time() {
         let turned = mapped(
             &program,
             |m| match *m {
+                Motion::Spline(_) => m.clone(),
                 Motion::Line { by: [x, y, z, ..] } => line([y, z, x]),
                 Motion::Arc { center: [x, y, z], normal: [a, b, c], angle, rise, others } => {
                     Motion::Arc { center: [y, z, x], normal: [b, c, a], angle, rise, others }
@@ -150,7 +152,7 @@ fn time_scales_with_the_limits() {
             l.acceleration /= 4.0;
             l.jerk /= 8.0;
         }
-        let program_slow = mapped(&program, |m| *m, 0.5);
+        let program_slow = mapped(&program, Motion::clone, 0.5);
         let (a, b) = (cycles(&program, &machine), cycles(&program_slow, &slow));
         assert!((a - b).abs() <= 1.0, "{}: {a} and {b}", program.name);
     }
@@ -172,6 +174,7 @@ fn time_does_not_change_with_the_unit_of_length() {
         let mut double = mapped(
             &program,
             |m| match *m {
+                Motion::Spline(_) => m.clone(),
                 Motion::Line { by } => Motion::Line { by: by.map(|x| 2.0 * x) },
                 Motion::Arc { center, normal, angle, rise, others } => Motion::Arc {
                     center: twice(center),
@@ -203,7 +206,7 @@ fn a_plan_in_portions_is_the_plan_of_the_whole() {
         let (mut publisher, reader) = share(8192, 4096);
         let mut rng = Rng::new(seed as u64);
         for m in &convert(&program, &machine).0 {
-            planner.push(m).unwrap();
+            m.push(&mut planner).unwrap();
             if rng.chance(0.3) {
                 publisher.publish(&mut planner);
             }
@@ -262,7 +265,7 @@ fn a_line_in_a_thousand_pieces_takes_no_more_time() {
     for jerk in [1e5, f64::INFINITY] {
         let machine = machine(jerk);
         let whole = Step { motion: line([100.0, 40.0, 0.0]), mode: Mode::Exact, feed: 150.0 };
-        let part = Step { motion: line([0.1, 0.04, 0.0]), ..whole };
+        let part = Step { motion: line([0.1, 0.04, 0.0]), ..whole.clone() };
         let program = |steps| Program { name: "split", seed: 0, start: [0.0; 9], steps };
         let one = cycles(&program(vec![whole]), &machine);
         let many = cycles(&program(vec![part; 1000]), &machine);
@@ -273,7 +276,7 @@ fn a_line_in_a_thousand_pieces_takes_no_more_time() {
 #[test]
 fn a_constant_override_is_as_fast_as_a_lower_feed() {
     for (program, machine) in programs() {
-        let half = mapped(&program, |m| *m, 0.5);
+        let half = mapped(&program, Motion::clone, 0.5);
         // A lower feed may have a shorter filter.
         let filter = |p: &Program| planned(p, &machine).track().cells().map(|c| c.samples).max();
         if filter(&half) != filter(&program) {

@@ -21,13 +21,14 @@ fn judged(seed: u64, count: usize) -> (Outcome, Robot) {
     if fails(&out) {
         let small = shrink(&c.program, |p| fails(&run(p, &c.machine, &c.robot, &c.conduct)));
         println!(
-            "seed {seed} {} {:?}: {} violations in {} cycles, {} cells rejected, worst {:?}\n{}\n{:?}\n{:?}\n\
+            "seed {seed} {} {:?}: {} violations in {} cycles, {} cells rejected ({:?}), worst {:?}\n{}\n{:?}\n{:?}\n\
              shrunk to {:#?}",
             c.program.name,
             c.robot,
             out.violations,
             out.cycles,
             out.rejected,
+            out.rejection,
             out.worst,
             out.place,
             c.conduct,
@@ -42,13 +43,14 @@ fn judged(seed: u64, count: usize) -> (Outcome, Robot) {
 #[derive(Debug, Default)]
 struct Sum {
     programs: usize,
-    /// Moves that the motion has reached.
+    /// Moves that the motion has reached, and splines among them.
     segments: usize,
+    splines: usize,
     cycles: u64,
     /// Programs with a violation.
     bad: usize,
     rejected: u64,
-    refused: usize,
+    refused: BTreeMap<String, usize>,
     unfinished: usize,
     worst: [f64; 4],
     events: u32,
@@ -61,10 +63,15 @@ impl Sum {
     fn add(&mut self, out: &Outcome, robot: Robot) {
         self.programs += 1;
         self.segments += out.reached;
+        self.splines += out.splines;
         self.cycles += out.cycles;
         self.bad += usize::from(out.violations > 0);
         self.rejected += out.rejected;
-        self.refused += out.refused;
+        if let Some(why) = &out.refusal {
+            let why = why.to_string();
+            let (_, reason) = why.split_once(": ").unwrap_or_default();
+            *self.refused.entry(reason.to_owned()).or_default() += 1;
+        }
         self.unfinished += out.unfinished;
         self.events = self.events.max(out.events);
         self.memory = self.memory.max(out.memory);
@@ -104,10 +111,11 @@ fn many(seeds: core::ops::Range<u64>, count: usize) -> Sum {
     let sum = sum.into_inner().unwrap();
     let [v, a, j, path] = sum.worst;
     println!(
-        "{} segments in {} programs, {} cycles: worst v {v:.9} a {a:.9} j {j:.9} path {path:.6}; {} bad programs; \
-         {} rejected cells; {} programs ended at a refused move, {} after their time; {} events, track {} bytes; \
+        "{} segments, {} of them splines, in {} programs, {} cycles: worst v {v:.9} a {a:.9} j {j:.9} path {path:.6}; {} bad programs; \
+         {} rejected cells; programs that ended at a refused move: {:?}; {} after their time; {} events, track {} bytes; \
          segments by machine: {:?}",
         sum.segments,
+        sum.splines,
         sum.programs,
         sum.cycles,
         sum.bad,

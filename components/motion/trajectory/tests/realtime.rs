@@ -36,7 +36,7 @@ fn main() {
         let start = Pose(c.program.start);
         let mut planner = Planner::new(c.machine, c.robot, start).unwrap();
         for m in &moves {
-            if planner.push(m).is_err() {
+            if m.push(&mut planner).is_err() {
                 break;
             }
         }
@@ -49,7 +49,7 @@ fn main() {
     let (moves, _) = convert(&c.program, &c.machine);
     let mut planner = Planner::new(c.machine, Trivial, Pose::ZERO).unwrap();
     for m in &moves[..40] {
-        planner.push(m).unwrap();
+        m.push(&mut planner).unwrap();
     }
     planner.finish();
     let (mut publisher, reader) = share(4096, 100);

@@ -56,7 +56,7 @@ fn a_planner_that_stops_for_seconds_causes_an_ordinary_stop() {
                 }
                 for _ in 0..rng.below(4) {
                     let Some(m) = moves.peek() else { break };
-                    match planner.push(m) {
+                    match m.push(&mut planner) {
                         Ok(()) => {}
                         Err(Error::Full) => break,
                         Err(e) => panic!("{e}"),
@@ -120,7 +120,7 @@ fn two_threads_agree() {
             end
         });
         for m in &moves {
-            while planner.push(m) == Err(Error::Full) {
+            while m.push(&mut planner) == Err(Error::Full) {
                 publisher.publish(&mut planner);
             }
             publisher.publish(&mut planner);

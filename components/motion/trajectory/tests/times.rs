@@ -42,7 +42,7 @@ fn bound(program: &Program, machine: &Machine) -> f64 {
     let (moves, _) = convert(program, machine);
     let mut planner = Planner::new(*machine, Trivial, Pose(program.start)).unwrap();
     for m in &moves {
-        planner.push(m).unwrap();
+        m.push(&mut planner).unwrap();
     }
     planner.finish();
     let track = planner.track();
@@ -54,7 +54,7 @@ fn bound(program: &Program, machine: &Machine) -> f64 {
             let d = curve.at(cell.from + cell.length * (k as f64 / count));
             let speed = d.first.norm(hal_trajectory::Group::Xyz);
             // The programmed feed, by the speed in XYZ at this very place.
-            let feed = moves[cell.line as usize].feed;
+            let feed = program.steps[cell.line as usize].feed;
             let mut top = if speed > 0.0 { feed / speed } else { 1e9 };
             for (q, l) in d.first.0.iter().zip(&machine.axes) {
                 top = top.min(l.velocity / q.abs().max(1e-12));
@@ -209,7 +209,7 @@ fn at_override(steps: Vec<Step>, machine: &Machine, scale: f64) -> f64 {
     let program = Program { name: "one feed", seed: 0, start: [0.0; 9], steps };
     let mut planner = Planner::new(*machine, Trivial, Pose::ZERO).unwrap();
     for m in &convert(&program, machine).0 {
-        planner.push(m).unwrap();
+        m.push(&mut planner).unwrap();
     }
     planner.finish();
     let mut follower = Follower::new(machine.period, Pose::ZERO);
@@ -233,7 +233,7 @@ fn a_feed_is_reached_all_around_a_circle() {
     };
     let step = Step { motion: circle, mode: Mode::Exact, feed: 50.0 };
     for jerk in [1e5, f64::INFINITY] {
-        let time = at_override(vec![step], &machine(jerk), 1.0);
+        let time = at_override(vec![step.clone()], &machine(jerk), 1.0);
         let least = core::f64::consts::TAU * 50.0 / 50.0;
         assert!(least < time && time < least + 0.1, "{time} s of {least} s");
     }
@@ -259,7 +259,7 @@ fn an_override_above_1_is_planned_for() {
     let step = Step { motion: line, mode: Mode::Exact, feed: 100.0 };
     let fast = Machine { max_override: 1.5, ..machine(1e5) };
     let [slow, plain, fast] = [(machine(1e5), 1.5), (fast, 1.0), (fast, 1.5)]
-        .map(|(machine, scale)| at_override(vec![step], &machine, scale));
+        .map(|(machine, scale)| at_override(vec![step.clone()], &machine, scale));
     assert!(slow > 3.0 && plain > 3.0, "{slow} s and {plain} s at 100 mm/s");
     assert!(2.0 < fast && fast < 2.2, "{fast} s at 150 mm/s");
 }

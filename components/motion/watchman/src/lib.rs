@@ -21,9 +21,11 @@
 mod joints;
 mod path;
 mod shape;
+mod spline;
 #[cfg(test)]
 mod tests;
 
 pub use joints::{Limits, ROUNDINGS, Report, Watchman, Worst};
 pub use path::{PathWatch, Tolerance};
 pub use shape::{AXES, Shape};
+pub use spline::Spline;

@@ -3,8 +3,10 @@
 /// Number of axes: X Y Z A B C U V W.
 pub const AXES: usize = 9;
 
+use crate::spline::Spline;
+
 /// A programmed shape in nine axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A straight line.
     Line {
@@ -26,6 +28,8 @@ pub enum Shape {
         /// Angle in radians, negative for clockwise.
         angle: f64,
     },
+    /// A B-spline or NURBS.
+    Spline(Box<Spline>),
 }
 
 impl Shape {
@@ -46,12 +50,15 @@ impl Shape {
                 }
                 pose
             }
+            Self::Spline(spline) => spline.at(t),
         }
     }
 
     /// Returns the least value of `weigh` over the points of the shape, which receives the distances in XYZ, ABC and UVW
     /// and must not fall when one of them rises. On a line the least value is exact if `exact` is true; else, and on an
-    /// arc, it is the value at the nearest point (on an arc, of every turn), an upper bound.
+    /// arc, it is the value at the nearest point (on an arc, of every turn), an upper bound. On a spline it is the first
+    /// value up to 1, else the least, of those between samples: between all of them if `exact` is true, else beside those
+    /// that are nearer than their neighbours.
     pub(crate) fn ratio(
         &self,
         pose: &[f64; AXES],
@@ -59,6 +66,17 @@ impl Shape {
         weigh: impl Fn([f64; 3]) -> f64,
     ) -> f64 {
         let at = |t: f64| weigh(distances(&self.at(t), pose));
+        if let Self::Spline(spline) = self {
+            let mut value = f64::INFINITY;
+            let sampled = |sample: &[f64; AXES]| weigh(distances(sample, pose));
+            spline.near(exact, sampled, |low, high| {
+                // A place inside the tolerance suffices.
+                if value > 1.0 {
+                    value = value.min(least(low, high, 32, at));
+                }
+            });
+            return value;
+        }
         let Self::Line { from, to } = self else {
             let mut least = f64::INFINITY;
             self.candidates(pose, |t| least = least.min(at(t)));
@@ -74,16 +92,7 @@ impl Shape {
             return value;
         }
         // The larger of convex functions is convex: golden-section search finds the least value.
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..64 {
-            let (a, b) = (low + 0.381_966 * (high - low), low + 0.618_034 * (high - low));
-            if at(a) < at(b) {
-                high = b;
-            } else {
-                low = a;
-            }
-        }
-        at(low).min(at(high)).min(at(0.0)).min(at(1.0))
+        least(0.0, 1.0, 64, at)
     }
 
     /// Offers the fractions at which the shape is nearest to `pose`: in XYZ if it moves there, else in UVW, else in ABC.
@@ -100,6 +109,7 @@ impl Shape {
                 }
                 offer(0.0);
             }
+            Self::Spline(_) => {}
             Self::Arc { from, to, center, normal, angle } => {
                 let arm = sub3(xyz(from), *center);
                 let side = cross(*normal, arm);
@@ -163,6 +173,20 @@ impl Helix {
         }
         angle
     }
+}
+
+/// Golden-section search for the least value between two fractions; its ends count too.
+fn least(from: f64, to: f64, rounds: u32, at: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (from, to);
+    for _ in 0..rounds {
+        let (a, b) = (low + 0.381_966 * (high - low), low + 0.618_034 * (high - low));
+        if at(a) < at(b) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    at(low).min(at(high)).min(at(from)).min(at(to))
 }
 
 /// Returns the distances of two poses in XYZ, ABC and UVW.

@@ -1,6 +1,6 @@
 //! Closed forms: nothing is invented on a motion that obeys its limits, and a violation of a thousandth is found.
 
-use crate::{Limits, PathWatch, Shape, Tolerance, Watchman};
+use crate::{Limits, PathWatch, Shape, Spline, Tolerance, Watchman};
 
 const H: f64 = 1e-3;
 const LIMITS: Limits = Limits { velocity: 200.0, acceleration: 1750.0, jerk: 1e5 };
@@ -253,6 +253,38 @@ fn limits_change_on_the_way() {
     watch.set_limits([Limits { velocity: 1e-8, ..LIMITS }], H, 0.0);
     assert!(!watch.step(&[step], 0));
     assert!(watch.report().velocity.ratio > 1.0);
+}
+
+/// A full circle of nine weighted points is met within rounding, and a pose 0.15 beside it is so far away.
+#[test]
+fn a_nurbs_circle_is_judged_as_a_circle() {
+    let w = 0.5_f64.sqrt();
+    let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+    let points: Vec<_> = corners
+        .iter()
+        .enumerate()
+        .map(|(k, (x, y))| {
+            (pose(4.0 * f64::from(*x), 4.0 * f64::from(*y), 0.0), if k % 2 == 0 { 1.0 } else { w })
+        })
+        .collect();
+    let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
+    assert_eq!(Spline::new(2, &knots[1..], &points), None);
+    assert_eq!(Spline::new(8, &knots, &points), None);
+    let spline = Spline::new(2, &knots, &points).unwrap();
+    for k in 0..=1000 {
+        let at = spline.at(f64::from(k) / 1000.0);
+        assert!((at[0].hypot(at[1]) - 4.0).abs() < 1e-12, "{at:?}");
+    }
+    let shapes = [(Shape::Spline(Box::new(spline)), Tolerance { linear: 0.1, angular: 1.0 })];
+    for k in 0..1000 {
+        let (sin, cos) = libm::sincos(0.01 * f64::from(k));
+        for r in [4.0, 4.15, 3.85] {
+            let found = ratio(&shapes, pose(r * cos, r * sin, 0.0), 0);
+            // A value up to 1 need not be the least.
+            let good = if r == 4.0 { found <= 1.0 } else { (found - 1.5).abs() < 1e-6 };
+            assert!(good, "{r} {found}");
+        }
+    }
 }
 
 /// Deliberate faults of a judge, each of which the tests above must notice.

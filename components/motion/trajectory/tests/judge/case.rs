@@ -30,7 +30,9 @@ pub fn case(seed: u64, count: usize) -> Case {
         }
     }
     machine.max_override = rng.pick(&[1.0, 1.2, 1.5], 1.0);
-    let kind = Kind::ALL[usize::try_from(seed % 7).unwrap()];
+    // Every eighth program has splines.
+    let kind =
+        if seed % 8 == 7 { Kind::Splines } else { Kind::ALL[usize::try_from(seed % 7).unwrap()] };
     let mode = rng.pick(
         &[
             CorpusMode::ExactStop,
@@ -53,7 +55,7 @@ pub fn case(seed: u64, count: usize) -> Case {
         feed: rng.pick(&[0, 1, 8], 0),
         abort: rng.pick(&[0.0, 0.0, 0.0, 0.0, 0.0, 1e-3], 0.0),
     };
-    // Seven kinds of programs, each on every robot in turn.
+    // Every kind of programs on every robot in turn.
     let robot = Robot::ALL[usize::try_from(seed / 7 % 11).unwrap()];
     if let Some(most) = robot.axes() {
         axes = axes.min(most);

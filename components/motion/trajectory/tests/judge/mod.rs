@@ -16,9 +16,13 @@ pub use robots::Robot;
 
 use hal_corpus::{Mode as CorpusMode, Motion, Program, Rng, Step};
 use hal_trajectory::{
-    AXES, Error, Follower, JOINTS, Kinematics, Limits, Machine, Mode, Move, Planner, Pose, Shape,
+    AXES, Error, Follower, JOINTS, Kinematics, Limits, Machine, Mode, Move, Planner, Pose,
+    Rejection, Shape, Spline,
 };
-use hal_watchman::{Limits as WatchLimits, PathWatch, Shape as WatchShape, Tolerance, Watchman};
+use hal_watchman::{
+    Limits as WatchLimits, PathWatch, Shape as WatchShape, Spline as WatchSpline, Tolerance,
+    Watchman,
+};
 
 /// Schedule of a run: seed, override, direction, feeding of moves and abort.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,46 +57,81 @@ pub struct Outcome {
     pub events: u32,
     /// Cells that the certificate rejected.
     pub rejected: u64,
+    /// Last of them.
+    pub rejection: Option<Rejection>,
     /// Largest memory of the track.
     pub memory: usize,
     /// Last pose.
     pub end: Pose,
     /// Moves that were refused.
     pub refused: usize,
+    /// Reason of the last refusal.
+    pub refusal: Option<Error>,
     /// Moves that the motion has reached.
     pub reached: usize,
+    /// Splines among them.
+    pub splines: usize,
     /// Runs that still moved when their time was over.
     pub unfinished: usize,
 }
 
-/// Converts a program to moves and to shapes for the path judge.
-pub fn convert(program: &Program, machine: &Machine) -> (Vec<Move>, Vec<(WatchShape, Tolerance)>) {
+/// A step of a program as the planner takes it.
+#[derive(Clone, Debug)]
+pub enum Given {
+    /// A line or an arc.
+    Move(Move),
+    /// A spline, with feed, mode and line.
+    Spline(Spline, f64, Mode, u32),
+}
+
+impl Given {
+    /// Gives the step to a planner.
+    pub fn push<K: Kinematics>(&self, planner: &mut Planner<K>) -> Result<(), Error> {
+        match self {
+            Self::Move(m) => planner.push(m),
+            Self::Spline(spline, feed, mode, line) => {
+                planner.push_spline(spline, *feed, *mode, *line)
+            }
+        }
+    }
+}
+
+/// Converts a program to steps of the planner and to shapes for the path judge.
+pub fn convert(program: &Program, machine: &Machine) -> (Vec<Given>, Vec<(WatchShape, Tolerance)>) {
     let poses = program.poses();
     let mut moves = Vec::new();
     let mut shapes = Vec::new();
     for (k, step) in program.steps.iter().enumerate() {
         let (from, to) = (poses[k], poses[k + 1]);
-        moves.push(convert_move(step, &from, &to, u32::try_from(k).unwrap()));
+        moves.push(convert_step(step, &from, &to, u32::try_from(k).unwrap()));
         let linear = match step.mode {
             CorpusMode::Blend(p) if p >= 1e-6 => p,
             _ => machine.exact_tolerance,
         };
         let tolerance = Tolerance { linear, angular: machine.angular_tolerance };
-        let shape = match step.motion {
+        let shape = match &step.motion {
             Motion::Line { .. } => WatchShape::Line { from, to },
             Motion::Arc { center, normal, angle, .. } => {
                 let center = [from[0] + center[0], from[1] + center[1], from[2] + center[2]];
-                WatchShape::Arc { from, to, center, normal, angle }
+                WatchShape::Arc { from, to, center, normal: *normal, angle: *angle }
             }
+            Motion::Spline(s) => WatchShape::Spline(Box::new(
+                WatchSpline::new(s.degree, &s.knots, &s.placed(&from)).unwrap(),
+            )),
         };
         shapes.push((shape, tolerance));
     }
     (moves, shapes)
 }
 
-fn convert_move(step: &Step, from: &[f64; AXES], to: &[f64; AXES], line: u32) -> Move {
+fn convert_step(step: &Step, from: &[f64; AXES], to: &[f64; AXES], line: u32) -> Given {
+    let mode = match step.mode {
+        CorpusMode::ExactStop => Mode::ExactStop,
+        CorpusMode::Exact => Mode::Exact,
+        CorpusMode::Blend(p) => Mode::Blend(p),
+    };
     let end = Pose(*to);
-    let shape = match step.motion {
+    let shape = match &step.motion {
         Motion::Line { .. } => Shape::Line { end },
         Motion::Arc { center: c, normal: n, angle, .. } => {
             let turns = ((angle.abs() - 1e-6) / core::f64::consts::TAU).floor().max(0.0);
@@ -106,13 +145,13 @@ fn convert_move(step: &Step, from: &[f64; AXES], to: &[f64; AXES], line: u32) ->
                 turns,
             }
         }
+        Motion::Spline(s) => {
+            let points: Vec<_> = s.placed(from).into_iter().map(|(p, w)| (Pose(p), w)).collect();
+            let spline = Spline::new(s.degree, &s.knots, &points).unwrap();
+            return Given::Spline(spline, step.feed, mode, line);
+        }
     };
-    let mode = match step.mode {
-        CorpusMode::ExactStop => Mode::ExactStop,
-        CorpusMode::Exact => Mode::Exact,
-        CorpusMode::Blend(p) => Mode::Blend(p),
-    };
-    Move { shape, feed: step.feed, mode, line }
+    Given::Move(Move { shape, feed: step.feed, mode, line })
 }
 
 /// Runs a program and judges it.
@@ -150,10 +189,11 @@ pub fn run<K: Kinematics + Clone>(
     while out.cycles < most {
         let mut room = if conduct.feed == 0 { u64::MAX } else { rng.below(conduct.feed + 1) };
         while given < moves.len() && room > 0 {
-            match planner.push(&moves[given]) {
+            match moves[given].push(&mut planner) {
                 Ok(()) => {}
                 Err(Error::Full) => break,
-                Err(_) => {
+                Err(e) => {
+                    out.refusal = Some(e);
                     // The rest of the program would start at another place.
                     out.refused += 1;
                     given = moves.len();
@@ -236,6 +276,8 @@ pub fn run<K: Kinematics + Clone>(
         out.violations += 1;
     }
     out.events = follower.events();
-    out.rejected = planner.rejections().0;
+    let spline = |s: &&Step| matches!(s.motion, Motion::Spline(_));
+    out.splines = program.steps.iter().take(out.reached).filter(spline).count();
+    (out.rejected, out.rejection) = planner.rejections();
     out
 }
