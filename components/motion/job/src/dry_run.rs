@@ -5,18 +5,18 @@
 //! from the record of an earlier run; without one, the dry run ends there with a refusal.
 
 use crate::{
+    effects::{Effects, Outputs},
     refusal::{LineBegin, Refusal, Series, Unknown},
     world::World,
 };
 use core::cell::Cell;
 use hal_gcode::{
-    Answer, Call, Environment, Interpreter, Issued, Request, State, Step, Text,
+    Answer, Environment, Interpreter, Issued, Request, State, Step, Text,
     axis::{Axis, Position},
     error::Place,
     tool::{Tool, ToolTable},
 };
-use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 /// Number of lines behind the place in which its repetitions are counted.
 const COUNTED_LINES: u64 = 200_000;
@@ -39,15 +39,6 @@ pub enum Target {
     Number(u64),
 }
 
-/// Outputs that the program has set.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Outputs {
-    /// Digital ones, by number.
-    pub digital: BTreeMap<u32, bool>,
-    /// Analog ones, by number.
-    pub analog: BTreeMap<u32, f64>,
-}
-
 /// The state of a program before one of its lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
@@ -61,10 +52,8 @@ pub struct Found {
     pub pass: (u32, u32),
     /// The end of the program was not reached while the times were counted: there may be more.
     pub more: bool,
-    /// Outputs that the program has set.
-    pub outputs: Outputs,
-    /// User codes (M100 to M199) that the program has run, with their lines.
-    pub user_codes: Vec<(u16, u32)>,
+    /// The effects of the lines before it.
+    pub effects: Effects,
 }
 
 /// Rules of the machine for the answers that it need not give.
@@ -89,8 +78,7 @@ pub struct DryRun {
     seen: u32,
     /// The last line from which a start is possible.
     good: Option<LineBegin>,
-    outputs: Outputs,
-    user_codes: Vec<(u16, u32)>,
+    effects: Effects,
     found: Option<Box<Found>>,
     refused: Option<Refusal>,
     /// Lines that are still searched behind the place.
@@ -131,7 +119,7 @@ impl Environment for Asked<'_> {
 impl DryRun {
     /// Returns the dry run of a program that this interpreter has loaded.
     pub fn new(interpreter: Interpreter, target: Target, given: Given) -> Self {
-        let outputs = given.outputs.clone();
+        let effects = Effects { outputs: given.outputs.clone(), ..Effects::default() };
         let main = interpreter.state.levels.first().map(|l| l.file.clone()).unwrap_or_default();
         Self {
             interpreter,
@@ -140,8 +128,7 @@ impl DryRun {
             given,
             seen: 0,
             good: None,
-            outputs,
-            user_codes: Vec::new(),
+            effects,
             found: None,
             refused: None,
             rest: 0,
@@ -255,8 +242,7 @@ impl DryRun {
             calls,
             pass: (self.seen, self.seen),
             more: false,
-            outputs: self.outputs.clone(),
-            user_codes: self.user_codes.clone(),
+            effects: self.effects.clone(),
         }));
         // A number names one time.
         self.rest = if matches!(self.target, Target::Line { .. }) { COUNTED_LINES } else { 0 };
@@ -298,7 +284,7 @@ impl DryRun {
             result = self.interpreter.answer(&answer, &asked, &mut calls);
         }
         for issued in &calls {
-            self.note(issued);
+            self.effects.note(issued);
         }
         // Nothing takes the changes of a dry run back.
         drop(self.interpreter.state.numbered.take_changes());
@@ -334,19 +320,6 @@ impl DryRun {
                     at
                 }),
             }),
-        }
-    }
-
-    fn note(&mut self, issued: &Issued) {
-        match issued.call {
-            Call::DigitalOutput { index, on, .. } => {
-                self.outputs.digital.insert(index, on);
-            }
-            Call::AnalogOutput { index, value, .. } => {
-                self.outputs.analog.insert(index, value);
-            }
-            Call::UserCode { code, .. } => self.user_codes.push((code, issued.line)),
-            _ => {}
         }
     }
 }

@@ -3,15 +3,13 @@
 //! A journal is a text. Each line has a checksum and a record in JSON. A line that was cut off, or that a disk has
 //! lost, ends the journal there: the records before it count.
 
-use crate::{dry_run::Outputs, world::Version};
+use crate::{checksum, effects::Outputs, world::Version};
 use hal_gcode::{Answer, State, tool::ToolTable};
 use serde::{Deserialize, Serialize};
 use std::{fmt, path::PathBuf};
 
 /// Version of the records.
 pub const VERSION: u32 = 1;
-/// Offset and prime of the 64-bit hash of Fowler, Noll and Vo.
-const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0100_0000_01b3);
 
 /// A record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +18,7 @@ pub enum Record {
     Begin(Box<Begin>),
     /// The machine has answered a question of the program.
     Answer(Answer),
-    /// The text of a file of the program: its name in the program, and its hash.
+    /// The text of a file of the program: its name in the program, and its checksum.
     File(Box<str>, u64),
     /// The line in execution: every line before it has been executed.
     At(At),
@@ -69,7 +67,7 @@ pub struct Journal {
     pub begin: Box<Begin>,
     /// The answers of the machine.
     pub answers: Vec<Answer>,
-    /// The hashes of the program's files, by their names in the program.
+    /// The checksums of the program's files, by their names in the program.
     pub files: Vec<(Box<str>, u64)>,
     /// The last place.
     pub at: Option<At>,
@@ -104,7 +102,7 @@ impl Record {
     pub fn line(&self) -> String {
         // Records have text keys only, so that JSON has a form for each.
         let json = serde_json::to_string(self).unwrap_or_default();
-        format!("{:016x} {json}\n", hash(FNV.0, json.as_bytes()))
+        format!("{:016x} {json}\n", checksum::of(json.as_bytes()))
     }
 
     /// Parses a line without its end; `None` if it is not whole.
@@ -112,7 +110,7 @@ impl Record {
         let line = core::str::from_utf8(line).ok()?;
         let (sum, json) = line.split_once(' ')?;
         let sum = u64::from_str_radix(sum, 16).ok()?;
-        if sum != hash(FNV.0, json.as_bytes()) {
+        if sum != checksum::of(json.as_bytes()) {
             return None;
         }
         serde_json::from_str(json).ok()
@@ -155,32 +153,6 @@ impl Journal {
         }
         Ok(out)
     }
-}
-
-/// The hash of a text that is read in parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Hash(u64);
-
-impl Default for Hash {
-    fn default() -> Self {
-        Self(FNV.0)
-    }
-}
-
-impl Hash {
-    /// Adds bytes.
-    pub fn add(&mut self, bytes: &[u8]) {
-        self.0 = hash(self.0, bytes);
-    }
-
-    /// Returns the hash.
-    pub fn value(self) -> u64 {
-        self.0
-    }
-}
-
-fn hash(start: u64, bytes: &[u8]) -> u64 {
-    bytes.iter().fold(start, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(FNV.1))
 }
 
 #[cfg(test)]

@@ -7,14 +7,18 @@
 //! | [`way`] | the way of the tool in machine coordinates |
 //! | [`world`] | the interpreter's environment: programs, subroutines, tools, values |
 //! | [`run`] | a program without its machine, from its begin to its end |
+//! | [`checksum`] | the checksum of records and files |
 //! | [`journal`] | the record of a job, for a start after a loss of power |
 //! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
+//! | [`effects`] | outputs, user codes and open files of the lines before it |
 //! | [`spindle`] | the record of the tool in the spindle |
 //!
 //! `halgcode` and the task use it, so that a program that was checked runs with the same facts.
 #![forbid(unsafe_code)]
 
+pub mod checksum;
 pub mod dry_run;
+pub mod effects;
 pub mod journal;
 pub mod machine;
 pub mod number;

@@ -106,8 +106,10 @@ impl fmt::Display for Refusal {
             Self::Middle { place, of, from, next } => {
                 write!(f, "{place}: a start in the middle of {of} is not possible")?;
                 match (from, next) {
-                    (Some(from), Some(next)) => write!(f, "; from {from} or from {next} it is"),
-                    (Some(begin), None) | (None, Some(begin)) => write!(f, "; from {begin} it is"),
+                    (Some(from), Some(next)) => write!(f, "; start at {from} or {next} instead"),
+                    (Some(begin), None) | (None, Some(begin)) => {
+                        write!(f, "; start at {begin} instead")
+                    }
                     (None, None) => Ok(()),
                 }
             }

@@ -3,14 +3,16 @@
 //! The file has two lines: the record before and the current one.
 //!
 //! ```text
-//! tool 1 #4d34a3b1
-//! change 1 2 #8f2b1c07
+//! tool 1 #51c15fcca7506bdc
+//! change 1 2 #fb590115df78b75c
 //! ```
 //!
 //! `tool N`: tool N is in the spindle, 0 for none, -1 if it is unknown. `change A B`: A is being changed for B. The number
-//! behind `#` is the CRC-32 of the text before it. Each record is stored before it is acted upon: `change` before the
+//! behind `#` is the [`checksum`] of the text before it. Each record is stored before it is acted upon: `change` before the
 //! changer is asked, `tool` before the machine goes on. A line that was cut off was therefore never acted upon, and the
 //! line before it counts.
+
+use crate::checksum;
 
 /// Number of the tool in the spindle if it is unknown.
 pub const UNKNOWN: i32 = -1;
@@ -38,6 +40,19 @@ impl Spindle {
         }
     }
 
+    /// Returns the record that is stored before the changer is asked for a tool.
+    pub const fn asked(self, tool: i32) -> Self {
+        let from = self.tool();
+        // Without a change, the changer does nothing either.
+        if from == tool && tool != UNKNOWN { self } else { Self::Changing { from, to: tool } }
+    }
+
+    /// Returns the record after the changer, which was asked for the tool `to`, states the tool `is`. A change to another
+    /// tool stays open: a person must say which tool is there.
+    pub const fn changed(self, to: i32, is: i32) -> Self {
+        if is == to { Self::Holds(is) } else { self }
+    }
+
     fn text(self) -> String {
         match self {
             Self::Holds(tool) => format!("tool {tool}"),
@@ -47,14 +62,14 @@ impl Spindle {
 
     fn line(self) -> String {
         let text = self.text();
-        let sum = crc32(text.as_bytes());
-        format!("{text} #{sum:08x}\n")
+        let sum = checksum::of(text.as_bytes());
+        format!("{text} #{sum:016x}\n")
     }
 
     fn parse(line: &str) -> Option<Self> {
         // A line without its end may have been cut off.
         let (text, sum) = line.strip_suffix('\n')?.split_once(" #")?;
-        if u32::from_str_radix(sum, 16).ok()? != crc32(text.as_bytes()) {
+        if u64::from_str_radix(sum, 16).ok()? != checksum::of(text.as_bytes()) {
             return None;
         }
         let words: Vec<&str> = text.split(' ').collect();
@@ -77,15 +92,6 @@ pub fn parse(text: &str) -> Option<Spindle> {
     text.split_inclusive('\n').rev().find_map(Spindle::parse)
 }
 
-/// Returns the CRC-32 (IEEE 802.3) of bytes.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-            if crc & 1 == 0 { crc >> 1 } else { crc >> 1 ^ 0xedb8_8320 }
-        })
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,11 +102,6 @@ mod tests {
         Spindle::Holds(i32::MAX),
         Spindle::Changing { from: 12, to: 7 },
     ];
-
-    #[test]
-    fn the_check_sum_is_the_standard_one() {
-        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
-    }
 
     /// A file that is cut off anywhere has one of its two records; without the first line nothing is known.
     #[test]

@@ -257,7 +257,7 @@ fn a_line_is_found_as_often_as_it_is_reached() {
     assert_eq!((found.state.position.x, found.pass, found.more), (2.0, (3, 4), false));
     let why = in_program(program, line(3, 5), &[]).unwrap_err();
     assert_eq!(why, "job.ngc:3: the program reaches this line 4 times only");
-    let outputs = in_program(program, line(8, 1), &[]).unwrap().outputs;
+    let outputs = in_program(program, line(8, 1), &[]).unwrap().effects.outputs;
     assert_eq!(outputs.digital, BTreeMap::from([(1, false), (3, true)]));
     assert_eq!(outputs.analog, BTreeMap::from([(0, 2.5)]));
     // Behind a found place, an error is no reason against a start there.
@@ -274,13 +274,13 @@ fn a_start_in_a_series_names_the_lines_around_it() {
     let why = in_program(comp, line(5, 1), &[]).unwrap_err();
     assert_eq!(
         why,
-        "job.ngc:5: a start in the middle of cutter compensation is not possible; from job.ngc:3 or from job.ngc:7 it is"
+        "job.ngc:5: a start in the middle of cutter compensation is not possible; start at job.ngc:3 or job.ngc:7 instead"
     );
     let cycle = "G21 F100\nG0 Z5\nG81 X1 Z-1 R2\nX2\nX3\nG80\nM2\n";
     let why = in_program(cycle, line(4, 1), &[]).unwrap_err();
     assert_eq!(
         why,
-        "job.ngc:4: a start in the middle of a series of canned cycles is not possible; from job.ngc:3 or from job.ngc:7 it is"
+        "job.ngc:4: a start in the middle of a series of canned cycles is not possible; start at job.ngc:3 or job.ngc:7 instead"
     );
     assert_eq!(in_program(cycle, line(3, 1), &[]).unwrap().state.position.z, 5.0);
 }

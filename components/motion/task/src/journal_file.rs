@@ -1,24 +1,36 @@
 //! The file of the journal.
 //!
 //! A new journal replaces the old one as a whole. Its records are added to the end, and a thread of its own stores them
-//! on the disk, so that the worker never waits for the disk.
+//! on the disk, so that the worker never waits for the disk. Places of a long job are superfluous but for the last one: from
+//! time to time a shorter journal replaces the file.
 
 use hal_job::journal::Record;
 use hal_output::Growing;
 use std::{
     fs::File,
+    io,
     path::{Path, PathBuf},
     sync::mpsc::{SyncSender, sync_channel},
 };
 
 /// Largest journal in bytes.
 const MAX_LEN: u64 = 1 << 28;
+/// Length of the places in bytes, from which the journal is written again without them.
+const MAX_PLACES: u64 = 1 << 24;
 
 /// The file of the journal, and the thread that stores it.
 #[derive(Default)]
 pub(crate) struct JournalFile {
     path: Option<PathBuf>,
-    open: Option<(Growing, SyncSender<()>)>,
+    open: Option<Open>,
+}
+
+/// A journal that is being written.
+struct Open {
+    file: Growing,
+    store: SyncSender<()>,
+    /// Every record but places.
+    kept: String,
 }
 
 impl JournalFile {
@@ -35,17 +47,22 @@ impl JournalFile {
         let Some(path) = self.path.clone() else { return Ok(()) };
         let line = record.line();
         let result = match (record, &mut self.open) {
-            (Record::Begin(_), _) => begin(&path, &line).map(|open| self.open = Some(open)),
-            (_, Some((file, store))) => file.append(line.as_bytes()).map(|()| {
-                // A full channel has the thread store this record, too.
-                store.try_send(()).unwrap_or_default();
-            }),
+            (Record::Begin(_), _) => {
+                begin(&path, line, "", MAX_LEN).map(|open| self.open = Some(open))
+            }
+            (_, Some(open)) => open.add(&path, record, &line, (MAX_PLACES, MAX_LEN)),
             (_, None) => Ok(()),
         };
         result.map_err(|e| {
             self.open = None;
-            std::fs::remove_file(&path).unwrap_or_default();
-            format!("{}: {}", path.display(), hal_output::reason(&e))
+            let why = format!("{}: {}", path.display(), hal_output::reason(&e));
+            match std::fs::remove_file(&path) {
+                Err(e) if e.kind() != io::ErrorKind::NotFound => {
+                    let reason = hal_output::reason(&e);
+                    format!("{why}; the old journal cannot be removed ({reason}): remove it")
+                }
+                _ => why,
+            }
         })
     }
 
@@ -63,10 +80,43 @@ impl JournalFile {
     }
 }
 
-/// Replaces the file by one with this line, and starts the thread that stores what follows.
-fn begin(path: &Path, line: &str) -> std::io::Result<(Growing, SyncSender<()>)> {
+impl Open {
+    /// Adds a record; `bounds` are the largest length of the places and of the journal.
+    fn add(
+        &mut self,
+        path: &Path,
+        record: &Record,
+        line: &str,
+        bounds: (u64, u64),
+    ) -> io::Result<()> {
+        let is_place = matches!(record, Record::At(_));
+        if !is_place {
+            self.kept.push_str(line);
+        }
+        let kept = self.kept.len() as u64;
+        if self.file.bytes().saturating_sub(kept) > bounds.0 {
+            // The file system replaces the name behind the content, so that a loss of power leaves one of the two.
+            let last = if is_place { line } else { "" };
+            *self = begin(path, core::mem::take(&mut self.kept), last, bounds.1)?;
+            return Ok(());
+        }
+        if self.file.bytes() + line.len() as u64 > bounds.1 {
+            return Err(too_long());
+        }
+        self.file.append(line.as_bytes())?;
+        // A full channel has the thread store this record, too.
+        self.store.try_send(()).unwrap_or_default();
+        Ok(())
+    }
+}
+
+/// Replaces the file by one with these records and a place, and starts the thread that stores what follows.
+fn begin(path: &Path, kept: String, place: &str, bound: u64) -> io::Result<Open> {
+    if (kept.len() + place.len()) as u64 > bound {
+        return Err(too_long());
+    }
     let mut file = Growing::create(path)?;
-    file.append(line.as_bytes())?;
+    file.append(format!("{kept}{place}").as_bytes())?;
     let stored = File::open(path)?;
     let (store, due) = sync_channel(1);
     store.try_send(()).unwrap_or_default();
@@ -76,7 +126,11 @@ fn begin(path: &Path, line: &str) -> std::io::Result<(Growing, SyncSender<()>)> 
             stored.sync_data().unwrap_or_default();
         }
     })?;
-    Ok((file, store))
+    Ok(Open { file, store, kept })
+}
+
+fn too_long() -> io::Error {
+    io::Error::other("the answers of the machine fill 256 MiB")
 }
 
 #[cfg(test)]
@@ -91,7 +145,8 @@ mod tests {
         let path = std::env::temp_dir().join(format!("hal-journal-{}", std::process::id()));
         std::fs::write(&path, "old").unwrap();
         let (store, _due) = sync_channel(1);
-        let mut journal = JournalFile { path: Some(path.clone()), open: Some((full, store)) };
+        let open = Open { file: full, store, kept: String::new() };
+        let mut journal = JournalFile { path: Some(path.clone()), open: Some(open) };
         let at = At { number: 1, line: 1, pose: [0.0; 9], homed: true, tool: 0 };
         let why = journal.write(&Record::At(at.clone())).unwrap_err();
         assert!(why.ends_with(": No space left on device"), "{why}");
@@ -101,5 +156,50 @@ mod tests {
         assert!(!path.exists());
         assert!(JournalFile::default().read().unwrap_err().contains("no INI file"));
         assert!(Journal::parse(b"").is_err());
+    }
+
+    #[test]
+    fn an_old_journal_that_stays_is_named() {
+        let path = std::env::temp_dir().join(format!("hal-journal-kept-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        let full = Growing::create(Path::new("/dev/full")).unwrap();
+        let (store, _due) = sync_channel(1);
+        let open = Open { file: full, store, kept: String::new() };
+        let mut journal = JournalFile { path: Some(path.clone()), open: Some(open) };
+        let why = journal.write(&Record::Complete).unwrap_err();
+        std::fs::remove_dir(&path).unwrap();
+        let shown = path.display();
+        assert!(
+            why.starts_with(&format!(
+                "{shown}: No space left on device; the old journal cannot be removed ("
+            )),
+            "{why}"
+        );
+    }
+
+    #[test]
+    fn a_long_job_has_a_short_journal_with_its_last_place() {
+        let path = std::env::temp_dir().join(format!("hal-journal-long-{}", std::process::id()));
+        let first = Record::File("job.ngc".into(), 7).line();
+        let mut open = begin(&path, first.clone(), "", 10_000).unwrap();
+        let place =
+            |number| Record::At(At { number, line: 1, pose: [0.0; 9], homed: true, tool: 0 });
+        let answer = Record::Answer(hal_gcode::Answer::Input(1.0));
+        for number in 0..1000 {
+            let record = place(number);
+            open.add(&path, &record, &record.line(), (1000, 10_000)).unwrap();
+            if number % 100 == 0 {
+                open.add(&path, &answer, &answer.line(), (1000, 10_000)).unwrap();
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(text.len() < 3500, "{number}: {} bytes", text.len());
+            let answers = text.lines().filter(|line| line.contains("Answer")).count() as u64;
+            assert_eq!(answers, number / 100 + 1, "every answer is kept");
+            assert!(text.starts_with(&first) && text.contains(&place(number).line()), "{number}");
+        }
+        let why =
+            (0..1000).find_map(|_| open.add(&path, &answer, &answer.line(), (1000, 10_000)).err());
+        std::fs::remove_file(&path).unwrap();
+        assert!(why.unwrap().to_string().contains("the answers of the machine fill"));
     }
 }

@@ -3,6 +3,7 @@
 use hal_component::{IoRequest, IoState};
 use hal_gcode::{Numbered, tool::ToolTable};
 use hal_job::{journal::Record, spindle::Spindle};
+use std::path::Path;
 
 /// Speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,8 +224,8 @@ pub(crate) trait Outside {
     fn journal(&mut self, record: &Record) -> Result<(), String>;
     /// Reads the journal.
     fn read_journal(&self) -> Result<Vec<u8>, String>;
-    /// Opens, writes or closes a file of the program.
-    fn file(&mut self, action: &FileAction) -> Result<(), String>;
+    /// Opens, writes or closes a file of the program, whose own file is stated.
+    fn file(&mut self, action: &FileAction, program: Option<&Path>) -> Result<(), String>;
     /// Writes the tool table.
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String>;
     /// Writes the record of the tool in the spindle, behind the record before.

@@ -45,7 +45,8 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
     }
     let rules = rules(&machine)?;
     let files = Files {
-        parameters: machine.parameters.take(),
+        ini: ini.clone(),
+        parameters: machine.parameters.clone(),
         table: machine.table.clone(),
         spindle: machine.spindle_file.clone(),
         journal: ini.as_deref().map(|ini| journal(&machine, ini)),

@@ -1,6 +1,7 @@
 //! The core on a machine that notes what it is sent.
 
 mod entry;
+mod fake;
 mod job;
 mod real;
 mod recover;
@@ -25,7 +26,7 @@ use hal_gcode::{Numbered, tool::ToolTable};
 use hal_job::{Files, Machine, World, journal::Record, spindle::Spindle};
 use std::{
     collections::{BTreeMap, VecDeque},
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
 /// Seconds that a move takes on the fake machine.
@@ -134,162 +135,6 @@ impl Fake {
     }
 }
 
-impl Outside for Fake {
-    fn now(&self) -> f64 {
-        self.now
-    }
-    fn motion(&self) -> MotionState {
-        self.motion
-    }
-    fn io(&self) -> IoState {
-        self.io
-    }
-    fn order(&mut self, order: &Order) -> Result<u64, Refusal> {
-        if let Some(refusal) = self.refuse.take() {
-            return Err(refusal);
-        }
-        self.next += 1;
-        let id = self.next;
-        self.log.push(match order {
-            Order::Move(m) => {
-                let [x, y, z, ..] = m.to;
-                let kind = match m.shape {
-                    Shape::Line => "line",
-                    Shape::Arc { .. } => "arc",
-                    Shape::Probe { .. } => "probe",
-                    Shape::Tap { .. } => "tap",
-                    Shape::Spline { .. } => "spline",
-                };
-                format!("{}: {kind} {x} {y} {z}", m.line)
-            }
-            other => format!("{other:?}"),
-        });
-        match order {
-            Order::Move(m) => {
-                let from = self.moves.back().map_or(self.now, |(_, _, end)| *end);
-                self.moves.push_back((id, *m, from + MOVE_TIME));
-                self.ends.insert(id, Progress::Pending);
-                (self.motion.in_position, self.motion.queue) = (false, 1);
-            }
-            Order::Abort => {
-                for (id, ..) in self.moves.drain(..) {
-                    self.ends.insert(id, Progress::Failed("aborted".to_owned()));
-                }
-                self.paused = false;
-                (self.motion.in_position, self.motion.queue) = (true, 0);
-                self.ends.insert(id, Progress::Done);
-            }
-            other => {
-                match other {
-                    Order::Pause => self.paused = true,
-                    Order::Resume => self.paused = false,
-                    Order::FeedScale(scale) => self.motion.feed_override = *scale,
-                    Order::SpindleScale { spindle, scale } => {
-                        self.motion.spindle_override[usize::from(*spindle)] = *scale;
-                    }
-                    Order::Enable => self.motion.enabled = true,
-                    Order::Disable => self.motion.enabled = false,
-                    _ => {}
-                }
-                self.ends.insert(id, Progress::Done);
-            }
-        }
-        Ok(id)
-    }
-    fn ordered(&mut self, id: u64) -> Progress {
-        self.ends.get(&id).cloned().unwrap_or(Progress::Done)
-    }
-    fn request(&mut self, request: IoRequest) -> Option<u64> {
-        self.next += 1;
-        let id = self.next;
-        self.log.push(format!("{request:?}"));
-        match request {
-            IoRequest::Prepare { .. } | IoRequest::Change => {
-                if request == IoRequest::Change && self.io.tool != self.io.prepared {
-                    let record = self.spindles.as_ref().unwrap().last();
-                    assert!(
-                        matches!(record, Some(Spindle::Changing { .. })),
-                        "asked before it is written"
-                    );
-                }
-                self.ends.insert(id, Progress::Pending);
-                self.changer.push_back((id, request));
-                return Some(id);
-            }
-            IoRequest::Abort => {
-                for (id, request) in self.changer.drain(..) {
-                    if request == IoRequest::Change {
-                        self.io.tool = hal_job::spindle::UNKNOWN;
-                    }
-                    self.ends.insert(id, Progress::Failed("aborted".to_owned()));
-                }
-            }
-            IoRequest::SetTool { tool, .. } => self.io.tool = tool,
-            IoRequest::Estop => self.io.estop.commanded = true,
-            _ => {}
-        }
-        self.ends.insert(id, Progress::Done);
-        Some(id)
-    }
-    fn requested(&mut self, id: u64) -> Progress {
-        self.ordered(id)
-    }
-    fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String> {
-        self.log.push(format!("M{code} {p} {q}"));
-        self.program = Progress::Pending;
-        Ok(())
-    }
-    fn program(&mut self) -> Progress {
-        self.program.clone()
-    }
-    fn end_program(&mut self) {
-        self.program = Progress::Done;
-    }
-    fn say(&mut self, _: Level, text: &str) {
-        self.messages.push(text.to_owned());
-    }
-    fn finish(&mut self, ticket: Ticket, result: Result<(), String>) {
-        assert!(self.results.insert(ticket.0, result).is_none(), "a ticket ends once");
-    }
-    fn save_parameters(&mut self, numbered: &Numbered) -> Result<(), String> {
-        self.saves += 1;
-        self.saved = Some(numbered.get(5221));
-        Ok(())
-    }
-    fn journal(&mut self, record: &Record) -> Result<(), String> {
-        if self.disk_is_full {
-            return Err("job.journal: No space left on device".to_owned());
-        }
-        if matches!(record, Record::Begin(_)) {
-            self.journal.clear();
-        }
-        self.journal.push_str(&record.line());
-        Ok(())
-    }
-    fn read_journal(&self) -> Result<Vec<u8>, String> {
-        Ok(self.journal.clone().into_bytes())
-    }
-    fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
-        self.tables.push(tools.print());
-        Ok(())
-    }
-    fn file(&mut self, action: &FileAction) -> Result<(), String> {
-        if let FileAction::Open { name, .. } = action
-            && &**name == "full"
-        {
-            return Err("full: No space left on device".to_owned());
-        }
-        self.lines.push(format!("{action:?}"));
-        Ok(())
-    }
-    fn save_spindle(&mut self, before: Spindle, now: Spindle) -> Result<(), String> {
-        assert_ne!(before, now, "each record is written once");
-        let records = self.spindles.as_mut().ok_or("no space left on device")?;
-        records.push(now);
-        Ok(())
-    }
-}
-
 /// A task on the fake machine.
 struct Rig {
     core: Core,
@@ -380,7 +225,12 @@ impl Rig {
     /// Runs the program to its end and returns what was sent.
     fn run(&mut self) -> Vec<String> {
         let ticket = self.send(Command::Run);
-        for _ in 0..200 {
+        self.ended(ticket)
+    }
+
+    /// Follows a program to its end, with a person at the changer, and returns what was sent.
+    fn ended(&mut self, ticket: Ticket) -> Vec<String> {
+        for _ in 0..400 {
             self.pass(0.1);
             self.fake.answer_changer();
             if let Some(result) = self.result(ticket) {

@@ -29,9 +29,10 @@ pub(crate) struct Desk {
     pub(crate) report: Report,
 }
 
-/// The files that the task writes, and the folders of user programs.
+/// The files of a machine that the task writes or guards, and the folders of user programs.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Files {
+    pub(crate) ini: Option<PathBuf>,
     pub(crate) parameters: Option<(PathBuf, ParameterFile)>,
     pub(crate) table: Option<PathBuf>,
     /// The record of the tool in the spindle.

@@ -131,7 +131,9 @@ fn agrees(session: &mut Session<'_>, question: &str) -> bool {
 fn is_asked(session: &mut Session<'_>) -> bool {
     let is_person = session.terminal.is_person() && rustix::termios::isatty(std::io::stdin());
     if !is_person {
-        session.terminal.err("no terminal to ask: give --yes to begin there\n");
+        session.terminal.err(
+            "standard input is no terminal, so nobody can agree: --yes begins without a question\n",
+        );
     }
     is_person
 }

@@ -142,7 +142,9 @@ fn a_run_from_a_line_shows_its_entry_and_goes_on_from_there() {
     let asked = scratch.halrun(&[&words[..], &["printer.ini"]].concat());
     assert_eq!(asked.status, Some(1));
     assert!(
-        asked.stderr.contains("no terminal to ask: give --yes to begin there"),
+        asked.stderr.contains(
+            "standard input is no terminal, so nobody can agree: --yes begins without a question"
+        ),
         "{}",
         asked.stderr
     );

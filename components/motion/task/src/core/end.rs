@@ -175,7 +175,7 @@ impl Core {
     /// Closes the files of a program, which ends.
     fn close_files(&mut self, out: &mut impl Outside) {
         for kind in [FileKind::Log, FileKind::Probe] {
-            if let Err(why) = out.file(&FileAction::Close(kind)) {
+            if let Err(why) = out.file(&FileAction::Close(kind), None) {
                 self.tell(Level::Error, &why, out);
             }
         }

@@ -20,6 +20,8 @@ const FEED: f64 = 100.0;
 const ENDLESS: f64 = 1e6;
 /// Index of Z.
 const Z: usize = 2;
+/// Index of W, the axis of a quill beside Z.
+const W: usize = 8;
 
 /// A step of the entry.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,12 +64,12 @@ pub(super) fn entry(
     let safe = plan.safe_height(rules, &target)?;
     plan.converter.restart(state, before.pose);
     plan.mode(state, before.state);
-    plan.up(safe);
+    plan.up(safe, &target);
     let tool = state.tool.number;
     let changes = before.io.tool != tool;
     if changes {
         plan.change(tool, state.modal.spindles.len());
-        plan.up(safe);
+        plan.up(safe, &target);
     }
     let [k_from, k_to] = [before.state, state].map(|s| s.frame.unit.to(machine.settings.unit));
     let (old, new) = (before.state.frame.tool.scaled(k_from), state.frame.tool.scaled(k_to));
@@ -99,7 +101,7 @@ pub(super) fn entry(
     plan.coolant(state);
     plan.travel("over", format!("over the place at Z{safe:.4}"), |at| {
         for (axis, (at, to)) in at.iter_mut().zip(target).enumerate() {
-            *at = if axis == Z { *at } else { to };
+            *at = if axis == Z || axis == W { *at } else { to };
         }
     });
     plan.outputs(found);
@@ -188,9 +190,13 @@ impl Plan<'_> {
         self.straight(kind, text, to, Speed::Rapid);
     }
 
-    fn up(&mut self, safe: f64) {
+    /// Goes up to the safe height, and draws a quill back that is farther out than at the target.
+    fn up(&mut self, safe: f64, target: &[f64; 9]) {
         if self.machine.settings.axes.has(Axis::Z) {
-            self.travel("up", format!("up to Z{safe:.4}"), |at| at[Z] = safe.max(at[Z]));
+            self.travel("up", format!("up to Z{safe:.4}"), |at| {
+                at[Z] = safe.max(at[Z]);
+                at[W] = target[W].max(at[W]);
+            });
         }
     }
 
@@ -243,12 +249,12 @@ impl Plan<'_> {
     }
 
     fn outputs(&mut self, found: &Found) {
-        for (index, on) in &found.outputs.digital {
+        for (index, on) in &found.effects.outputs.digital {
             let order = Order::Digital { index: *index, on: *on, with_motion: false };
             let text = format!("output {index} {}", if *on { "on" } else { "off" });
             self.add("output", text, vec![Action::Rest(order)]);
         }
-        for (index, value) in &found.outputs.analog {
+        for (index, value) in &found.effects.outputs.analog {
             let order = Order::Analog { index: *index, value: *value, with_motion: false };
             let text = format!("analog output {index} at {value}");
             self.add("output", text, vec![Action::Rest(order)]);

@@ -1,14 +1,15 @@
 //! The journal of the job in execution.
 //!
-//! It has the begin of the job, the answers of the machine, the hashes of the program's files, and the line in
+//! It has the begin of the job, the answers of the machine, the checksums of the program's files, and the line in
 //! execution, at most [`PERIOD`] old. Motion never waits for it.
 
 use super::{Core, Reading, file_name};
 use crate::outside::{Level, Outside};
-use hal_gcode::{Answer, Environment, Text};
+use hal_gcode::{Answer, Environment, Text, state::State};
 use hal_job::{
-    dry_run::Outputs,
-    journal::{At, Begin, Hash, Record, VERSION},
+    checksum::Checksum,
+    effects::Outputs,
+    journal::{At, Begin, Record, VERSION},
     world,
 };
 use std::{collections::BTreeSet, path::Path};
@@ -27,23 +28,25 @@ pub(super) struct Keeping {
     written: f64,
     /// Names of the files in the journal.
     files: BTreeSet<Box<str>>,
+    /// Names of files that a line has entered, and that are not opened yet.
+    entered: Vec<Box<str>>,
     hashing: Vec<Hashing>,
 }
 
-/// A file whose hash is being made.
+/// A file whose checksum is being made.
 pub(super) struct Hashing {
     pub(super) name: Box<str>,
     text: Text,
     offset: u64,
-    hash: Hash,
+    sum: Checksum,
 }
 
 impl Hashing {
     pub(super) fn new(name: &str, text: Text) -> Self {
-        Self { name: name.into(), text, offset: 0, hash: Hash::default() }
+        Self { name: name.into(), text, offset: 0, sum: Checksum::default() }
     }
 
-    /// Reads a slice. Returns the hash at the end of the file.
+    /// Reads a slice. Returns the checksum at the end of the file.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -51,9 +54,26 @@ impl Hashing {
         let mut buffer = vec![0; SLICE];
         let read = self.text.read_at(self.offset, &mut buffer);
         let read = read.map_err(|why| format!("{}: {why}", self.name))?;
-        self.hash.add(buffer.get(..read).unwrap_or_default());
+        self.sum.add(buffer.get(..read).unwrap_or_default());
         self.offset += read as u64;
-        Ok((read == 0).then(|| self.hash.value()))
+        Ok((read == 0).then(|| self.sum.value()))
+    }
+}
+
+impl Keeping {
+    /// Notes the files that a line is in: a subroutine may return before the next look at the state.
+    pub(super) fn enter(&mut self, state: &State) {
+        if !self.is_on {
+            return;
+        }
+        for level in state.levels.iter().rev() {
+            // The files of the levels below were noted when these were entered.
+            if self.files.contains(&level.file) {
+                return;
+            }
+            self.files.insert(level.file.clone());
+            self.entered.push(level.file.clone());
+        }
     }
 }
 
@@ -113,26 +133,22 @@ impl Core {
         self.keeping.is_on = false;
     }
 
-    /// Writes what is due: the line in execution, and hashes of files.
+    /// Writes what is due: the line in execution, and checksums of files.
     pub(super) fn keep_journal(&mut self, out: &mut impl Outside) {
         if !self.keeping.is_on || !self.is_program() {
             return;
         }
         self.keep_place(false, out);
-        if let Some(level) = self.interpreter.state.levels.last()
-            && !self.keeping.files.contains(&level.file)
-        {
-            let name = level.file.clone();
+        for name in core::mem::take(&mut self.keeping.entered) {
             if let Some(text) = self.world.open(&name) {
                 self.keeping.hashing.push(Hashing::new(&name, text));
             }
-            self.keeping.files.insert(name);
         }
         let Some(hashing) = self.keeping.hashing.last_mut() else { return };
         match hashing.advance() {
             Ok(None) => {}
-            Ok(Some(hash)) => {
-                let record = Record::File(hashing.name.clone(), hash);
+            Ok(Some(sum)) => {
+                let record = Record::File(hashing.name.clone(), sum);
                 self.keeping.hashing.pop();
                 self.keep(&record, out);
             }

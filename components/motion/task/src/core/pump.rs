@@ -226,7 +226,7 @@ impl Core {
             }
             Action::Message(text) => self.tell(Level::Info, text, out),
             Action::End => self.save_parameters(out),
-            Action::File(file) => out.file(file)?,
+            Action::File(file) => out.file(file, self.program.as_deref())?,
             Action::Refuse(why) => return Err(why.to_string()),
         }
         Ok(true)

@@ -21,6 +21,7 @@ impl Core {
         }
         let mut calls = Vec::new();
         let step = self.interpreter.next(&self.world, &mut calls);
+        self.keeping.enter(&self.interpreter.state);
         self.take_line(step, calls);
         true
     }
@@ -53,9 +54,10 @@ impl Core {
         let probed = matches!(answer, Answer::Probe { tripped: true, .. });
         let mut calls = Vec::new();
         let step = self.interpreter.answer(&answer, &self.world, &mut calls);
+        self.keeping.enter(&self.interpreter.state);
         if probed && self.interpreter.state.probe_file {
             let line = self.probe_line();
-            if let Err(why) = out.file(&FileAction::Line(FileKind::Probe, line)) {
+            if let Err(why) = out.file(&FileAction::Line(FileKind::Probe, line), None) {
                 return self.fail(&why, out);
             }
         }

@@ -13,17 +13,19 @@ use hal_job::{
     refusal::Refusal,
     world,
 };
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 /// Parameters of the coordinate systems and their like.
 const OFFSETS: core::ops::RangeInclusive<i32> = number::G28..=5390;
+/// Largest difference of a parameter, whose file has six decimals.
+const ROUNDING: f64 = 1e-6;
 /// Largest number of changes that a refusal names.
 const MAX_REASONS: usize = 10;
 
 /// A search for the place of a broken job.
 pub(super) struct Recovery {
     journal: Journal,
-    /// Files whose hashes are compared.
+    /// Files whose checksums are compared.
     checks: VecDeque<(Hashing, u64)>,
     pub(super) notes: Vec<String>,
 }
@@ -116,13 +118,20 @@ impl Core {
         Some(Search { run, recovery: Some(recovery), ..search })
     }
 
-    /// Checks that nobody has changed offsets or tools since the job broke off.
+    /// Checks that nobody has changed offsets, other parameters of the parameter file or tools since the job broke off.
     pub(super) fn check_offsets(&self, recovery: &Recovery, found: &Found) -> Result<(), String> {
         let begin = &recovery.journal.begin;
         let now = &self.interpreter.state.numbered;
         let known = |state: &State, index| state.numbered.get(index);
-        let mut reasons: Vec<String> = OFFSETS
-            .filter(|n| ![known(&begin.state, *n), known(&found.state, *n)].contains(&now.get(*n)))
+        let file = self.world.machine.parameters.iter().flat_map(|(_, file)| &file.values);
+        let numbers: BTreeSet<i32> = OFFSETS.chain(file.map(|(number, _)| *number)).collect();
+        let is_same = |was: f64, now: f64| (was - now).abs() <= ROUNDING;
+        let mut reasons: Vec<String> = numbers
+            .into_iter()
+            .filter(|n| {
+                let was = [known(&begin.state, *n), known(&found.state, *n)];
+                !was.iter().any(|was| is_same(*was, now.get(*n)))
+            })
             .map(|n| {
                 format!(
                     "parameter #{n} is {} and was {} in the job",

@@ -14,6 +14,7 @@ use hal_gcode::{
 use hal_job::{
     Machine,
     dry_run::{DryRun, Found, Given, Target},
+    effects::Effects,
     world::{self, Version},
 };
 use serde_json::{Value, json};
@@ -226,7 +227,7 @@ impl Core {
         self.interpreter.state.settings.block_delete = self.world.machine.settings.block_delete;
         self.interpreter.state.numbered.record_changes();
         self.begin_job(true, Some(ticket), false, out);
-        self.begin_journal(&program.path, &found.outputs, out);
+        self.begin_journal(&program.path, &found.effects.outputs, out);
         self.serial += 1;
         let number = found.begin.number;
         let (line, serial) = (found.begin.line, self.serial);
@@ -284,7 +285,7 @@ impl Core {
 
 impl Proposal {
     fn shown(&self, machine: &Machine) -> Shown {
-        let Found { state, begin, calls, pass, more, user_codes, .. } = &self.found;
+        let Found { state, begin, calls, pass, more, effects } = &self.found;
         let (modal, frame) = (&state.modal, state.frame);
         let k = frame.unit.to(machine.settings.unit);
         let pose = |at: Position| words(machine, &Axis::ALL.map(|a| at.scaled(k)[a]));
@@ -307,10 +308,8 @@ impl Proposal {
         lines.push(format!("system number={system} rotation={rotation} {}", pose(frame.g5x)));
         lines.push(format!("g92 {}", pose(frame.g92)));
         lines.push(format!("tool-offset {}", pose(frame.tool)));
-        lines.extend(self.notes.iter().map(|note| format!("note {note}")));
-        for (code, line) in user_codes {
-            lines.push(format!("note M{code} of line {line} is not run again"));
-        }
+        let notes: Vec<String> = self.notes.iter().cloned().chain(missing(effects)).collect();
+        lines.extend(notes.iter().map(|note| format!("note {note}")));
         let numbered = |steps: &[EntryStep]| -> Vec<String> {
             let row = |(n, step): (usize, &EntryStep)| {
                 let to = step.to.map(|to| format!(": {}", words(machine, &to))).unwrap_or_default();
@@ -353,13 +352,31 @@ impl Proposal {
             "g5x_offset": offset(frame.g5x),
             "g92_offset": offset(frame.g92),
             "tool_offset": offset(frame.tool),
-            "user_codes": user_codes,
-            "notes": self.notes,
+            "user_codes": effects.user_codes.known,
+            "notes": notes,
             "entry": steps,
             "not_ready": self.entry.as_ref().err(),
         });
         Shown { lines, json: json.to_string() }
     }
+}
+
+/// Returns remarks about effects of the lines before the place that the entry does not make.
+fn missing(effects: &Effects) -> Vec<String> {
+    let codes = &effects.user_codes;
+    let mut out: Vec<String> = codes
+        .known
+        .iter()
+        .map(|(code, line)| format!("M{code} of line {line} is not run again"))
+        .collect();
+    if codes.more {
+        out.push("nor are more user codes before the line".to_owned());
+    }
+    let files = [("log", &effects.log), ("probe", &effects.probe)];
+    for (kind, name) in files.into_iter().filter_map(|(kind, n)| n.as_ref().map(|n| (kind, n))) {
+        out.push(format!("the {kind} file {name} is not open: nothing is written to it"));
+    }
+    out
 }
 
 fn sign(direction: Direction) -> f64 {

@@ -51,11 +51,7 @@ impl Core {
         tool: i32,
         out: &mut impl Outside,
     ) -> Result<bool, String> {
-        let from = self.held.record.tool();
-        // Without a record of a change, iocontrol changes nothing either.
-        if from != tool || tool == UNKNOWN {
-            self.record(Spindle::Changing { from, to: tool }, out)?;
-        }
+        self.record(self.held.record.asked(tool), out)?;
         let Some(id) = out.request(IoRequest::Change) else { return Ok(false) };
         self.waiting = Some(Waiting::Change { id, tool });
         Ok(true)
@@ -64,14 +60,17 @@ impl Core {
     /// Follows the end of a change. A change to another tool stays open: a person must say which tool is there.
     pub(super) fn changed_tool(&mut self, tool: i32, out: &mut impl Outside) -> Result<(), String> {
         let is = out.io().tool;
-        if is == tool {
-            return self.take_tool(tool, out);
+        if is != tool {
+            self.held.seen = is;
+            return Err(format!("the changer was asked for tool {tool} and states tool {is}"));
         }
-        self.held.seen = is;
-        Err(format!("the changer was asked for tool {tool} and states tool {is}"))
+        if self.world.machine.settings.random_changer {
+            self.swap_pockets(tool, out)?;
+        }
+        self.record(self.held.record.changed(tool, is), out)
     }
 
-    /// Writes the tool that iocontrol has changed, or that the operator states.
+    /// Writes the tool that the operator states.
     pub(super) fn take_tool(&mut self, tool: i32, out: &mut impl Outside) -> Result<(), String> {
         if self.world.machine.settings.random_changer {
             self.swap_pockets(tool, out)?;

@@ -3,10 +3,7 @@
 use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, Waiting, file_name};
 use crate::outside::{Order, Outside, Refusal};
 use hal_component::IoRequest;
-use hal_job::{
-    dry_run::{Outputs, Target},
-    world,
-};
+use hal_job::{dry_run::Target, effects::Outputs, world};
 use std::path::{Path, PathBuf};
 
 /// A command of an operator.

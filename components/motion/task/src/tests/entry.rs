@@ -137,3 +137,34 @@ fn an_abort_in_the_entry_leaves_the_machine_as_it_was_before() {
     assert!((after.frame.tool.z - 10.0 / 25.4).abs() < 1e-9, "{}", after.frame.tool.z);
     assert!(after.modal.tool_offset);
 }
+
+#[test]
+fn a_quill_is_drawn_back_before_the_machine_goes_over_the_place() {
+    let mut rig = Rig::on_machine("G21\nG0 X1 W-5\nG0 X2\nG0 X3\nM2\n", |machine, _| {
+        machine.settings.axes = hal_gcode::axis::AxisMask(0b1_0000_0111);
+    });
+    // The quill is farther out than at the line, and then less far.
+    for (out, wanted) in [(-9.0, ["up -5", "over -5"]), (0.0, ["up 0", "over 0"])] {
+        rig.fake.motion.pose[8] = out;
+        rig.pass(0.1);
+        proposed(&mut rig, 4);
+        let shown = rig.core.shown_start().unwrap();
+        let json: serde_json::Value = serde_json::from_str(&shown.json).unwrap();
+        let steps = json["entry"].as_array().unwrap().iter().filter(|step| !step["to"].is_null());
+        let moves: Vec<String> = steps
+            .map(|step| format!("{} {}", step["kind"].as_str().unwrap(), step["to"][8]))
+            .map(|step| step.replace(".0", ""))
+            .collect();
+        assert_eq!(moves[..2], wanted, "{moves:?}");
+        assert_eq!(moves[2..], ["down -5"], "{moves:?}");
+    }
+}
+
+#[test]
+fn the_proposal_names_files_that_the_start_does_not_open() {
+    let mut rig =
+        Rig::new("G21\n(LOGOPEN,a.txt)\n(PROBEOPEN b.txt)\n(PROBECLOSE)\nG0 X1\nG0 X2\nM2\n");
+    let shown = proposed(&mut rig, 6);
+    let notes: Vec<_> = shown.iter().filter(|line| line.starts_with("note ")).collect();
+    assert_eq!(notes, ["note the log file a.txt is not open: nothing is written to it"]);
+}

@@ -1,7 +1,7 @@
 //! Starts at the place where a job broke off.
 
 use super::*;
-use hal_gcode::{Interpreter, State};
+use hal_gcode::{Interpreter, State, parameters::file::ParameterFile};
 use hal_job::journal::{Begin, Journal};
 
 /// A job with two tools, calls, loops, an input, cutter compensation and a series of cycles.
@@ -217,8 +217,8 @@ fn a_job_that_was_aborted_goes_on_from_its_journal() {
 
 #[test]
 fn a_machine_that_is_not_as_the_job_left_it_is_refused_by_name() {
-    type Change = fn(&mut Rig, &std::path::Path);
-    let changes: [(Change, &str); 7] = [
+    type Change = fn(&mut Rig, &Path);
+    let changes: [(Change, &str); 8] = [
         (
             |_, path| std::fs::write(path, "G21 F100\nG1 X1\nG1 X2\nG1 X4\nM2\n").unwrap(),
             "job.ngc: the program has changed",
@@ -228,6 +228,14 @@ fn a_machine_that_is_not_as_the_job_left_it_is_refused_by_name() {
         (
             |rig, _| rig.core.interpreter.state.numbered.put(5221, 7.0),
             "parameter #5221 is 7 and was 0",
+        ),
+        (
+            |rig, _| {
+                let file = ParameterFile::parse("100 4\n");
+                file.apply(&mut rig.core.interpreter.state.numbered);
+                rig.core.world.machine.parameters = Some((PathBuf::new(), file));
+            },
+            "parameter #100 is 4 and was 0",
         ),
         (
             |rig, _| rig.core.world.machine.tools.tools[0].offset.z = 11.0,
@@ -252,6 +260,36 @@ fn a_machine_that_is_not_as_the_job_left_it_is_refused_by_name() {
         new.core.program = open;
         assert!(new.sent().is_empty() && new.core.shown_start().is_none());
     }
+}
+
+#[test]
+fn offsets_with_more_decimals_than_the_parameter_file_has_are_those_of_the_job() {
+    let mut rig = machine("G21 F100\nG1 X1\nG1 X2\nG1 X3\nM2\n");
+    rig.core.interpreter.state.numbered.put(5221, 1.0 / 3.0);
+    rig.send(Command::Run);
+    rig.pass(0.25);
+    let mut new = after_loss(&rig, rig.fake.journal.clone());
+    new.core.interpreter.state.numbered.put(5221, 0.333_333);
+    new.recovered().unwrap();
+    let (found, _) = new.core.proposed().unwrap();
+    assert_eq!(found.state.numbered.get(5221), 1.0 / 3.0, "the job's own value");
+}
+
+#[test]
+fn the_journal_has_the_subroutines_of_calls_that_end_within_a_step() {
+    let mut rig = machine("G21 F100\no<outer> call\nG1 X1\nG1 X2\nM2\n");
+    let sub = |name: &str, body: &str| {
+        let text = format!("o<{name}> sub\n{body}\no<{name}> endsub\nM2\n");
+        std::fs::write(rig.folder.join(format!("{name}.ngc")), text).unwrap();
+    };
+    sub("outer", "o<inner> call");
+    sub("inner", "G1 X9");
+    rig.send(Command::Run);
+    rig.pass(0.25);
+    let journal = Journal::parse(rig.fake.journal.as_bytes()).unwrap();
+    let mut names: Vec<&str> = journal.files.iter().map(|(name, _)| &**name).collect();
+    names.sort_unstable();
+    assert!(names.len() == 3 && names[1..] == ["inner", "outer"], "{names:?}");
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! Everything outside the core: motion, iocontrol, files, users' programs and messages.
 
-use super::{Files, files::ProgramFiles};
+use super::{
+    Files,
+    files::{Bounds, ProgramFiles},
+};
 use crate::{
     command_record::record,
     core::{Core, Interpreting},
@@ -18,7 +21,10 @@ use hal_job::{
     journal::Record,
     spindle::{self, Spindle},
 };
-use std::collections::{BTreeMap, VecDeque};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    path::{Path, PathBuf},
+};
 
 /// Number of orders and of requests that are known after their end.
 const MAX_KNOWN: usize = 2048;
@@ -313,8 +319,13 @@ impl Outside for Machine {
         self.journal.read()
     }
 
-    fn file(&mut self, action: &FileAction) -> Result<(), String> {
-        self.program_files.act(action)
+    fn file(&mut self, action: &FileAction, program: Option<&Path>) -> Result<(), String> {
+        let files = &self.files;
+        let parameters = files.parameters.as_ref().map(|(path, _)| path);
+        let own =
+            [parameters, files.table.as_ref(), files.spindle.as_ref(), files.journal.as_ref()];
+        let own: Vec<&Path> = own.into_iter().flatten().map(PathBuf::as_path).collect();
+        self.program_files.act(action, Bounds { ini: files.ini.as_deref(), program, own: &own })
     }
 
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
@@ -328,7 +339,7 @@ impl Outside for Machine {
 }
 
 /// Replaces a file as a whole.
-fn written(path: &std::path::Path, text: &str) -> Result<(), String> {
+fn written(path: &Path, text: &str) -> Result<(), String> {
     hal_output::write(path, text.as_bytes())
         .map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))
 }

@@ -88,11 +88,6 @@ impl World {
         self.disk = Spindle::Holds(record.tool());
     }
 
-    /// Returns the record that a change writes before the changer is asked.
-    fn intent(&self) -> Spindle {
-        Spindle::Changing { from: self.changer.spindle().number, to: self.changer.shown().number }
-    }
-
     /// Applies an input; `None` if it is not possible here. The result is that of a request.
     fn apply(&self, input: Input) -> Option<(Self, Result<(), &'static str>)> {
         let mut next = *self;
@@ -108,7 +103,7 @@ impl World {
                 let begun = next.changer.change(self.answers());
                 next.waits |= begun == Ok(false);
                 if begun == Ok(false) {
-                    next.disk = self.intent();
+                    next.disk = self.disk.asked(self.changer.shown().number);
                 }
                 result = begun.map(|_| ());
             }
@@ -130,7 +125,10 @@ impl World {
                 assert!(end.is_none() || self.waits, "a result without a request");
                 next.waits &= end.is_none();
                 match end {
-                    Some(End::Changed) => next.disk = Spindle::Holds(next.changer.spindle().number),
+                    Some(End::Changed) => {
+                        let Spindle::Changing { to, .. } = self.disk else { panic!("{self:?}") };
+                        next.disk = self.disk.changed(to, next.changer.spindle().number);
+                    }
                     Some(End::Failed(why)) => result = Err(why),
                     Some(End::Prepared) | None => {}
                 }
