@@ -8,7 +8,7 @@
 //! | `worker`, `command_record` | the worker; orders as records of the service `motion` |
 //! | `journal_file` | the file of the journal |
 //! | `programs`, `texts` | programs of users; texts of messages |
-//! | `commands`, `status`, `codes` | commands `task.*`; the snapshot `task.status`; G codes in force |
+//! | `commands`, `pins`, `status`, `codes` | commands and pins `task.*`; the snapshot `task.status`; G codes in force |
 #![forbid(unsafe_code)]
 
 mod codes;
@@ -18,6 +18,7 @@ mod convert;
 mod core;
 mod journal_file;
 mod outside;
+mod pins;
 mod programs;
 mod setup;
 mod status;
@@ -29,6 +30,7 @@ use hal_component::{
     Arg, Builder, Component, Error,
     abi::{ArgSpec, component_flags},
 };
+use pins::Pins;
 use worker::{Shared, Worker};
 
 /// Largest number of steps of a job in one step of the worker.
@@ -124,7 +126,8 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     })?;
     let snapshot =
         b.snapshot("task.status", status::VERSION, "State of the task at each change.")?;
-    let worker = Worker::new(shared, motion, io, operator, b.clock(), b.messages(), snapshot);
+    let pins = Pins::make(b)?;
+    let worker = Worker::new(shared, motion, io, operator, b, pins, snapshot);
     let period_ns = i64::try_from(period.as_nanos()).unwrap_or(i64::MAX);
     b.worker("task", "Reads programs and runs jobs.", period_ns, ITEMS, worker)
 }

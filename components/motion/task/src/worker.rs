@@ -6,11 +6,12 @@ mod machine;
 use crate::{
     command_record::Letters,
     core::{Core, Mode, user::Command},
+    pins::Pins,
     status::{Report, TaskStatus, operator_view},
 };
 use hal_component::{
-    Clock, IoControlRef, Messages, MotionRef, OperatorRef, OperatorRequest, Snapshot, TicketHandle,
-    Touch, Uses, Work,
+    Builder, IoControlRef, MotionRef, OperatorRef, OperatorRequest, Snapshot, TicketHandle, Touch,
+    Uses, Work,
 };
 use hal_gcode::parameters::file::ParameterFile;
 use machine::Machine;
@@ -57,6 +58,7 @@ pub(crate) struct Worker {
     shared: Shared,
     core: Option<Box<Core>>,
     world: Machine,
+    pins: Pins,
     snapshot: Snapshot<TaskStatus>,
 }
 
@@ -66,12 +68,12 @@ impl Worker {
         motion: MotionRef,
         io: IoControlRef,
         operator: Option<OperatorRef>,
-        clock: Clock,
-        messages: Messages,
+        b: &Builder<'_>,
+        pins: Pins,
         snapshot: Snapshot<TaskStatus>,
     ) -> Self {
-        let world = Machine::new(motion, io, operator, clock, messages);
-        Self { shared, core: None, world, snapshot }
+        let world = Machine::new(motion, io, operator, b.clock(), b.messages());
+        Self { shared, core: None, world, pins, snapshot }
     }
 }
 
@@ -79,6 +81,7 @@ impl Touch for Worker {
     fn touch(&self, uses: &mut Uses) {
         self.world.motion.touch(uses);
         self.world.io.touch(uses);
+        self.pins.touch(uses);
         self.world.operator.iter().for_each(|operator| operator.touch(uses));
     }
 }
@@ -105,9 +108,14 @@ impl Work for Worker {
                 core.command(Command::from(request), ticket, &mut self.world);
             }
         }
+        if self.pins.aborts() {
+            let ticket = self.world.button();
+            core.command(Command::Abort, ticket, &mut self.world);
+        }
         self.world.claim(&core);
         let done = core.step(&mut self.world, items);
         self.world.claim(&core);
+        self.pins.show(core.is_busy());
         let report = Report::of(&core, &self.world.status, &self.world.io.state());
         if let Some(operator) = &self.world.operator {
             operator.show(&operator_view(&core, &self.world.io.state()));

@@ -28,7 +28,7 @@ pub(crate) enum Action {
     Jog,
     /// Opens a program of the list.
     Open,
-    /// Presses the button of `hal_manualtoolchange`, and releases it.
+    /// Presses the button of `hal_manualtoolchange` by the plugin.
     ToolChanged,
 }
 
@@ -203,8 +203,8 @@ fn touch_off(given: &Given<'_>) -> Result<Vec<Request>, Error> {
     Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
 }
 
-/// Pins of motion that the dead man acts on.
-const STOPS: &[&str] = &["motion.jog-stop", "motion.feed-inhibit"];
+/// Pins of motion and the task that the dead man acts on or looks at.
+const STOPS: &[&str] = &["motion.jog-stop", "motion.feed-inhibit", "task.abort", "task.job"];
 
 /// Refuses changes of the pins that stop remote motion: no client rewires what guards against it.
 fn guard(name: &str) -> Result<(), Error> {

@@ -11,6 +11,9 @@ const STOPS: &[(&str, &str, &str)] = &[
     ("remote.jog-stop", "remote-jog-stop", "motion.jog-stop"),
     ("remote.hold", "remote-hold", "motion.feed-inhibit"),
 ];
+/// Pin of the task that ends a job, and the pin that shows one.
+const ABORT: (&str, &str, &str) = ("remote.abort", "remote-abort", "task.abort");
+const JOB: (&str, &str, &str) = ("task.job", "remote-job", "remote.job");
 /// Function before which the plugin's runs.
 const CONTROLLER: &str = "motion-controller";
 
@@ -50,8 +53,13 @@ pub(crate) fn load(place: &Place, ini: Option<&Ini>) -> Result<(), String> {
     let Reply::Items(pins) = list(&mut client, Kind::Pins)? else {
         return Err("the engine lists no pins".to_owned());
     };
-    for (from, signal, to) in STOPS {
+    let has_task = pins.iter().any(|pin| pin.name == JOB.0);
+    let stops = STOPS.iter().copied().chain(has_task.then_some(ABORT));
+    for (from, signal, to) in stops {
         requests.extend(wire(&pins, from, signal, to)?);
+    }
+    if has_task {
+        requests.extend(join(&pins, JOB)?);
     }
     if requests.is_empty() {
         return Ok(());
@@ -100,6 +108,19 @@ fn wire(pins: &[ItemInfo], from: &str, signal: &str, to: &str) -> Result<Option<
     }
 }
 
+/// Returns the link of a pin with one that reads it, unless there is one. The first may have a signal already.
+pub(crate) fn join(
+    pins: &[ItemInfo],
+    (from, signal, to): (&str, &str, &str),
+) -> Result<Option<Request>, String> {
+    let signal_of =
+        |name: &str| pins.iter().find(|p| p.name == name).and_then(|p| p.signal.clone());
+    match (signal_of(from), signal_of(to)) {
+        (Some(from), None) => Ok(Some(Request::Net { signal: from, pins: vec![to.to_owned()] })),
+        _ => wire(pins, from, signal, to),
+    }
+}
+
 /// Returns whether the plugin's function runs before the controller's, in its thread.
 fn runs_before(functs: &[String]) -> bool {
     let at = |name: &str| functs.iter().position(|f| f == name);
@@ -139,7 +160,7 @@ fn reaches(pins: &[ItemInfo], from: &str, goal: &str, to: &str) -> bool {
 mod tests {
     //! Wiring that the machine's files have made.
 
-    use super::{ItemInfo, reaches, runs_before, wire};
+    use super::{ItemInfo, JOB, Request, join, reaches, runs_before, wire};
     use hal_protocol::{Direction, Value};
 
     fn pin(owner: u32, name: &str, direction: Direction, signal: &str) -> ItemInfo {
@@ -175,6 +196,16 @@ mod tests {
         // Both are linked, and nothing joins them.
         pins[4].signal = Some("c".to_owned());
         made(&pins).unwrap_err();
+    }
+
+    #[test]
+    fn a_pin_is_read_beside_others() {
+        let pins = [pin(1, "task.job", Direction::Out, "busy")];
+        let link = Request::Net { signal: "busy".to_owned(), pins: vec!["remote.job".to_owned()] };
+        assert_eq!(join(&pins, JOB), Ok(Some(link)));
+        // Another signal at the pin shows something else.
+        let pins = [pins[0].clone(), pin(2, "remote.job", Direction::In, "other")];
+        join(&pins, JOB).unwrap_err();
     }
 
     #[test]

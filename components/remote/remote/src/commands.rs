@@ -72,6 +72,12 @@ With release it first ends the hold of a program: both, or neither.",
         run: |keeper, call| keeper.start(lease(call), call.bit("release").unwrap_or(false)),
     },
     Row {
+        name: "remote.tool-changed",
+        doc: "Answers a tool change: presses the button at remote.tool-changed for 0.2 s.",
+        args: &[&LEASE],
+        run: |keeper, call| keeper.tool_changed(lease(call)),
+    },
+    Row {
         name: "remote.release",
         doc: "Ends the hold of a program since the lease was lost: its motion goes on.",
         args: &[],

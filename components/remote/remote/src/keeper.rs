@@ -2,8 +2,9 @@
 
 use crate::lease::{Lease, jog};
 use hal_component::{
-    Clock, Error, Messages, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal,
-    MotionStatus, MotionToken, Period, Touch, Update, Uses, motion_kind, motion_source,
+    Builder, Clock, Error, In, Messages, MotionCommand, MotionEnd, MotionId, MotionRef,
+    MotionRefusal, MotionStatus, MotionToken, Out, Period, Touch, Update, Uses, motion_kind,
+    motion_source,
 };
 use std::sync::{
     Arc, Mutex, PoisonError,
@@ -12,6 +13,35 @@ use std::sync::{
 
 /// Longest time from the command that starts a program to its start, in nanoseconds.
 const START_NS: i64 = 2_000_000_000;
+/// Time for which the answer to a tool change is TRUE, in nanoseconds: as long as a person presses a button.
+const PRESS_NS: i64 = 200_000_000;
+
+/// Pins between the task and remote work.
+#[derive(Debug, Touch)]
+pub(crate) struct Pins {
+    job: In<bool>,
+    abort: Out<bool>,
+    tool_changed: Out<bool>,
+}
+
+impl Pins {
+    pub(crate) fn make(b: &mut Builder<'_>) -> Result<Self, Error> {
+        let item = "TRUE while a job is in progress, also while it is paused; linked to task.job.";
+        Ok(Self {
+            job: b.item("remote.job", item, false)?,
+            abort: b.item(
+                "remote.abort",
+                "TRUE while a lost lease ends a job; linked to task.abort.",
+                false,
+            )?,
+            tool_changed: b.item(
+                "remote.tool-changed",
+                "Button that answers a tool change; remote.tool-changed presses it.",
+                false,
+            )?,
+        })
+    }
+}
 
 /// Progress of a program that was started under the lease.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,6 +70,9 @@ pub(crate) struct Keeper {
     pub(crate) holder: String,
     /// Number of the last lease.
     last: u32,
+    pins: Pins,
+    /// Machine time until which the answer to a tool change is TRUE.
+    pressed_until: i64,
     clock: Clock,
     say: Messages,
     /// True if a lost lease aborts a program.
@@ -54,6 +87,7 @@ impl Keeper {
     pub(crate) fn new(
         lease: Arc<Lease>,
         motion: MotionRef,
+        pins: Pins,
         clock: Clock,
         say: Messages,
         aborts: bool,
@@ -64,6 +98,8 @@ impl Keeper {
             motion,
             holder,
             last: 0,
+            pins,
+            pressed_until: 0,
             clock,
             say,
             aborts,
@@ -180,6 +216,15 @@ impl Keeper {
         Ok(())
     }
 
+    /// Presses the button that answers a tool change.
+    pub(crate) fn tool_changed(&mut self, number: u32) -> Result<(), Error> {
+        self.check(number)?;
+        self.check_allowed()?;
+        self.pressed_until = self.clock.now_ns() + PRESS_NS;
+        self.pins.tool_changed.set(true);
+        Ok(())
+    }
+
     fn check_allowed(&self) -> Result<(), Error> {
         if self.lease.allowed.load(Relaxed) {
             return Ok(());
@@ -219,11 +264,20 @@ impl Keeper {
             self.orphaned = self.job != Job::None;
         }
         // Homing may begin later: it waits in a queue.
-        if self.orphaned && (self.aborts || status.homing) {
+        let ends = self.orphaned && (self.aborts || status.homing);
+        if ends {
             self.send(motion_kind::ABORT);
+            // The task ends the job where nothing moves, as in a pause.
+            self.pins.abort.set(self.aborts);
             self.orphaned = false;
         }
         self.follow_job(&status);
+        if !ends && (self.job == Job::None || !self.pins.job.get()) {
+            self.pins.abort.set(false);
+        }
+        if self.clock.now_ns() >= self.pressed_until {
+            self.pins.tool_changed.set(false);
+        }
     }
 
     fn follow_jogs(&mut self, status: &MotionStatus) {
@@ -247,7 +301,9 @@ impl Keeper {
     }
 
     fn follow_job(&mut self, status: &MotionStatus) {
-        let over = !status.claimed && !status.homing && status.queue == 0 && status.in_position;
+        let moves = status.claimed || status.homing || status.queue != 0 || !status.in_position;
+        // A paused job has no claim on motion.
+        let over = !moves && !self.pins.job.get();
         self.job = match self.job {
             Job::None => return,
             Job::Commanded(at) if over => {
@@ -278,7 +334,9 @@ pub(crate) struct Step(pub(crate) Arc<Mutex<Keeper>>);
 
 impl Touch for Step {
     fn touch(&self, uses: &mut Uses) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).motion.touch(uses);
+        let keeper = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        keeper.motion.touch(uses);
+        keeper.pins.touch(uses);
     }
 }
 

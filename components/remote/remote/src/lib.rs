@@ -10,7 +10,7 @@ use hal_component::{
     Arg, Builder, Component, Error,
     abi::{ArgSpec, component_flags},
 };
-use keeper::Keeper;
+use keeper::{Keeper, Pins};
 use lease::Lease;
 use std::{
     sync::{Arc, Mutex},
@@ -44,7 +44,9 @@ Without a beat for `lease_timeout` the lease ends. A program that was started un
 `remote.release` ends the hold or the program is aborted. FALSE at `allow-motion` has the same
 effects, and refuses new jogs.
 
-`jog-stop` is linked to `motion.jog-stop`, and `hold` to `motion.feed-inhibit`.
+`jog-stop` is linked to `motion.jog-stop`, and `hold` to `motion.feed-inhibit`. A program that is paused
+moves nothing: `job`, linked to `task.job`, shows that it has not ended, and `abort`, linked to `task.abort`,
+ends it. `tool-changed` is linked to the button that answers a tool change.
 
 # Example
 
@@ -107,7 +109,8 @@ getp remote.present # -> FALSE
         let lease = Arc::new(Lease::new(jog_ms, lease_ms, holds));
         let watch = Watch::make(b, lease.clone())?;
         b.function("remote", "Judges the beats, and ends remote motion.", watch)?;
-        let keeper = Keeper::new(lease, motion, b.clock(), b.messages(), aborts);
+        let pins = Pins::make(b)?;
+        let keeper = Keeper::new(lease, motion, pins, b.clock(), b.messages(), aborts);
         let keeper = Arc::new(Mutex::new(keeper));
         commands::open(b, &keeper)?;
         b.task(

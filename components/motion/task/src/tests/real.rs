@@ -4,6 +4,7 @@ use super::{Rules, ToolTable};
 use crate::{
     commands,
     core::Core,
+    pins::Pins,
     status,
     worker::{Files, Shared, Worker},
 };
@@ -46,7 +47,8 @@ impl Component for Jobs {
         let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
         shared.lock().opened = Some((Box::new(core), Files::default()));
         let snapshot = b.snapshot("task.status", status::VERSION, "")?;
-        let worker = Worker::new(shared, motion, io, None, b.clock(), b.messages(), snapshot);
+        let pins = Pins::make(b)?;
+        let worker = Worker::new(shared, motion, io, None, b, pins, snapshot);
         b.worker("task", "Runs jobs.", PERIOD, 400, worker)
     }
 }
@@ -136,4 +138,22 @@ fn a_new_token_is_claimed_again() {
     assert!(claimed(&bench));
     cycles(&mut bench, 1100);
     assert!(!claimed(&bench), "the job has ended");
+}
+
+#[test]
+fn a_job_shows_on_its_pin_also_in_a_pause_and_ends_by_one() {
+    let mut bench = on("mdi");
+    let job = |bench: &Bench| bench.get::<bool>("task.job");
+    assert!(!job(&bench));
+    bench.command("task.mdi", &["text=M0"]).unwrap();
+    cycles(&mut bench, 50);
+    let interpreter = bench.snapshot::<status::TaskStatus>("task.status").interpreter;
+    assert!(job(&bench) && interpreter == 2, "{interpreter}");
+    bench.set("task.abort", true);
+    cycles(&mut bench, 50);
+    assert!(!job(&bench), "{:?}", bench.said());
+    // Only the edge counts.
+    bench.command("task.mdi", &["text=G4 P1"]).unwrap();
+    cycles(&mut bench, 50);
+    assert!(job(&bench));
 }

@@ -5,11 +5,12 @@ use crate::{
     commands::{self, Action, Args, Given},
     error::{Code, Error},
     lease::no_lease,
+    prepare,
     server::Panel,
     session::Session,
     values,
 };
-use hal_protocol::{Reply, Request, TicketInfo};
+use hal_protocol::{Kind, Reply, Request, TicketInfo};
 use serde_json::{Value as Json, json};
 use std::{
     pin::Pin,
@@ -42,8 +43,9 @@ const ENDS: &[&str] = &["abort", "estop", "off", "pause"];
 const PAUSED: u64 = 2;
 /// Longest name of a command in the audit log, in characters.
 const MAX_NAME: usize = 64;
-/// Time for which the button of the tool change is pressed.
-const PRESS: Duration = Duration::from_millis(300);
+/// Pin of the plugin that answers a tool change (its command has the same name), with the signal and the button.
+const TOOL_CHANGED: (&str, &str, &str) =
+    ("remote.tool-changed", "remote-tool-changed", "hal_manualtoolchange.change_button");
 /// Time between two looks at a command that has not ended.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -153,7 +155,7 @@ impl Order {
                 let file = format!("file={}", path.display());
                 vec![Request::Command { name: "task.open".to_owned(), args: vec![file] }]
             }
-            Action::ToolChanged => return self.tool_changed().await,
+            Action::ToolChanged => return self.tool_changed(lease).await,
         };
         let engine = &self.panel.engine;
         let stops = engine.stops();
@@ -225,11 +227,8 @@ impl Order {
         });
     }
 
-    async fn tool_changed(&self) -> Result<Json, Error> {
-        let press = |on: bool| Request::Set {
-            name: "hal_manualtoolchange.change_button".to_owned(),
-            value: if on { "TRUE" } else { "FALSE" }.to_owned(),
-        };
+    /// Presses the button of the tool change. The plugin releases it, whatever becomes of this program.
+    async fn tool_changed(&self, lease: u64) -> Result<Json, Error> {
         let engine = &self.panel.engine;
         let change = "hal_manualtoolchange.change".to_owned();
         let values = values::read(engine, std::slice::from_ref(&change)).await?;
@@ -237,15 +236,16 @@ impl Order {
             // A press now would answer the next change, before its tool is there.
             return Err(Error::new(Code::Conflict, "no tool change waits for its answer"));
         }
-        engine.call(press(true)).await?;
-        sleep(PRESS).await;
-        // A button that stays pressed would answer the next tool change too.
-        while let Err(why) = engine.call(press(false)).await {
-            if why.code != Code::TooMany {
-                return Err(why);
+        // The program that asks for the tool may have joined after this one.
+        let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
+        if let Reply::Items(pins) = engine.call(list).await? {
+            let link = prepare::join(&pins, TOOL_CHANGED);
+            if let Some(link) = link.map_err(|why| Error::new(Code::Refused, why))? {
+                engine.call(link).await?;
             }
-            sleep(PRESS).await;
         }
+        let args = vec![format!("lease={lease}")];
+        engine.call(Request::Command { name: TOOL_CHANGED.0.to_owned(), args }).await?;
         Ok(json!({ "lines": [] }))
     }
 }

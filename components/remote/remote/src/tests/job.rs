@@ -9,6 +9,12 @@ impl Rig {
         self.command("motion.mode", "mode=coord").unwrap();
         self.cycles(10);
         assert!(self.motion.claim(self.token, true));
+        self.moves();
+        self.cycles(1000);
+        assert!(self.at(0) > 1.0, "the program moves");
+    }
+
+    fn moves(&self) {
         let pose = [100.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         let line = MotionCommand {
             pose,
@@ -18,8 +24,6 @@ impl Rig {
             ..MotionCommand::new(motion_kind::MOVE)
         };
         self.motion.push(self.token, &line).unwrap();
-        self.cycles(1000);
-        assert!(self.at(0) > 1.0, "the program moves");
     }
 
     pub(super) fn homed(args: &[&str]) -> Self {
@@ -27,6 +31,15 @@ impl Rig {
         rig.command("motion.home", "joint=all").unwrap();
         rig.cycles(200);
         rig
+    }
+
+    /// Rests in a pause of the program in which no move is left, as M0 does: the task lets go of motion.
+    fn rests(&mut self) {
+        assert!(self.motion.claim(self.token, true));
+        self.bench.set("remote.job", true);
+        self.cycles(100);
+        assert!(self.motion.claim(self.token, false));
+        self.cycles(2500);
     }
 
     fn ends_lease(&mut self, how: &str) {
@@ -166,4 +179,45 @@ fn a_release_and_a_start_are_one_and_need_the_lease() {
     rig.command("remote.start", "lease=2 release=TRUE").unwrap();
     rig.cycles(500);
     assert!(!rig.is("hold") && rig.at(0) > at);
+}
+
+#[test]
+fn a_job_that_rests_in_a_pause_has_not_ended() {
+    for on_loss in ["hold", "continue", "abort"] {
+        let mut rig = Rig::homed(&[&format!("on_loss={on_loss}")]);
+        rig.command("remote.start", "lease=1").unwrap();
+        rig.rests();
+        rig.ends_lease("give");
+        assert_eq!(rig.is("hold"), on_loss != "continue", "{on_loss}");
+        assert_eq!(rig.is("abort"), on_loss == "abort", "{on_loss}");
+        // The next part of the program, which somebody resumes at the machine.
+        if on_loss != "abort" {
+            let at = rig.at(0);
+            rig.command("motion.mode", "mode=coord").unwrap();
+            rig.cycles(10);
+            assert!(rig.motion.claim(rig.token, true));
+            rig.moves();
+            rig.cycles(500);
+            assert_eq!(rig.at(0) > at, on_loss == "continue", "{on_loss}");
+        }
+        rig.bench.set("remote.job", false);
+        rig.command("motion.abort", "").unwrap();
+        assert!(rig.motion.claim(rig.token, false));
+        rig.cycles(500);
+        assert!(!rig.is("hold") && !rig.is("abort"), "{on_loss}");
+    }
+}
+
+#[test]
+fn an_answer_to_a_tool_change_ends_by_itself() {
+    let mut rig = Rig::leased(&[]);
+    rig.command("remote.tool-changed", "lease=2").unwrap_err();
+    assert!(!rig.is("tool-changed"));
+    rig.command("remote.tool-changed", "lease=1").unwrap();
+    rig.cycles(150);
+    assert!(rig.is("tool-changed"));
+    rig.command("remote.give", "lease=1").unwrap();
+    rig.cycles(100);
+    assert!(!rig.is("tool-changed"));
+    rig.command("remote.tool-changed", "lease=1").unwrap_err();
 }
