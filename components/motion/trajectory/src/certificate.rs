@@ -2,10 +2,12 @@
 //!
 //! The check uses other means than the plan. It bounds the derivatives of a polynomial by its extrema instead of its hull,
 //! tests the three conditions of the limits instead of solving them, compares each cell with every neighbour in
-//! reach instead of sweeping, and bounds the deviation of blends between lines by the distance of their hull from the
-//! lines. Only blends beside arcs and polynomials are bounded as in the plan, on shorter pieces. A cell that fails gets
-//! the limits that the check itself found, and counts as a rejection; a blend that fails becomes a stop.
+//! reach instead of sweeping, and bounds the deviation of joined lines, and of blends between lines, by the distance of
+//! their hull from the lines. Only blends beside arcs and polynomials are bounded as in the plan, on shorter pieces. A
+//! cell that fails gets the limits that the check itself found, and counts as a rejection; a blend that fails becomes a
+//! stop, and lines whose spline fails stay lines.
 
+use core::fmt;
 use std::collections::VecDeque;
 
 use crate::{
@@ -18,6 +20,12 @@ use crate::{
     speed::{Allowed, JointBounds, Law},
 };
 
+mod joined;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use joined::Joined;
+
 /// Reason for which a cell was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
@@ -27,6 +35,8 @@ pub enum Rule {
     Neighbour,
     /// A blend would leave its tolerance; the joint becomes a stop.
     Deviation,
+    /// A spline of joined lines would leave its tolerance; the lines stay as they are.
+    Joining,
 }
 
 /// A rejected cell.
@@ -38,6 +48,35 @@ pub struct Rejection {
     pub line: u32,
     /// Speed that was proposed, in units of the path coordinate per second.
     pub speed: f64,
+}
+
+impl fmt::Display for Rejection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { rule, line, speed } = self;
+        match rule {
+            Rule::Limits => write!(
+                f,
+                "line {line}: a limit of an axis or joint would be exceeded at a speed of {speed}; the motion is slower \
+                 there"
+            ),
+            Rule::Neighbour => write!(
+                f,
+                "line {line}: the speed of {speed} is too high for a slower part nearby; the motion is slower there"
+            ),
+            Rule::Deviation => {
+                write!(
+                    f,
+                    "line {line}: the blend after it would leave the tolerance; the motion stops there"
+                )
+            }
+            Rule::Joining => {
+                write!(
+                    f,
+                    "line {line}: the lines from it on would leave the tolerance as a curve; they stay lines"
+                )
+            }
+        }
+    }
 }
 
 /// Limits and the interval of the run in which they act.
@@ -128,8 +167,16 @@ impl Certificate {
     ) -> bool {
         let good = deviation_again(blend, a, b, t) <= 1.0 + 1e-9;
         if !good {
-            self.rejections = self.rejections.saturating_add(1);
-            self.last = Some(Rejection { rule: Rule::Deviation, line: a.line, speed: 0.0 });
+            self.refuse(Rule::Deviation, a.line, 0.0);
+        }
+        good
+    }
+
+    /// Checks the deviation of joined lines. Returns false if they must stay lines.
+    pub(crate) fn allows_joining(&mut self, joined: &Joined<'_>) -> bool {
+        let good = joined.is_inside();
+        if !good {
+            self.refuse(Rule::Joining, joined.lines.first().map_or(0, |l| l.line), 0.0);
         }
         good
     }
@@ -197,8 +244,12 @@ impl Certificate {
     }
 
     fn reject(&mut self, rule: Rule, raw: &Raw) {
+        self.refuse(rule, raw.line, raw.allowed.speed);
+    }
+
+    const fn refuse(&mut self, rule: Rule, line: u32, speed: f64) {
         self.rejections = self.rejections.saturating_add(1);
-        self.last = Some(Rejection { rule, line: raw.line, speed: raw.allowed.speed });
+        self.last = Some(Rejection { rule, line, speed });
     }
 }
 

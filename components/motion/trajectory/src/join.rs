@@ -11,6 +11,7 @@
 //! the difference of their directions.
 
 use crate::{
+    certificate::{Certificate, Joined},
     curve::Curve,
     moves::Mode,
     pose::{Group, Pose},
@@ -88,14 +89,15 @@ impl Join {
         &mut self,
         goes_on: bool,
         tolerances: &Tolerances,
-        mut give: impl FnMut(&Segment),
-    ) {
+        certificate: &mut Certificate,
+    ) -> Vec<Segment> {
+        let mut out = Vec::new();
         let kept = if goes_on { KEPT.min(self.lines.len() / 2) } else { 0 };
         let count = self.lines.len() - kept;
         let end = if goes_on { self.derivatives(count) } else { None };
         let rest = self.lines.split_off(count);
         let smooth = self.end.is_some();
-        let (Some(first), Some(last)) = (self.lines.first(), self.lines.last()) else { return };
+        let (Some(first), Some(last)) = (self.lines.first(), self.lines.last()) else { return out };
         let last = *last;
         let straight = [slope(first), slope(&last)].map(|u| [u, Pose::ZERO]);
         let [from, to] = [self.one_sided(false), self.one_sided(true)];
@@ -105,11 +107,16 @@ impl Join {
             let ends = [self.end.unwrap_or(straight[0]), end.unwrap_or(straight[1])];
             if ends == [from, to] { None } else { self.spline(&ends[0], &ends[1], tolerances) }
         });
+        let found = found.and_then(|spline| {
+            let curves = spline.curves();
+            let Self { lines, .. } = &*self;
+            let joined = Joined { curves: &curves, spacing: spline.spacing, lines, tolerances };
+            let ends = certificate.allows_joining(&joined).then(|| joined.ends());
+            Some((spline, curves, ends?))
+        });
         match found {
-            Some(spline) => {
-                let count = spline.pieces();
-                for k in 0..count {
-                    let Some(curve) = spline.piece(k) else { break };
+            Some((spline, curves, ends)) => {
+                for (k, curve) in curves.iter().enumerate() {
                     let middle = spline.spacing * (float(k) + 0.5);
                     let (mut line, mut s) = (last.line, 0.0);
                     for l in &self.lines {
@@ -119,21 +126,23 @@ impl Join {
                             break;
                         }
                     }
-                    let mode = if k + 1 == count { last.mode } else { first.mode };
-                    let smooth = k > 0 || smooth;
-                    give(&Segment { curve, length: spline.spacing, line, mode, smooth, ..*first });
+                    let mode = if k + 1 == curves.len() { last.mode } else { first.mode };
+                    let (curve, length, smooth) = (*curve, spline.spacing, k > 0 || smooth);
+                    // What the ends use of the tolerance is not left for their blends.
+                    let at_start = if k == 0 { ends[0] } else { 0.0 };
+                    let off = if k + 1 == curves.len() { at_start.max(ends[1]) } else { at_start };
+                    out.push(Segment { curve, length, line, mode, smooth, off, ..*first });
                 }
                 self.spacing = spline.spacing;
                 self.end = end;
             }
             None => {
-                for line in &self.lines {
-                    give(line);
-                }
+                out.extend_from_slice(&self.lines);
                 self.end = None;
             }
         }
         self.lines = rest;
+        out
     }
 
     /// Returns the first two derivatives at the start or at the end of the lines, as the lines nearby suggest.
@@ -321,6 +330,11 @@ impl Spline {
             }
         }
         Self { control, spacing: self.spacing }
+    }
+
+    /// Returns all pieces as polynomials.
+    fn curves(&self) -> Vec<Curve> {
+        (0..self.pieces()).map_while(|k| self.piece(k)).collect()
     }
 
     /// Returns a piece as a polynomial.

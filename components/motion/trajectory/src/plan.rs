@@ -155,7 +155,9 @@ impl<K: Kinematics> Planner<K> {
         let mut join = core::mem::take(&mut self.join);
         if let Some(first) = join.first() {
             let tolerances = self.tolerances(&first, &first);
-            join.flush(goes_on, &tolerances, |segment| self.place(Some(segment)));
+            for segment in &join.flush(goes_on, &tolerances, &mut self.certificate) {
+                self.place(Some(segment));
+            }
         }
         self.join = join;
     }

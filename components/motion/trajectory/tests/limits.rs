@@ -21,14 +21,14 @@ fn judged(seed: u64, count: usize) -> (Outcome, Robot) {
     if fails(&out) {
         let small = shrink(&c.program, |p| fails(&run(p, &c.machine, &c.robot, &c.conduct)));
         println!(
-            "seed {seed} {} {:?}: {} violations in {} cycles, {} cells rejected ({:?}), worst {:?}\n{}\n{:?}\n{:?}\n\
+            "seed {seed} {} {:?}: {} violations in {} cycles, {} rejections (last: {}), worst {:?}\n{}\n{:?}\n{:?}\n\
              shrunk to {:#?}",
             c.program.name,
             c.robot,
             out.violations,
             out.cycles,
             out.rejected,
-            out.rejection,
+            out.rejection.map_or_else(|| "none".to_owned(), |r| r.to_string()),
             out.worst,
             out.place,
             c.conduct,
