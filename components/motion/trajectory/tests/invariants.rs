@@ -7,7 +7,7 @@ use hal_corpus::{Kind, Mode, Motion, Options, Program, Rng, Step, random};
 use hal_trajectory::{
     Cell, Follower, Limits, Machine, Move, Path, Planner, Pose, Shape, Track, Trivial, share,
 };
-use judge::{Conduct, PLAIN, convert, run};
+use judge::{Conduct, PLAIN, convert, run, times::line_in};
 
 fn machine(jerk: f64) -> Machine {
     Machine::uniform(Limits { velocity: 200.0, acceleration: 1750.0, jerk })
@@ -264,11 +264,7 @@ fn higher_limits_take_no_more_time() {
 fn a_line_in_a_thousand_pieces_takes_no_more_time() {
     for jerk in [1e5, f64::INFINITY] {
         let machine = machine(jerk);
-        let whole = Step { motion: line([100.0, 40.0, 0.0]), mode: Mode::Exact, feed: 150.0 };
-        let part = Step { motion: line([0.1, 0.04, 0.0]), ..whole.clone() };
-        let program = |steps| Program { name: "split", seed: 0, start: [0.0; 9], steps };
-        let one = cycles(&program(vec![whole]), &machine);
-        let many = cycles(&program(vec![part; 1000]), &machine);
+        let [one, many] = [1, 1000].map(|pieces| cycles(&line_in(pieces), &machine));
         assert!((one - many).abs() <= 1.0, "{one} and {many}");
     }
 }

@@ -13,6 +13,9 @@ use crate::{
 /// Times that a piece is halved at most: for the proof that it is inside, and for the share of the tolerance that it uses.
 const HALVINGS: [u32; 2] = [12, 2];
 
+/// Share of the tolerance that need not be known better.
+const SMALL: f64 = 0.1;
+
 /// Lines on either side of the expected one that are tried.
 const AROUND: usize = 2;
 
@@ -37,7 +40,7 @@ impl Joined<'_> {
         let half = 0.5 * self.spacing;
         let pieces = f64::from(u32::try_from(self.curves.len()).unwrap_or(u32::MAX));
         let last = self.spacing * pieces - half;
-        [(0.0, half), (last, f64::INFINITY)].map(|(a, b)| self.largest(a, b, 0.0, HALVINGS[1]))
+        [(0.0, half), (last, f64::INFINITY)].map(|(a, b)| self.largest(a, b, SMALL, HALVINGS[1]))
     }
 
     /// Bounds the ratio of distance to tolerance between two path coordinates. A piece is halved while its bound is above

@@ -10,6 +10,7 @@
 
 mod case;
 mod robots;
+pub mod times;
 
 pub use case::{Case, case};
 pub use robots::Robot;
