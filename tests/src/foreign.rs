@@ -1,4 +1,4 @@
-//! Components written in C: where tests find them, and how they compile, load and drive them.
+//! Components written in C, and LinuxCNC's programs: where tests find them, and how they compile, load and run them.
 
 use crate::programs::{programs, root};
 use hal_engine::{ClockKind, Engine, Options};
@@ -11,6 +11,18 @@ use std::{
 /// Returns the folder of the components of LinuxCNC's package, if it is installed.
 pub fn installed() -> Option<PathBuf> {
     Some(PathBuf::from("/usr/lib/linuxcnc/modules")).filter(|p| p.join("and2.so").is_file())
+}
+
+/// Returns a command for LinuxCNC's program, run by an ordinary user with a home of its own.
+pub fn peer(program: &str, home: &Path) -> Command {
+    let root = rustix::process::getuid().is_root();
+    let mut c = if root { Command::new("runuser") } else { Command::new(program) };
+    if root {
+        // `env` sets the home folder.
+        c.args(["-u", "nobody", "--", "env"]).arg(format!("HOME={}", home.display())).arg(program);
+    }
+    c.env("HOME", home).current_dir(home).env_remove("HAL_INSTANCE");
+    c
 }
 
 /// An engine on the virtual clock that finds every plugin, and C components in some folders.

@@ -1,5 +1,6 @@
 //! Whole programs: ours, and LinuxCNC's for comparison.
 
+pub(crate) use hal_tests::foreign::peer;
 use std::{
     fmt::Write,
     path::PathBuf,
@@ -58,16 +59,4 @@ pub(crate) fn while_running<R>(
     drop(child.kill());
     drop(child.wait());
     Some(r)
-}
-
-/// Returns a command for LinuxCNC's program, run by an ordinary user with a home of its own.
-pub(crate) fn peer(program: &str, home: &std::path::Path) -> Command {
-    let root = rustix::process::getuid().is_root();
-    let mut c = if root { Command::new("runuser") } else { Command::new(program) };
-    if root {
-        // `env` sets the home folder.
-        c.args(["-u", "nobody", "--", "env"]).arg(format!("HOME={}", home.display())).arg(program);
-    }
-    c.env("HOME", home).current_dir(home).env_remove("HAL_INSTANCE");
-    c
 }

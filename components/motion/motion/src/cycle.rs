@@ -52,6 +52,12 @@ impl State {
             self.halt_jogs("stopped by motion.jog-stop-immediate");
         }
         self.feed.net = self.net_feed(pins);
+        let scale = self.feed.scale;
+        self.feed.retract = match pins.general.feed_inhibit.get() {
+            true => 0.0,
+            false if scale > 0.0 => scale,
+            false => 1.0,
+        };
     }
 
     fn halt_jogs(&mut self, why: &'static str) {

@@ -6,6 +6,7 @@ pub(crate) mod order;
 mod progress;
 mod queue;
 mod reach;
+mod retract;
 mod spindle;
 mod stop;
 mod sweep;
@@ -17,6 +18,7 @@ use hal_component::{Gives, Pose, SeqWriter, TicketHandle};
 use hal_trajectory::Step;
 use libm::fabs;
 use order::{HandOver, Item, Kind, Order, PathSetup, Session};
+use retract::Retract;
 pub(crate) use spindle::Pace;
 use spindle::{Course, OVERRUN_TURNS, Tracker};
 use std::collections::VecDeque;
@@ -99,6 +101,8 @@ pub(crate) struct Drive {
     pub(crate) dt: f64,
     /// Feed override; 0 holds.
     pub(crate) scale: f64,
+    /// Feed override of a retract during a hold; 0 where the retract holds too.
+    pub(crate) retract: f64,
     /// True to run backwards.
     pub(crate) reverse: bool,
     /// Highest speed along the path.
@@ -127,6 +131,7 @@ pub(crate) struct Path {
     /// Kind of the path, and its relation to the spindle.
     course: Course,
     tracker: Tracker,
+    retract: Retract,
     /// True once the planner was told that this path has no more moves.
     is_finishing: bool,
     /// True if the planner waits to accept moves again after a refusal.
@@ -183,6 +188,7 @@ impl Path {
             sent: 0,
             course: Course::Free,
             tracker: Tracker::default(),
+            retract: Retract::No,
             is_finishing: false,
             resume_due: false,
             next_id: 1,
@@ -222,6 +228,7 @@ impl Path {
         });
         self.course = next.map_or(Course::Free, |(id, sync)| Course::of(id, sync));
         setup.is_bound = self.course != Course::Free;
+        self.permit_retract();
         if matches!(self.course, Course::Tap(_)) {
             let pitch = next.and_then(|(_, sync)| sync).map_or(0.0, |s| s.pitch);
             setup.overrun = OVERRUN_TURNS * pitch;
@@ -244,11 +251,13 @@ impl Path {
             self.resume_in -= 1;
             self.paused &= self.resume_in > 0;
         }
+        let retracts = self.retracts(&drive);
         let session = self.session.as_mut()?;
-        let mut holds = self.stop.is_some() || self.paused || !self.last.moving && !drive.may_begin;
+        let is_paused = self.paused && !retracts;
+        let mut holds = self.stop.is_some() || is_paused || !self.last.moving && !drive.may_begin;
         let mut top = drive.top;
         let mut reverse = self.reverse != drive.reverse;
-        self.scale = drive.scale;
+        self.scale = if retracts { drive.retract } else { drive.scale };
         if let Some(pace) = drive.pace {
             // Overrides and holds wait until the spindle is free.
             (holds, reverse, self.scale) = (pace.waits, pace.velocity < 0.0, 1.0);

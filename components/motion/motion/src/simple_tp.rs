@@ -54,7 +54,7 @@ impl SimpleTp {
         self.target += by;
     }
 
-    /// Runs one cycle. Stops within a deadband of 0.001·a·dt² of the target.
+    /// Runs one cycle. Stops within a deadband of 0.001·a·dt² of the target, under a jerk limit exactly there.
     pub(crate) fn step(&mut self, dt: f64) {
         self.run(dt, false);
     }
@@ -81,7 +81,7 @@ impl SimpleTp {
             acc = if most < acc { most } else { acc };
         }
         let from = self.x;
-        if exactly {
+        if exactly || has_jerk {
             self.walk_exactly(acc, dt);
         } else {
             self.walk(acc, dt);

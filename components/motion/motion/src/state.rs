@@ -56,6 +56,8 @@ pub(crate) struct Feed {
     pub(crate) reverse: bool,
     /// Product of all factors in this cycle.
     pub(crate) net: f64,
+    /// Factor of a retract from a thread, for which holds do not count.
+    pub(crate) retract: f64,
 }
 
 /// State of motion, without the pins.
@@ -132,7 +134,14 @@ impl State {
             analog_out: vec![0.0; setup.analog_out.len()],
             at_speed: true,
             traj: TrajConfig::default(),
-            feed: Feed { scale: 1.0, adaptive: false, hold: true, reverse: false, net: 1.0 },
+            feed: Feed {
+                scale: 1.0,
+                adaptive: false,
+                hold: true,
+                reverse: false,
+                net: 1.0,
+                retract: 1.0,
+            },
             path,
             probe: ProbeResult::default(),
             tool_offset: [0.0; 9],

@@ -65,6 +65,12 @@ impl PathWatch {
         &self.worst
     }
 
+    /// Returns the ratio of distance to tolerance: the least one over the shapes within `reach` of `near`; infinity if the
+    /// pose is not finite.
+    pub fn ratio(&self, pose: &[f64; AXES], near: usize, reach: usize) -> f64 {
+        self.least(pose, near, reach, true)
+    }
+
     /// Returns the number of cycles in which the pose was too far from the path.
     pub const fn violations(&self) -> u64 {
         self.violations

@@ -5,5 +5,6 @@ mod compat;
 mod judge;
 mod language;
 mod modules;
+mod motion;
 mod python;
 mod traces;

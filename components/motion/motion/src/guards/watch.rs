@@ -58,7 +58,7 @@ impl JointWatch {
         self.configured = Limits {
             velocity: c.move_velocity(),
             acceleration: c.move_acceleration() * (1.0 + DEADBAND),
-            jerk: c.move_jerk(),
+            jerk: c.move_jerk() * (1.0 + ROUNDING),
         };
         self.largest = finite(c.min_limit) + finite(c.max_limit);
         self.is_settled = false;
@@ -79,9 +79,7 @@ impl JointWatch {
             (self.limits, self.dt) = (limits, dt);
             self.is_settled = limits == self.configured;
             self.size = if size > self.size { size } else { self.size };
-            let deadband = 4.0 * DEADBAND * limits.acceleration / dt;
-            let judged = Limits { jerk: limits.jerk + deadband, ..limits };
-            self.judge.set_limits([judged], dt, self.size);
+            self.judge.set_limits([limits], dt, self.size);
         }
         if !self.is_on {
             self.judge.rest_at(&[at]);
@@ -159,6 +157,9 @@ pub(crate) struct WatchCounters {
 /// Allowance for acceleration: a jog ends within a thousandth of one cycle's acceleration of its target, and the next
 /// motion may begin at the target itself.
 const DEADBAND: f64 = 1e-3;
+
+/// Allowance for jerk, which magnifies the rounding of kinematics.
+const ROUNDING: f64 = 1e-4;
 
 fn finite(limit: f64) -> f64 {
     if limit.is_finite() { limit.abs() } else { 0.0 }

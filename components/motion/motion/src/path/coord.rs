@@ -23,6 +23,7 @@ impl State {
         let drive = Drive {
             dt,
             scale: self.feed.net,
+            retract: self.feed.retract,
             reverse: self.feed.reverse,
             top: self.top_speed(),
             may_begin: self.at_speed,

@@ -3,6 +3,7 @@
 use super::{
     AT_REST, Live, Parked, Path, Stop,
     order::Item,
+    retract::Retract,
     spindle::{Course, Tracker},
     sweep,
 };
@@ -140,6 +141,7 @@ impl Path {
         self.is_finishing = false;
         self.course = Course::Free;
         self.tracker = Tracker::default();
+        self.retract = Retract::No;
     }
 
     /// Plans the rest of the path again for limits that have changed. A path that has ended is left.

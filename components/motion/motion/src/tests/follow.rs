@@ -317,22 +317,69 @@ fn limits_win_over_a_spindle_that_is_too_quick() {
     }
 }
 
+/// A hold that begins in a thread, and where the axes rest: behind the retract, unless nothing may begin.
 #[test]
-fn a_hold_takes_effect_after_the_thread() {
-    let mut lathe = Lathe::new(600.0, 400.0);
-    lathe.rig.say("motion.move x=40 pitch=1.5");
-    lathe.rig.say("motion.move x=60 velocity=50");
-    lathe.until(|l| l.x() > 20.0);
-    lathe.rig.bench.set("motion.feed-hold", true);
-    lathe.rig.say("motion.reverse");
-    lathe.rig.say("motion.feed override=0");
-    lathe.cycles(3000);
-    assert_eq!(lathe.x(), 40.0);
-    lathe.rig.say("motion.feed override=1");
-    lathe.rig.bench.set("motion.feed-hold", false);
-    lathe.rig.say("motion.forward");
-    lathe.until(|l| l.x() == 60.0);
-    assert!(lathe.rig.bench.said().is_empty());
+fn a_hold_takes_effect_after_the_thread_and_its_retract() {
+    let pin = |rig: &Rig, name: &str, on: bool| rig.bench.set(name, on);
+    for (hold, retracts) in [
+        ("hold", true),
+        ("pause", true),
+        ("override", true),
+        ("inhibit", false),
+        ("reverse", false),
+    ] {
+        let set = |rig: &Rig, on: bool| match hold {
+            "pause" => drop(rig.say(if on { "motion.pause" } else { "motion.resume" })),
+            "override" => drop(rig.say(&format!("motion.feed override={}", u8::from(!on)))),
+            "inhibit" => pin(rig, "motion.feed-inhibit", on),
+            "reverse" => {
+                pin(rig, "motion.feed-hold", on);
+                rig.say(if on { "motion.reverse" } else { "motion.forward" });
+            }
+            _ => pin(rig, "motion.feed-hold", on),
+        };
+        let mut lathe = Lathe::new(600.0, 400.0);
+        lathe.rig.say("motion.move x=40 pitch=1.5");
+        lathe.rig.say("motion.move y=6 rapid=1 mode=exact");
+        lathe.rig.say("motion.move x=0 rapid=1");
+        lathe.until(|l| l.x() > 20.0);
+        set(&lathe.rig, true);
+        lathe.cycles(3000);
+        let [x, y, _] = lathe.rig.places();
+        assert!((x - 40.0).abs() < 0.1, "{hold}: {x}");
+        assert_eq!(y, if retracts { 6.0 } else { 0.0 }, "{hold}");
+        let place = lathe.rig.places();
+        lathe.cycles(500);
+        assert_eq!(lathe.rig.places(), place, "{hold}");
+        set(&lathe.rig, false);
+        lathe.until(|l| l.rig.is("motion.in-position"));
+        assert_eq!(lathe.rig.places(), [0.0, 6.0, 0.0], "{hold}");
+        assert!(lathe.rig.bench.said().is_empty());
+    }
+}
+
+/// Nothing moves on under a hold that a thread has outlived: neither what comes later, nor a probe move, nor another thread.
+#[test]
+fn a_hold_after_a_thread_holds_all_but_its_retract() {
+    for next in ["motion.probe x=60 velocity=20", "motion.move x=60 pitch=1.5 spindle=0", ""] {
+        let mut lathe = Lathe::new(600.0, 400.0);
+        lathe.rig.say("motion.move x=40 pitch=1.5");
+        if !next.is_empty() {
+            lathe.rig.say(next);
+        }
+        lathe.until(|l| l.x() > 20.0);
+        lathe.rig.bench.set("motion.feed-hold", true);
+        lathe.cycles(3000);
+        if next.is_empty() {
+            lathe.rig.say("motion.move y=6");
+            lathe.cycles(500);
+        }
+        let end = if next.contains("pitch") { 60.0 } else { 40.0 };
+        assert_eq!(lathe.rig.places(), [end, 0.0, 0.0], "{next}");
+        lathe.rig.bench.set("motion.feed-hold", false);
+        lathe.cycles(500);
+        assert!(end == 60.0 || lathe.rig.places() != [end, 0.0, 0.0], "{next}");
+    }
 }
 
 /// Causes that keep a thread from beginning, and the end of the wait.

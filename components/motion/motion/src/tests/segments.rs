@@ -43,8 +43,7 @@ impl Course {
             jerk: f64::INFINITY,
         });
         for (limits, jerk) in limits.iter_mut().zip(jerk) {
-            // A jog ends within a thousandth of a cycle's acceleration of its target.
-            limits.jerk = jerk + 4e-3 * limits.acceleration / DT;
+            limits.jerk = jerk * (1.0 + 1e-6);
         }
         let mut watch = Watchman::new(limits, DT, 300.0);
         watch.rest_at(&[0, 1, 2].map(|n| rig.joint(n, "motor-pos-cmd")));
