@@ -22,6 +22,9 @@ const END: usize = 7;
 const BEGIN: usize = 8;
 const FLAGS: usize = 10;
 
+/// Part of the highest squared speed that counts as not braking.
+const UNBRAKED: f64 = 1.0 - 1e-9;
+
 #[derive(Debug)]
 struct Shared {
     order: Order,
@@ -142,20 +145,24 @@ impl Publisher {
     /// negative if it may brake already. Counts no further than `enough`. `from` is the follower's
     /// [`input`](crate::Follower::input).
     pub fn time_ahead(&self, from: (u64, f64), period: f64, enough: f64) -> f64 {
-        let (mut time, mut braking) = (0.0, 0.0_f64);
+        let (mut time, mut free, mut filter) = (0.0, 0.0, 0.0_f64);
         let (first, mut gone) = from;
         for number in first.max(self.sent.oldest())..self.next {
             let Some(cell) = self.sent.cell(number) else { break };
-            if cell.speed <= 0.0 || time - braking > enough {
+            if cell.speed <= 0.0 || free - filter > enough {
                 break;
             }
-            let rate = cell.rest - cell.fade * cell.speed * cell.speed;
-            let stop = if rate > 0.0 { cell.speed / rate } else { 0.0 };
-            braking = braking.max(stop + 3.0 * f64::from(cell.samples) * period);
+            filter = filter.max(3.0 * f64::from(cell.samples) * period);
             time += (cell.length - gone) / cell.speed;
             gone = 0.0;
+            // Where only the limits of this cell and the next one hold, nothing brakes for the end yet.
+            let next = self.sent.cell(number + 1).map_or(0.0, |c| c.speed);
+            let speed = if next < cell.speed { next } else { cell.speed };
+            if next > 0.0 && cell.end >= UNBRAKED * speed * speed {
+                free = time;
+            }
         }
-        time - braking
+        free - filter
     }
 
     /// Returns the memory in use, in bytes.

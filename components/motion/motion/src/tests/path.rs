@@ -143,6 +143,37 @@ fn corners_are_blended_within_their_tolerance() {
 }
 
 /// Q of G64: short lines are joined within the larger of both tolerances.
+/// A program that pauses its moves while enough of them wait does not slow the axes down, in a bend that takes all of
+/// the acceleration either.
+#[test]
+fn moves_that_come_in_batches_are_one_path() {
+    let mut rig = Rig::homed(&[]);
+    let (mut sent, mut slowest, mut travelled) = (0, f64::INFINITY, 0.0);
+    while travelled < 80.0 {
+        let status: MotionStatus = rig.bench.snapshot("motion.status");
+        if status.queue < 200 {
+            for n in 0..200 {
+                sent += 1;
+                if n % 20 == 0 {
+                    rig.cycle();
+                    travelled += rig.float("motion.current-vel") * DT;
+                }
+                let (sin, cos) = (f64::from(sent) * 0.02).sin_cos();
+                let (x, y) = (5.0 * sin, 5.0 - 5.0 * cos);
+                rig.say(&format!("motion.move x={x} y={y} velocity=90 mode=blend tolerance=0.01"));
+            }
+        }
+        rig.cycles(5);
+        let speed = rig.float("motion.current-vel");
+        travelled += speed * 5.0 * DT;
+        if travelled > 10.0 {
+            slowest = f64::min(slowest, speed);
+        }
+    }
+    // All of the acceleration gives 82 units/s.
+    assert!(slowest > 70.0, "{slowest}");
+}
+
 #[test]
 fn a_cam_tolerance_widens_a_small_tolerance() {
     let mut cycles = Vec::new();

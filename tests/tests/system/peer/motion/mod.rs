@@ -7,6 +7,7 @@
 //!
 //! `cargo test -p hal-tests --test system peer::motion -- --ignored` runs all programs through both, which takes eight minutes;
 //! with `UPDATE_EXPECT=1` it writes `components/motion/motion/PEER.md`.
+#![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod path;
 
@@ -30,7 +31,7 @@ const ROUNDING: f64 = 1e-7;
 const QUICK: &[&str] = &["engraving", "gear", "surface-rounded", "tilt", "slots"];
 
 /// Program number and joint positions of a servo cycle.
-type Sample = (u32, [f64; JOINTS]);
+type Sample = (f64, [f64; JOINTS]);
 
 /// Figures of one program on one controller.
 #[derive(Clone, Copy, Debug)]
@@ -103,7 +104,7 @@ fn samples(text: &str) -> Vec<Sample> {
                 panic!("samples were lost: {line}")
             };
             let joints = joints.map(|j| SCALE * j.unwrap_or_else(|| panic!("cut: {line}")));
-            (program as u32, joints)
+            (program, joints)
         })
         .collect()
 }
@@ -137,8 +138,9 @@ fn theirs(names: &[String]) -> Option<Vec<Figures>> {
     let out = command.output().unwrap();
     let text = String::from_utf8_lossy(&out.stdout);
     let all = samples(&scratch.read("samples"));
-    let figures = programs.iter().zip(1..).map(|(program, number)| {
-        let positions: Vec<_> = all.iter().filter(|s| s.0 == number).map(|s| s.1).collect();
+    let figures = programs.iter().zip(1_u32..).map(|(program, number)| {
+        let positions: Vec<_> =
+            all.iter().filter(|s| s.0 == f64::from(number)).map(|s| s.1).collect();
         assert!(!positions.is_empty(), "LinuxCNC did not run {program}: {text}");
         Figures::of(&positions, &Programmed::read(scratch.path(), program))
     });

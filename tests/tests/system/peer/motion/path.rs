@@ -1,4 +1,5 @@
 //! The programmed path of a program, from the canonical calls of the interpreter, and the distance from it.
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use hal_gcode::{
     Call, Interpreter,
