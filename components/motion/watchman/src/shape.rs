@@ -72,7 +72,7 @@ impl Shape {
             spline.near(exact, sampled, |low, high| {
                 // A place inside the tolerance suffices.
                 if value > 1.0 {
-                    value = value.min(least(low, high, 32, at));
+                    value = value.min(least(low, high, 32, 1.0, at));
                 }
             });
             return value;
@@ -92,7 +92,7 @@ impl Shape {
             return value;
         }
         // The larger of convex functions is convex: golden-section search finds the least value.
-        least(0.0, 1.0, 64, at)
+        least(0.0, 1.0, 64, f64::NEG_INFINITY, at)
     }
 
     /// Offers the fractions at which the shape is nearest to `pose`: in XYZ if it moves there, else in UVW, else in ABC.
@@ -175,18 +175,25 @@ impl Helix {
     }
 }
 
-/// Golden-section search for the least value between two fractions; its ends count too.
-fn least(from: f64, to: f64, rounds: u32, at: impl Fn(f64) -> f64) -> f64 {
+/// Golden-section search for the least value between two fractions; its ends count too. It ends at the first value up to
+/// `enough`.
+fn least(from: f64, to: f64, rounds: u32, enough: f64, at: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (from, to);
+    let mut best = at(low).min(at(high));
     for _ in 0..rounds {
+        if best <= enough {
+            break;
+        }
         let (a, b) = (low + 0.381_966 * (high - low), low + 0.618_034 * (high - low));
-        if at(a) < at(b) {
+        let (x, y) = (at(a), at(b));
+        best = best.min(x).min(y);
+        if x < y {
             high = b;
         } else {
             low = a;
         }
     }
-    at(low).min(at(high)).min(at(from)).min(at(to))
+    best
 }
 
 /// Returns the distances of two poses in XYZ, ABC and UVW.
