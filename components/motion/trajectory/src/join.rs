@@ -273,7 +273,7 @@ fn part(
 ) -> f64 {
     let Some(curve) = spline.piece(knot) else { return f64::INFINITY };
     let start = float(knot) * spline.spacing;
-    let (p, q) = (curve.at(a - start), curve.at(b - start));
+    let (p, q) = (curve.twice(a - start), curve.twice(b - start));
     let u = slope(line);
     let third = (b - a) / 3.0;
     let (d0, d3) = (p.pose - line.curve.pose(a - begin), q.pose - line.curve.pose(b - begin));

@@ -13,7 +13,7 @@ struct Mutant {
     file: &'static str,
     right: &'static str,
     wrong: &'static str,
-    /// Test program, and the name of the test in it.
+    /// Test program, or [`LIB`] for the tests inside the crate, and the name of the test in it.
     fails: [&'static str; 2],
 }
 
@@ -21,7 +21,9 @@ const BY_NAME: [&str; 2] = ["limits", "programs_by_name"];
 const PAST: [&str; 2] = ["limits", "cases_of_the_past"];
 const BOUNDS: [&str; 2] = ["times", "times_are_near"];
 
-const MUTANTS: [Mutant; 15] = [
+const LIB: &str = "lib";
+
+const MUTANTS: [Mutant; 21] = [
     Mutant {
         mistake: "a search takes the end of its bracket that has not passed the test",
         file: "follower/event.rs",
@@ -127,6 +129,48 @@ const MUTANTS: [Mutant; 15] = [
         wrong: "rest: 1700.0,\n                fade: 0.0,",
         fails: BY_NAME,
     },
+    Mutant {
+        mistake: "a limit of speed a rounding below the planned speed is a lower one",
+        file: "follower/event.rs",
+        right: "v > cap * (1.0 + 4e-13)",
+        wrong: "v > cap",
+        fails: [LIB, "a_limit_within_rounding"],
+    },
+    Mutant {
+        mistake: "joined lines are 25 % beyond their tolerance",
+        file: "join.rs",
+        right: "self.deviation(&spline, tolerances) <= 1.0 - 1e-9",
+        wrong: "0.8 * self.deviation(&spline, tolerances) <= 1.0 - 1e-9",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "the deviation of a blend is judged at its middle alone",
+        file: "blend.rs",
+        right: "    first.max(second).max(miss(blend, b, t))\n",
+        wrong: "    miss(blend, b, t).max(0.0 * first.max(second))\n",
+        fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "a double knot of a cubic is smooth",
+        file: "plan/spline.rs",
+        right: "next - first + 2 <= self.degree",
+        wrong: "next - first + 1 <= self.degree",
+        fails: ["splines", "random_splines"],
+    },
+    Mutant {
+        mistake: "the follower passes any number of cells in a period",
+        file: "plan/cells.rs",
+        right: "raw.allowed.speed.min(window.add(raw.length) / machine.period)",
+        wrong: "raw.allowed.speed.min(1e9 * window.add(raw.length) / machine.period)",
+        fails: ["invariants", "specks"],
+    },
+    Mutant {
+        mistake: "a jog accelerates and brakes without a pause for its filter",
+        file: "axis.rs",
+        right: "pause = (count + 2.0) * period * (1.0 + 1e-9);",
+        wrong: "pause = 0.0;",
+        fails: ["axis", "limits_hold"],
+    },
 ];
 
 fn crates() -> PathBuf {
@@ -177,7 +221,7 @@ fn each_mistake_fails_its_test() {
     fs::copy(crates().join("../../Cargo.lock"), root.join("Cargo.lock")).unwrap();
     let cargo = |words: &[&str]| {
         let mut command = Command::new(env!("CARGO"));
-        command.args(["test", "-q", "--offline", "--release", "-p", "hal-trajectory", "--test"]);
+        command.args(["test", "-q", "--offline", "--release", "-p", "hal-trajectory"]);
         command.args(words).current_dir(&root).env("CARGO_TARGET_DIR", root.join("target"));
         command.env("CARGO_PROFILE_RELEASE_LTO", "off");
         command.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
@@ -189,9 +233,10 @@ fn each_mistake_fails_its_test() {
         let right = fs::read_to_string(&path).unwrap();
         fs::write(&path, mutated(mutant)).unwrap();
         let [program, test] = mutant.fails;
-        let built = cargo(&[program, "--no-run"]);
+        let words: &[&str] = if program == LIB { &["--lib"] } else { &["--test", program] };
+        let built = cargo(&[words, &["--no-run"]].concat());
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        let done = cargo(&[program, test]);
+        let done = cargo(&[words, &[test]].concat());
         let caught = !done.status.success();
         println!(
             "{}: {program}::{test}: {}",
