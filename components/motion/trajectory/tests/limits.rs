@@ -3,9 +3,9 @@
 
 mod judge;
 
-use hal_corpus::{NAMES, named, shrink};
+use hal_corpus::{NAMES, Program, named, shrink};
 use hal_trajectory::{Limits, Machine, Trivial};
-use judge::{Conduct, Outcome, PLAIN, Robot, case, run};
+use judge::{Case, Conduct, Outcome, PLAIN, Robot, case, run};
 use std::{
     collections::BTreeMap,
     sync::{
@@ -14,29 +14,37 @@ use std::{
     },
 };
 
+/// Runs the program of a seed. A failing one is shrunk and printed.
 fn judged(seed: u64, count: usize) -> (Outcome, Robot) {
     let c = case(seed, count);
     let out = run(&c.program, &c.machine, &c.robot, &c.conduct);
     let fails = |o: &Outcome| o.violations > 0 || o.rejected > 0;
     if fails(&out) {
-        let small = shrink(&c.program, |p| fails(&run(p, &c.machine, &c.robot, &c.conduct)));
-        println!(
-            "seed {seed} {} {:?}: {} violations in {} cycles, {} rejections (last: {}), worst {:?}\n{}\n{:?}\n{:?}\n\
-             shrunk to {:#?}",
-            c.program.name,
-            c.robot,
-            out.violations,
-            out.cycles,
-            out.rejected,
-            out.rejection.map_or_else(|| "none".to_owned(), |r| r.to_string()),
-            out.worst,
-            out.place,
-            c.conduct,
-            c.machine,
-            small.steps
-        );
+        println!("{}", described(&c, &out, fails).0);
     }
     (out, c.robot)
+}
+
+/// Describes a run that fails, with its seed and the smallest program that still fails; returns that too.
+fn described(c: &Case, out: &Outcome, fails: impl Fn(&Outcome) -> bool) -> (String, Program) {
+    let small = shrink(&c.program, |p| fails(&run(p, &c.machine, &c.robot, &c.conduct)));
+    let text = format!(
+        "seed {} {} {:?}: {} violations in {} cycles, {} rejections (last: {}), worst {:?}\n{}\n{:?}\n{:?}\n\
+         shrunk to {:#?}",
+        c.program.seed,
+        c.program.name,
+        c.robot,
+        out.violations,
+        out.cycles,
+        out.rejected,
+        out.rejection.map_or_else(|| "none".to_owned(), |r| r.to_string()),
+        out.worst,
+        out.place,
+        c.conduct,
+        c.machine,
+        small.steps
+    );
+    (text, small)
 }
 
 /// Findings about many programs.
@@ -134,6 +142,19 @@ fn many(seeds: core::ops::Range<u64>, count: usize) -> Sum {
 #[test]
 fn random_programs_keep_every_limit() {
     many(0..231, 40);
+}
+
+/// A program that fails, here by a speed that it is not to reach, is shrunk to a move or two and printed with its seed.
+#[test]
+fn a_failure_is_shrunk_and_has_its_seed() {
+    let c = case(70, 40);
+    let out = run(&c.program, &c.machine, &c.robot, &c.conduct);
+    let most = 0.8 * out.worst[0];
+    let fails = |o: &Outcome| o.worst[0] > most;
+    let (text, small) = described(&c, &out, fails);
+    assert!(c.program.steps.len() >= 40 && small.steps.len() <= 3, "{text}");
+    assert!(fails(&run(&small, &c.machine, &c.robot, &c.conduct)), "{text}");
+    assert!(text.starts_with("seed 70 ") && text.contains("shrunk to ["), "{text}");
 }
 
 /// Programs by name, from exact paths to wide blends, with and without a limit of jerk.

@@ -23,7 +23,7 @@ const BOUNDS: [&str; 2] = ["times", "times_are_near"];
 
 const LIB: &str = "lib";
 
-const MUTANTS: [Mutant; 21] = [
+const MUTANTS: [Mutant; 22] = [
     Mutant {
         mistake: "a search takes the end of its bracket that has not passed the test",
         file: "follower/event.rs",
@@ -163,6 +163,13 @@ const MUTANTS: [Mutant; 21] = [
         right: "raw.allowed.speed.min(window.add(raw.length) / machine.period)",
         wrong: "raw.allowed.speed.min(1e9 * window.add(raw.length) / machine.period)",
         fails: ["invariants", "specks"],
+    },
+    Mutant {
+        mistake: "reverse motion stops where forward motion does, not before it",
+        file: "follower.rs",
+        right: "if if self.back { next.stop } else { cell.stop } {",
+        wrong: "if cell.stop {",
+        fails: PAST,
     },
     Mutant {
         mistake: "a jog accelerates and brakes without a pause for its filter",
