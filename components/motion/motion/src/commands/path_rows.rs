@@ -71,7 +71,8 @@ waits while a spindle that is on has no at-speed. A move beyond a limit is refus
 and so are the moves that wait behind it.
 
 With pitch= the move follows the turns of a spindle from its index on, as G33: overrides do not count,
-and a hold takes effect after it and the move behind it, the retract, if that move waits already. Several such moves in a row are one thread.",
+and a hold takes effect after it and the move behind it, the retract, if that move waits already.
+Several such moves in a row are one thread.",
         args: with_axes![
             &SPINDLE,
             &Arg::float("pitch", "Units in x y z per turn of the spindle, above 0, as G33."),
