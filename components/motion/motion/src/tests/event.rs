@@ -5,27 +5,28 @@ use super::*;
 
 /// Reactions: `-` none; `hold` rests until the event is over, and goes on; `brake` brakes within the limits, and the
 /// machine stays on; `after` ends the thread or tap, and rests until the event is over; `off` switches the machine off
-/// in this cycle; `fail` homing fails, and the machine goes off. `starved` is a planner that does not run.
+/// in this cycle; `fail` homing fails, and the machine goes off; `trip` brakes or ends homing, and says so; `found` ends the
+/// probe move well. `starved` is a planner that does not run.
 const TABLE: &str = "
-phase         hold  door  abort  limit  ferror  amp  spindle  enable  misc  estop  unhome  starved
-rest          -     -     -      off    off     off  off      off     off   off    .       -
-accelerating  hold  hold  brake  off    off     off  off      off     off   off    -       -
-cruising      hold  hold  brake  off    off     off  off      off     off   off    -       -
-decelerating  hold  hold  brake  off    off     off  off      off     off   off    -       -
-held          hold  hold  brake  off    off     off  off      off     off   off    -       -
-joint-jog     -     -     brake  off    off     off  off      off     off   off    -       -
-axis-jog      -     -     brake  off    off     off  off      off     off   off    -       -
-blend         hold  hold  brake  off    off     off  off      off     off   off    -       hold
-arc           hold  hold  brake  off    off     off  off      off     off   off    -       -
-reversing     hold  hold  brake  off    off     off  off      off     off   off    -       -
-paused        hold  hold  brake  off    off     off  off      off     off   off    -       -
-probing       hold  hold  brake  off    off     off  off      off     off   off    -       -
-wheel-jog     -     -     brake  off    off     off  off      off     off   off    -       -
-search        -     -     brake  fail   off     off  off      off     off   off    -       -
-latch         -     -     brake  fail   off     off  off      off     off   off    -       -
-threading     after after brake  off    off     off  off      off     off   off    -       -
-tapping       after after brake  off    off     off  off      off     off   off    -       after
-retracting    after after brake  off    off     off  off      off     off   off    -       after
+phase         hold  door  abort  limit  ferror  amp  spindle  enable  misc  estop  unhome  starved  probe
+rest          -     -     -      off    off     off  off      off     off   off    .       -        -
+accelerating  hold  hold  brake  off    off     off  off      off     off   off    -       -        -
+cruising      hold  hold  brake  off    off     off  off      off     off   off    -       -        -
+decelerating  hold  hold  brake  off    off     off  off      off     off   off    -       -        -
+held          hold  hold  brake  off    off     off  off      off     off   off    -       -        -
+joint-jog     -     -     brake  off    off     off  off      off     off   off    -       -        trip
+axis-jog      -     -     brake  off    off     off  off      off     off   off    -       -        trip
+blend         hold  hold  brake  off    off     off  off      off     off   off    -       hold     -
+arc           hold  hold  brake  off    off     off  off      off     off   off    -       -        -
+reversing     hold  hold  brake  off    off     off  off      off     off   off    -       -        -
+paused        hold  hold  brake  off    off     off  off      off     off   off    -       -        -
+probing       hold  hold  brake  off    off     off  off      off     off   off    -       -        found
+wheel-jog     -     -     brake  off    off     off  off      off     off   off    -       -        trip
+search        -     -     brake  fail   off     off  off      off     off   off    -       -        trip
+latch         -     -     brake  fail   off     off  off      off     off   off    -       -        trip
+threading     after after brake  off    off     off  off      off     off   off    -       -        -
+tapping       after after brake  off    off     off  off      off     off   off    -       after    -
+retracting    after after brake  off    off     off  off      off     off   off    -       after    -
 ";
 
 struct Event {
@@ -113,6 +114,7 @@ const EVENTS: &[Event] = &[
         cause: "cannot unhome while the machine moves",
         said: "cannot unhome while the machine moves",
     },
+    pin!("probe", "motion.probe-input", true, "", ""),
     Event {
         name: "starved",
         begin: |rig| rig.is_starved = true,
@@ -253,6 +255,15 @@ fn nothing_moves(rig: &mut Rig, what: &str) {
     }
 }
 
+/// Returns the cause of a stop by a probe that trips while nothing probes.
+fn tripped(phase: &str) -> &'static str {
+    if matches!(phase, "search" | "latch") {
+        "the probe tripped during homing"
+    } else {
+        "the probe tripped during a jog"
+    }
+}
+
 fn check(phase: &str, event: &Event, reaction: &str) {
     let what = format!("{phase}, {}: {reaction}", event.name);
     let (mut rig, waits, end) = begin(phase);
@@ -294,6 +305,21 @@ fn check(phase: &str, event: &Event, reaction: &str) {
             (event.end)(&mut rig);
             return ends_well(&mut rig, waits, end, &what);
         }
+        "found" => {
+            until(&mut rig, |rig| rig.is("motion.in-position"));
+            assert!(rig.is("motion.motion-enabled") && rig.is("motion.probe-input"), "{what}");
+            assert!(rig.joint(0, "pos-cmd") < end, "{what}");
+            assert_eq!(ticket(&rig, waits), Some(TicketState::Done), "{what}");
+            assert!(rig.bench.said().is_empty(), "{what}");
+            (event.end)(&mut rig);
+            return nothing_moves(&mut rig, &what);
+        }
+        "trip" => {
+            until(&mut rig, |rig| rig.is("motion.in-position"));
+            assert!(rig.is("motion.motion-enabled"), "{what}");
+            assert!(rig.joint(0, "pos-cmd") < 100.0, "{what}");
+            assert_eq!(rig.bench.said(), [tripped(phase)], "{what}");
+        }
         "brake" => {
             until(&mut rig, |rig| rig.is("motion.in-position"));
             assert!(rig.is("motion.motion-enabled"), "{what}");
@@ -322,7 +348,11 @@ fn check(phase: &str, event: &Event, reaction: &str) {
         }
         other => panic!("{other}"),
     }
-    let cause = if reaction == "fail" { "hit limit while homing" } else { event.cause };
+    let cause = match reaction {
+        "fail" => "hit limit while homing",
+        "trip" => tripped(phase),
+        _ => event.cause,
+    };
     assert!(ticket(&rig, waits).is_none_or(|t| t == TicketState::Failed(cause)), "{what}");
     nothing_moves(&mut rig, &what);
     // The cause is kept until it is read.
@@ -331,8 +361,8 @@ fn check(phase: &str, event: &Event, reaction: &str) {
         lines.into_iter().filter(|l| l.starts_with("stop ")).collect::<Vec<_>>()
     };
     let stops = kept(&rig);
-    if reaction == "brake" {
-        assert!(stops.is_empty(), "{what}: an abort is a command");
+    if matches!(reaction, "brake" | "trip") {
+        assert!(stops.is_empty(), "{what}: the machine stays on");
     } else {
         let text = cause.replace(['{', '}'], "");
         assert!(stops[0].starts_with("stop time=") && stops[0].ends_with(&text), "{stops:?}");
@@ -373,6 +403,6 @@ fn every_phase_by_every_event() {
             cells += 1;
         }
     }
-    assert_eq!(cells, 215);
+    assert_eq!(cells, 233);
     assert_eq!(names.len(), EVENTS.len());
 }
