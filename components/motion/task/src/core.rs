@@ -316,7 +316,10 @@ impl Core {
                 "the machine was switched off"
             };
             self.mode = if self.job.is_some() { self.mode } else { Mode::Manual };
-            self.end_job(why, out);
+            return self.end_job(why, out);
+        }
+        if self.job.is_some() && self.rules.needs_homing && !motion.all_homed {
+            self.fail("a joint is no longer homed", out);
         }
     }
 
