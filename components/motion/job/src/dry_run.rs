@@ -1,22 +1,16 @@
 //! The dry run: a program as far as one of its lines, without its machine.
 //!
 //! A start in the middle of a program needs the state that the lines before it make. The dry run computes it with
-//! the interpreter that also runs the program. What only the machine knows (a probe, an input, a value of HAL) comes
-//! from the record of an earlier run; without one, the dry run ends there with a refusal.
+//! the interpreter that also runs the program. A fact that only the machine knows, and no record of an earlier run has, ends the
+//! dry run with a refusal.
 
 use crate::{
-    effects::{Effects, Outputs},
-    refusal::{LineBegin, Refusal, Series, Unknown},
+    effects::Effects,
+    refusal::{LineBegin, Refusal, Series},
+    simulation::{Given, Simulation},
     world::World,
 };
-use core::cell::Cell;
-use hal_gcode::{
-    Answer, Environment, Interpreter, Issued, Request, State, Step, Text,
-    axis::{Axis, Position},
-    error::Place,
-    tool::{Tool, ToolTable},
-};
-use std::collections::VecDeque;
+use hal_gcode::{Interpreter, State, axis::Position, error::Place};
 
 /// Number of lines behind the place in which its repetitions are counted.
 const COUNTED_LINES: u64 = 200_000;
@@ -56,25 +50,11 @@ pub struct Found {
     pub effects: Effects,
 }
 
-/// Rules of the machine for the answers that it need not give.
-#[derive(Clone, Debug, Default)]
-pub struct Given {
-    /// Place for tool changes in millimetres; axes without a coordinate stay where they are.
-    pub change_position: Option<[Option<f64>; 9]>,
-    /// Answers of an earlier run, in their order.
-    pub answers: VecDeque<Answer>,
-    /// Outputs that the program has set before its begin.
-    pub outputs: Outputs,
-    /// The tool table of an earlier run, if it is not that of the world.
-    pub tools: Option<ToolTable>,
-}
-
 /// A dry run on its way.
 pub struct DryRun {
-    interpreter: Interpreter,
+    program: Simulation,
     target: Target,
     main: Box<str>,
-    given: Given,
     seen: u32,
     /// The last line from which a start is possible.
     good: Option<LineBegin>,
@@ -83,37 +63,6 @@ pub struct DryRun {
     refused: Option<Refusal>,
     /// Lines that are still searched behind the place.
     rest: u64,
-    calls: Vec<Issued>,
-}
-
-/// Facts of the world, with a note that the program has asked for one that is not known.
-struct Asked<'a> {
-    world: &'a World,
-    tools: Option<&'a ToolTable>,
-    hal: Cell<bool>,
-}
-
-impl Environment for Asked<'_> {
-    fn open(&self, name: &str) -> Option<Text> {
-        self.world.open(name)
-    }
-    fn tool(&self, number: i32) -> Option<Tool> {
-        match self.tools {
-            Some(tools) => tools.find(number).cloned(),
-            None => self.world.tool(number),
-        }
-    }
-    fn ini(&self, section: &str, key: &str) -> Option<f64> {
-        self.world.ini(section, key)
-    }
-    fn hal(&self, name: &str) -> Option<f64> {
-        let value = self.world.hal(name);
-        self.hal.set(self.hal.get() || value.is_none());
-        value
-    }
-    fn user_code(&self, code: u16) -> bool {
-        self.world.user_code(code)
-    }
 }
 
 impl DryRun {
@@ -122,17 +71,15 @@ impl DryRun {
         let effects = Effects { outputs: given.outputs.clone(), ..Effects::default() };
         let main = interpreter.state.levels.first().map(|l| l.file.clone()).unwrap_or_default();
         Self {
-            interpreter,
+            program: Simulation::new(interpreter, given),
             target,
             main,
-            given,
             seen: 0,
             good: None,
             effects,
             found: None,
             refused: None,
             rest: 0,
-            calls: Vec::new(),
         }
     }
 
@@ -165,8 +112,8 @@ impl DryRun {
 
     /// Returns the interpreter, in the state of the place.
     pub fn into_interpreter(mut self, found: &Found) -> Interpreter {
-        self.interpreter.state = found.state.clone();
-        self.interpreter
+        self.program.interpreter.state = found.state.clone();
+        self.program.interpreter
     }
 
     fn result(&mut self) -> Result<Option<Found>, Refusal> {
@@ -182,7 +129,7 @@ impl DryRun {
 
     /// Returns the line that would run next.
     fn next_line(&self) -> LineBegin {
-        let state = &self.interpreter.state;
+        let state = &self.program.interpreter.state;
         let level = state.levels.last();
         LineBegin {
             number: state.lines_run,
@@ -214,7 +161,7 @@ impl DryRun {
 
     /// Notes a line from which a start is possible, and the place itself.
     fn look(&mut self, here: &LineBegin) {
-        let state = &self.interpreter.state;
+        let state = &self.program.interpreter.state;
         let middle = middle(state);
         if middle.is_none() {
             self.good = Some(here.clone());
@@ -234,7 +181,7 @@ impl DryRun {
             self.rest = NEXT_LINES;
             return;
         }
-        let mut calls = self.interpreter.places();
+        let mut calls = self.program.interpreter.places();
         calls.pop();
         self.found = Some(Box::new(Found {
             state: state.clone(),
@@ -251,7 +198,7 @@ impl DryRun {
     /// Counts further times of a found place, or searches the next possible line. Returns whether this has ended.
     fn look_behind(&mut self, here: &LineBegin) -> bool {
         if let Some(Refusal::Middle { next, .. }) = &mut self.refused
-            && middle(&self.interpreter.state).is_none()
+            && middle(&self.program.interpreter.state).is_none()
         {
             *next = Some(here.clone());
             return true;
@@ -272,55 +219,11 @@ impl DryRun {
         Place { file: here.file.clone(), line: here.line, column: 0 }
     }
 
-    /// Runs a line with its questions. Returns false at the end of the program.
+    /// Runs a line. Returns false at the end of the program.
     fn step(&mut self, world: &World) -> Result<bool, Refusal> {
-        let tools = self.given.tools.take();
-        let asked = Asked { world, tools: tools.as_ref(), hal: Cell::new(false) };
-        let mut calls = core::mem::take(&mut self.calls);
-        calls.clear();
-        let mut result = self.interpreter.next(&asked, &mut calls);
-        while let Ok(Step::Ask(request)) = &result {
-            let answer = self.answer(request)?;
-            result = self.interpreter.answer(&answer, &asked, &mut calls);
-        }
-        for issued in &calls {
-            self.effects.note(issued);
-        }
-        // Nothing takes the changes of a dry run back.
-        drop(self.interpreter.state.numbered.take_changes());
-        self.calls = calls;
-        let hal = asked.hal.get();
-        self.given.tools = tools;
-        match result {
-            Ok(step) => Ok(step != Step::Ended),
-            Err(error) if hal => Err(Refusal::Unknown { place: error.place, what: Unknown::Hal }),
-            Err(error) => Err(Refusal::Program(Box::new(error))),
-        }
-    }
-
-    fn answer(&mut self, request: &Request) -> Result<Answer, Refusal> {
-        if let Some(answer) = self.given.answers.pop_front() {
-            return Ok(answer);
-        }
-        let state = &self.interpreter.state;
-        let unknown = |what| {
-            let file = state.levels.last().map(|l| l.file.clone()).unwrap_or_default();
-            Err(Refusal::Unknown { place: Place { file, line: state.line, column: 0 }, what })
-        };
-        match request {
-            Request::Probe => unknown(Unknown::Probe),
-            Request::Input { .. } => unknown(Unknown::Input),
-            Request::UserCode { .. } => Ok(Answer::Done),
-            Request::ToolChange { .. } => Ok(Answer::ToolChange {
-                position: self.given.change_position.map(|stated| {
-                    let mut at = state.frame.machine_mm(state.position);
-                    for (axis, place) in Axis::ALL.into_iter().zip(stated) {
-                        at[axis] = place.unwrap_or(at[axis]);
-                    }
-                    at
-                }),
-            }),
-        }
+        let goes_on = self.program.step(world)?;
+        self.program.calls.iter().for_each(|issued| self.effects.note(issued));
+        Ok(goes_on)
     }
 }
 

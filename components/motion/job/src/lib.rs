@@ -10,20 +10,25 @@
 //! | [`checksum`] | the checksum of records and files |
 //! | [`journal`] | the record of a job, for a start after a loss of power |
 //! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
+//! | [`simulation`] | a program without its machine, line by line |
+//! | [`check`], [`estimate`] | the check of a whole program before it runs, and the time that it takes |
 //! | [`effects`] | outputs, user codes and open files of the lines before it |
 //! | [`spindle`] | the record of the tool in the spindle |
 //!
 //! `halgcode` and the task use it, so that a program that was checked runs with the same facts.
 #![forbid(unsafe_code)]
 
+pub mod check;
 pub mod checksum;
 pub mod dry_run;
 pub mod effects;
+pub mod estimate;
 pub mod journal;
 pub mod machine;
 pub mod number;
 pub mod refusal;
 pub mod run;
+pub mod simulation;
 pub mod spindle;
 pub mod way;
 pub mod world;

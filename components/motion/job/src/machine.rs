@@ -5,7 +5,7 @@ use crate::spindle::{self, Spindle};
 use crate::world::{Version, version};
 use hal_gcode::{
     Numbered, Settings,
-    axis::{Axis, AxisMask},
+    axis::{Axis, AxisMask, Position},
     canon::Unit,
     parameters::file::{Finding, ParameterFile},
     remap::{Hook, Remap},
@@ -244,6 +244,16 @@ impl Machine {
         self.top_speed.1 = positive("TRAJ", "MAX_ANGULAR_VELOCITY")?.unwrap_or(f64::INFINITY);
         self.period = positive("EMCMOT", "SERVO_PERIOD")?.map_or(1e-3, |ns| ns * 1e-9);
         Ok(())
+    }
+
+    /// Returns the limits that a place in millimetres and degrees is beyond: axis, whether it is the upper one, and the limit.
+    pub fn beyond(&self, place: Position) -> impl Iterator<Item = (Axis, bool, f64)> {
+        Axis::ALL.into_iter().zip(self.limits).filter_map(move |(axis, (low, high))| {
+            let value = place[axis];
+            // Sums of offsets end in the last digits.
+            let below = low.filter(|low| value < low - 1e-6).map(|low| (axis, false, low));
+            below.or(high.filter(|high| value > high + 1e-6).map(|high| (axis, true, high)))
+        })
     }
 
     /// Reads the tool table again.

@@ -132,6 +132,14 @@ impl Way {
     }
 }
 
+/// Returns the length of a straight move, in millimetres; in degrees if only rotary axes move.
+pub fn distance(a: Position, b: Position) -> f64 {
+    let d = b - a;
+    let lines = (d.x * d.x + d.y * d.y + d.z * d.z + d.u * d.u + d.v * d.v + d.w * d.w).sqrt();
+    // Where only rotary axes move, the feed counts degrees.
+    if lines > 0.0 { lines } else { (d.a * d.a + d.b * d.b + d.c * d.c).sqrt() }
+}
+
 /// Returns the angles from the begin of an arc to the places where it is farthest along an axis.
 fn extremes(begin: f64, direction: f64, sweep: f64, turn: f64) -> Vec<f64> {
     let mut out = Vec::new();

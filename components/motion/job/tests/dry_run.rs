@@ -8,8 +8,9 @@ use hal_gcode::{
 };
 use hal_job::{
     Files, Machine, World,
-    dry_run::{DryRun, Found, Given, Target},
+    dry_run::{DryRun, Found, Target},
     refusal::{Refusal, Series, Unknown},
+    simulation::Given,
 };
 use std::{
     collections::{BTreeMap, VecDeque},

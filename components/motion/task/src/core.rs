@@ -9,6 +9,7 @@
 //!                          └──────────────── ending ◀────────────────────────┘
 //! ```
 
+mod check;
 mod end;
 mod entry;
 mod journal;
@@ -27,6 +28,7 @@ use crate::{
     convert::{Action, Converter},
     outside::{Order, Outside, Ticket},
 };
+use check::Checking;
 use hal_gcode::{Interpreter, Request, state::modal::MAX_SPINDLES};
 use hal_job::{World, run};
 use journal::Keeping;
@@ -199,6 +201,7 @@ pub(crate) struct Core {
     last_tag: Option<Arc<Tag>>,
     undo: Undo,
     restart: Restart,
+    checking: Checking,
     keeping: Keeping,
     surface: [Option<Surface>; MAX_SPINDLES],
     /// Time since which a move waits for the spindle.
@@ -258,6 +261,7 @@ impl Core {
             last_tag: None,
             undo: Undo::default(),
             restart: Restart::default(),
+            checking: Checking::default(),
             keeping: Keeping::default(),
             surface: [None; MAX_SPINDLES],
             at_speed_since: None,
@@ -277,7 +281,10 @@ impl Core {
     /// Does at most `items` steps of work and returns their number.
     pub(crate) fn step(&mut self, out: &mut impl Outside, items: u32) -> u32 {
         if let Some(job) = &self.job {
-            self.job_time = out.now() - job.began;
+            let now = out.now() - job.began;
+            let runs = !self.flight.is_empty() && !job.paused;
+            self.checking.pass(if runs { now - self.job_time } else { 0.0 });
+            self.job_time = now;
         }
         self.watch(out);
         self.watch_tool(out);
@@ -289,6 +296,7 @@ impl Core {
             return 0;
         }
         self.advance_dry_run(out);
+        self.advance_check(out);
         self.begin_mdi(out);
         self.restore_mode();
         let done = (0..items).take_while(|_| self.pump(out)).count();
@@ -323,15 +331,16 @@ impl Core {
         }
     }
 
-    /// Returns whether a job is in execution or ending.
+    /// Returns whether a job is in execution or ending, or a program is checked before its start.
     pub(crate) fn is_busy(&self) -> bool {
-        self.job.is_some() || self.ending.is_some()
+        self.job.is_some() || self.ending.is_some() || self.checking.is_before_start()
     }
 
     /// Returns the state of the interpreter.
     pub(crate) fn interpreting(&self) -> Interpreting {
         match &self.job {
             None if self.ending.is_some() => Interpreting::Waiting,
+            None if self.checking.is_before_start() => Interpreting::Reading,
             None => Interpreting::Idle,
             Some(job) if job.paused => Interpreting::Paused,
             Some(job) if job.reading == Reading::Lines && self.waiting.is_none() => {

@@ -58,8 +58,9 @@ does the snapshot of this name.
 
 A program is read ahead of the motion, except where it depends on the machine: a probe, a tool change,
 an input, a user's program. Moves join as the program says (G61, G64). Spindle, coolant, dwells,
-outputs without motion and pauses wait until the moves before them have ended. A program ends at its
-first error, after the lines before it; the message has its place.
+outputs without motion and pauses wait until the moves before them have ended. A program that is wrong, as far as
+the task can know without the machine, does not begin; the message has all reasons with their places. A
+program ends at an error that only the machine can show, after the lines before it.
 
 An abort, an error, an e-stop and a machine that goes off end the job: the rest of the path is gone,
 spindles and coolant stop, lines of MDI that wait are forgotten, and modal state and numbered

@@ -14,7 +14,7 @@ use hal_gcode::{
 use std::sync::Arc;
 
 /// Version of [`TaskStatus`].
-pub(crate) const VERSION: u32 = 1;
+pub(crate) const VERSION: u32 = 2;
 /// Number of words of a text.
 const TEXT: usize = 32;
 /// Number of spindles.
@@ -43,6 +43,8 @@ pub(crate) struct TaskStatus {
     pub(crate) jobs_failed: u32,
     /// Machine time of the current or last job in seconds, at the last change.
     pub(crate) job_time: f64,
+    /// Estimate of the seconds until the program ends; -1 while it is not known.
+    pub(crate) time_left: f64,
     /// Line in execution; 0 without one.
     pub(crate) line: u32,
     /// Line that was read last.
@@ -139,12 +141,17 @@ impl Report {
                 s.jobs_failed,
             ),
             format!(
-                "program file={} line={} read={} time={:.3} velocity={:.3} optional-stop={} \
+                "program file={} line={} read={} time={:.3} left={} velocity={:.3} optional-stop={} \
                  block-delete={} stepping={}",
                 self.file,
                 s.line,
                 s.line_read,
                 s.job_time,
+                if s.time_left < 0.0 {
+                    "unknown".to_owned()
+                } else {
+                    format!("{:.1}", s.time_left)
+                },
                 self.velocity,
                 bit(s.optional_stop),
                 bit(s.block_delete),
@@ -199,6 +206,7 @@ fn status(core: &Core, io: &IoState) -> TaskStatus {
         jobs: core.jobs.0,
         jobs_failed: core.jobs.1,
         job_time: core.job_time,
+        time_left: core.time_left().unwrap_or(-1.0),
         line: core.line(),
         line_read: state.line,
         calls: count(calls.len().saturating_sub(1)),

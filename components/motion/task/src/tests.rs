@@ -1,5 +1,6 @@
 //! The core on a machine that notes what it is sent.
 
+mod check;
 mod entry;
 mod fake;
 mod job;

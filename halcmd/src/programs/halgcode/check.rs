@@ -16,7 +16,7 @@ use hal_gcode::{
 use hal_job::{
     machine::{Files, Machine},
     run::{Answers, Stop, run, start},
-    way::{Extents, Kind, Way},
+    way::{Extents, Kind, Way, distance},
     world::World,
 };
 use std::{
@@ -273,14 +273,9 @@ impl<'a> Check<'a> {
 
     /// Notes the axes that are beyond their travel.
     fn limit(&mut self, it: &Interpreter, line: u32, point: Position) {
-        for (index, axis) in Axis::ALL.into_iter().enumerate() {
-            let (low, high) = self.world.machine.limits.get(index).copied().unwrap_or_default();
+        for (axis, side, limit) in self.world.machine.beyond(point) {
             let value = point[axis];
-            // Sums of offsets end in the last digits.
-            let below = low.filter(|l| value < l - 1e-6).map(|l| (false, l));
-            let above = high.filter(|l| value > l + 1e-6).map(|l| (true, l));
-            let Some((side, limit)) = below.or(above) else { continue };
-            let entry = self.beyond.entry((index, side)).or_insert_with(|| {
+            let entry = self.beyond.entry((usize::from(axis.index()), side)).or_insert_with(|| {
                 let file = it.state.levels.last().map(|l| l.file.clone()).unwrap_or_default();
                 Beyond { file, line, moves: 0, farthest: value, limit }
             });
@@ -375,11 +370,4 @@ impl<'a> Check<'a> {
         }
         self.text.push_str(&out);
     }
-}
-
-fn distance(a: Position, b: Position) -> f64 {
-    let d = b - a;
-    let lines = (d.x * d.x + d.y * d.y + d.z * d.z + d.u * d.u + d.v * d.v + d.w * d.w).sqrt();
-    // Where only rotary axes move, degrees are what the feed counts.
-    if lines > 0.0 { lines } else { (d.a * d.a + d.b * d.b + d.c * d.c).sqrt() }
 }

@@ -158,7 +158,11 @@ fn watch(
         } else if session.terminal.is_person() {
             let (line, time) = (now.line(), now.time());
             let velocity = now.value("velocity").unwrap_or("0");
-            let text = format!("{CLEAR}{name}: line {line}, {time} s, {velocity} units/s");
+            let left = match now.value("left").filter(|left| *left != "unknown") {
+                Some(left) => format!(", about {left} s left"),
+                None => String::new(),
+            };
+            let text = format!("{CLEAR}{name}: line {line}, {time} s, {velocity} units/s{left}");
             session.terminal.err(&text);
         }
     });

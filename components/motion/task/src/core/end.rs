@@ -32,6 +32,8 @@ impl Core {
             began: out.now(),
         });
         self.current = None;
+        self.job_time = 0.0;
+        self.checking = super::Checking::default();
         self.last_tag = None;
         self.undo.clear();
         drop(self.interpreter.state.numbered.take_changes());
@@ -42,6 +44,7 @@ impl Core {
         self.save_parameters(out);
         self.keep_end(out);
         self.leave_entry();
+        self.checking = super::Checking::default();
         let Some(job) = self.job.take() else { return };
         if job.is_program {
             self.close_files(out);
@@ -77,6 +80,7 @@ impl Core {
             self.jobs.1 = self.jobs.1.wrapping_add(1);
         }
         self.forget_dry_run(why, out);
+        self.forget_check(why, out);
         let tickets = job.and_then(|j| j.ticket).into_iter();
         for ticket in tickets.chain(self.mdi.drain(..).map(|(_, ticket)| ticket)) {
             out.finish(ticket, Err(why.to_owned()));

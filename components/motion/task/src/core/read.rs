@@ -19,6 +19,13 @@ impl Core {
         if !reads || self.queue.len() >= READ_AHEAD {
             return false;
         }
+        if self.checking.pauses_before(self.interpreter.state.lines_run) {
+            let line = self.interpreter.state.levels.last().map_or(0, |l| l.cursor.line + 1);
+            let (tag, number) = (self.tag(), self.interpreter.state.lines_run);
+            self.serial += 1;
+            let origin = Origin { line, serial: self.serial, number, tag };
+            self.queue.push_back(Entry { action: Action::Pause { optional: false }, origin });
+        }
         let mut calls = Vec::new();
         let step = self.interpreter.next(&self.world, &mut calls);
         self.keeping.enter(&self.interpreter.state);

@@ -3,7 +3,7 @@
 use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, Waiting, file_name};
 use crate::outside::{Order, Outside, Refusal};
 use hal_component::IoRequest;
-use hal_job::{dry_run::Target, effects::Outputs, world};
+use hal_job::{dry_run::Target, world};
 use std::path::{Path, PathBuf};
 
 /// A command of an operator.
@@ -118,6 +118,8 @@ impl Core {
             Command::BlockDelete(on) => {
                 self.interpreter.state.settings.block_delete = on;
                 self.world.machine.settings.block_delete = on;
+                // The lines of the check are others.
+                self.checking.end_ahead();
                 Ok(Report::Now)
             }
             Command::FeedOverride(scale) => {
@@ -163,6 +165,9 @@ impl Core {
 
     pub(super) fn needs_no_job(&self, what: &str) -> Result<(), String> {
         match (&self.job, &self.ending) {
+            (None, None) if self.checking.is_before_start() => {
+                Err(format!("{what} while a program is checked: task.abort ends the check"))
+            }
             (None, None) => Ok(()),
             (_, Some(_)) => Err(STOPPING.into()),
             (Some(job), None) if job.is_program => Err(format!("{what} while a program runs")),
@@ -228,11 +233,7 @@ impl Core {
         self.needs_no_job("a program cannot begin")?;
         self.may_begin(Mode::Auto, "a program", out)?;
         let path = self.program.clone().unwrap_or_default();
-        let text = world::program(&path)?;
-        self.take_over(out);
-        self.interpreter.load(&Self::name_of(&path), text);
-        self.begin_job(true, Some(ticket), stepping, out);
-        self.begin_journal(&path, &Outputs::default(), out);
+        self.check_before_start(path, ticket, stepping, out)?;
         Ok(Report::Later)
     }
 

@@ -323,6 +323,7 @@ fn a_program_that_changes_while_it_runs_ends_the_job() {
     for n in 0..20_000 {
         text.push_str(&format!("G0 X{}\n", n % 7));
     }
+    text.push_str("M2\n");
     let mut rig = machine(&text);
     let ticket = rig.send(Command::Run);
     rig.pass(1.0);

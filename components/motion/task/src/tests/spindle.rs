@@ -119,10 +119,11 @@ fn feed_per_turn_lasts_from_job_to_job() {
 
 #[test]
 fn an_abort_returns_to_the_spindles_of_the_line_in_motion() {
-    let program = "G21 G95 $0 F0.5\nG96 S100 D1000 $0\nG1 X1\nG4 P1\nG95 $1 F0.5\nG96 S100 D2000 $0\n\
+    let program = "G21 G95 $0 F0.5\nG96 S100 D1000 $0\nG1 X1\nG4 P1\nS100 $1\nG95 $1 F0.5\nG96 S100 D2000 $0\n\
                    G1 X2\nM2\n";
     let mut rig = Rig::on_machine(program, |machine, _| machine.settings.spindles = 2);
-    rig.send(Command::Run);
+    let ticket = rig.send(Command::Run);
+    assert_eq!(rig.result(ticket), None);
     rig.pass(0.05);
     assert_eq!(pitch(&rig), Some((0, 0.5)));
     rig.good(Command::Abort);

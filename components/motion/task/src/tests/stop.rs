@@ -121,15 +121,15 @@ fn the_modal_state_after_an_abort_is_that_of_the_line_in_motion() {
 }
 
 #[test]
-fn an_error_ends_the_job_behind_the_lines_before_it() {
-    let mut rig = Rig::new("G21 G0 X1\nG0 X2\nG1 Y\nG0 X3\nM2\n");
+fn an_error_behind_a_fact_of_the_machine_ends_the_job_behind_the_lines_before_it() {
+    let mut rig = Rig::new("G21 G0 X1\nM66 P1 L0\nG0 X2\nG1 Y\nG0 X3\nM2\n");
     let ticket = rig.send(Command::Run);
     rig.pass(0.1);
     assert_eq!(rig.result(ticket), None);
     rig.pass(0.5);
     let why = rig.result(ticket).unwrap().unwrap_err();
-    assert!(why.contains("job.ngc:3"), "{why}");
-    assert_eq!(rig.sent(), ["1: line 1 0 0", "2: line 2 0 0", "Abort", "Abort"]);
+    assert!(why.contains("job.ngc:4"), "{why}");
+    assert_eq!(rig.sent(), ["1: line 1 0 0", "3: line 2 0 0", "Abort", "Abort"]);
     assert_eq!(rig.fake.messages, [why]);
     assert_eq!(rig.core.jobs, (1, 1));
 }

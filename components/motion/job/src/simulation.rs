@@ -1,0 +1,134 @@
+//! A program without its machine, line by line.
+//!
+//! What only the machine knows (a probe, an input, a value of HAL) comes from the record of an earlier run; without one, the
+//! program cannot go on there.
+
+use crate::{
+    effects::Outputs,
+    refusal::{Refusal, Unknown},
+    world::World,
+};
+use core::cell::Cell;
+use hal_gcode::{
+    Answer, Environment, Interpreter, Issued, Request, Step, Text,
+    axis::Axis,
+    error::Place,
+    tool::{Tool, ToolTable},
+};
+use std::collections::VecDeque;
+
+/// Rules of the machine for the answers that it need not give.
+#[derive(Clone, Debug, Default)]
+pub struct Given {
+    /// Place for tool changes in millimetres; axes without a coordinate stay where they are.
+    pub change_position: Option<[Option<f64>; 9]>,
+    /// Answers of an earlier run, in their order.
+    pub answers: VecDeque<Answer>,
+    /// Outputs that the program has set before its begin.
+    pub outputs: Outputs,
+    /// The tool table of an earlier run, if it is not that of the world.
+    pub tools: Option<ToolTable>,
+}
+
+/// A program and the answers that are known.
+pub struct Simulation {
+    /// The interpreter, between two lines.
+    pub interpreter: Interpreter,
+    /// The calls of the last line.
+    pub calls: Vec<Issued>,
+    given: Given,
+}
+
+/// Facts of the world, with a note that the program has asked for one that is not known.
+struct Asked<'a> {
+    world: &'a World,
+    tools: Option<&'a ToolTable>,
+    hal: Cell<bool>,
+}
+
+impl Environment for Asked<'_> {
+    fn open(&self, name: &str) -> Option<Text> {
+        self.world.open(name)
+    }
+    fn tool(&self, number: i32) -> Option<Tool> {
+        match self.tools {
+            Some(tools) => tools.find(number).cloned(),
+            None => self.world.tool(number),
+        }
+    }
+    fn ini(&self, section: &str, key: &str) -> Option<f64> {
+        self.world.ini(section, key)
+    }
+    fn hal(&self, name: &str) -> Option<f64> {
+        let value = self.world.hal(name);
+        self.hal.set(self.hal.get() || value.is_none());
+        value
+    }
+    fn user_code(&self, code: u16) -> bool {
+        self.world.user_code(code)
+    }
+}
+
+impl Simulation {
+    /// Returns the simulation of a program that this interpreter has loaded.
+    pub fn new(interpreter: Interpreter, given: Given) -> Self {
+        Self { interpreter, calls: Vec::new(), given }
+    }
+
+    /// Runs a line with its questions. Returns false at the end of the program.
+    ///
+    /// # Errors
+    /// The line has an error, or asks for a fact that is not known.
+    pub fn step(&mut self, world: &World) -> Result<bool, Refusal> {
+        let tools = self.given.tools.take();
+        let asked = Asked { world, tools: tools.as_ref(), hal: Cell::new(false) };
+        let mut calls = core::mem::take(&mut self.calls);
+        calls.clear();
+        let mut step = self.interpreter.next(&asked, &mut calls);
+        let result = loop {
+            match step {
+                Ok(Step::Ask(request)) => match self.answer(&request) {
+                    Ok(answer) => {
+                        step = self.interpreter.answer(&answer, &asked, &mut calls);
+                    }
+                    Err(refusal) => break Err(refusal),
+                },
+                Ok(step) => break Ok(step != Step::Ended),
+                Err(error) if asked.hal.get() => {
+                    break Err(Refusal::Unknown { place: error.place, what: Unknown::Hal });
+                }
+                Err(error) => break Err(Refusal::Program(Box::new(error))),
+            }
+        };
+        // Nothing takes the changes of a dry run back.
+        drop(self.interpreter.state.numbered.take_changes());
+        self.calls = calls;
+        self.given.tools = tools;
+        result
+    }
+
+    fn answer(&mut self, request: &Request) -> Result<Answer, Refusal> {
+        if let Some(answer) = self.given.answers.pop_front() {
+            return Ok(answer);
+        }
+        let state = &self.interpreter.state;
+        let unknown = |what| {
+            let file = state.levels.last().map(|l| l.file.clone()).unwrap_or_default();
+            Err(Refusal::Unknown { place: Place { file, line: state.line, column: 0 }, what })
+        };
+        match request {
+            Request::Probe => unknown(Unknown::Probe),
+            Request::Input { .. } => unknown(Unknown::Input),
+            Request::UserCode { .. } => Ok(Answer::Done),
+            Request::ToolChange { .. } => Ok(Answer::ToolChange {
+                position: self.given.change_position.map(|stated| {
+                    let mut at = state.frame.machine_mm(state.position);
+                    for (axis, place) in Axis::ALL.into_iter().zip(stated) {
+                        at[axis] = place.unwrap_or(at[axis]);
+                    }
+                    at
+                }),
+            }),
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! The check of the whole program, before its first step and ahead of its motion.
+//!
+//! Before the start, the check has [`BUDGET`] of time. What it finds wrong until then refuses the program, with all reasons, and
+//! nothing begins. A longer program begins, and the check goes on ahead of it. The job pauses before the first line that is
+//! wrong.
+
+use super::{Core, Ticket};
+use crate::outside::{Level, Outside};
+use hal_gcode::{Interpreter, Text};
+use hal_job::{
+    check::{Check, Seen},
+    effects::Outputs,
+    world,
+};
+use std::path::{Path, PathBuf};
+
+/// Seconds of the check before the start.
+const BUDGET: f64 = 0.2;
+/// Number of lines in one step of the worker before the start.
+const LINES_BEFORE: u32 = 4000;
+/// Number of lines in one step of the worker while the program runs.
+const LINES_AHEAD: u32 = 250;
+/// Number of lines that the check may be ahead of the program, which may have no end.
+const MAX_AHEAD: u64 = 1_000_000;
+/// Seconds of motion from which the estimate of the time follows the machine.
+const SETTLED: f64 = 10.0;
+
+/// The check, before the start of a program or ahead of it.
+#[derive(Default)]
+pub(super) struct Checking {
+    start: Option<Start>,
+    ahead: Option<Ahead>,
+}
+
+/// A program that begins when its check allows it.
+struct Start {
+    check: Box<Check>,
+    path: PathBuf,
+    text: Text,
+    ticket: Ticket,
+    stepping: bool,
+    since: f64,
+}
+
+/// A check ahead of the program.
+struct Ahead {
+    check: Box<Check>,
+    /// Number of lines before the first wrong line, before which the job pauses.
+    pause: Option<u64>,
+    /// The first reason was told.
+    told: bool,
+    /// Seconds in which the job moved.
+    moved: f64,
+}
+
+impl Checking {
+    /// Returns whether a program is checked before its start.
+    pub(super) fn is_before_start(&self) -> bool {
+        self.start.is_some()
+    }
+
+    /// Goes on with a check ahead of the program, which begins now.
+    pub(super) fn go_on(&mut self, check: Box<Check>) {
+        self.ahead = Some(Ahead { check, pause: None, told: false, moved: 0.0 });
+    }
+
+    /// Ends the check ahead of the program.
+    pub(super) fn end_ahead(&mut self) {
+        self.ahead = None;
+    }
+
+    /// Adds seconds in which the job moved.
+    pub(super) fn pass(&mut self, seconds: f64) {
+        if let Some(ahead) = &mut self.ahead {
+            ahead.moved += seconds;
+        }
+    }
+
+    /// Returns true once, before the first wrong line.
+    pub(super) fn pauses_before(&mut self, number: u64) -> bool {
+        self.ahead.as_mut().is_some_and(|ahead| ahead.pause.take_if(|n| *n == number).is_some())
+    }
+
+    /// Returns the estimate of the seconds that the program still takes before a line has run.
+    fn time_left(&self, number: u64) -> Option<f64> {
+        let ahead = self.ahead.as_ref()?;
+        let (done, whole) = ahead.check.seconds(number);
+        let done = done - ahead.check.seconds(ahead.check.first()).0;
+        // Accelerations and overrides make the way so far slower or faster than its estimate.
+        let pace = (ahead.moved + SETTLED) / (done + SETTLED);
+        Some((whole? - ahead.check.seconds(number).0).max(0.0) * pace)
+    }
+}
+
+impl Core {
+    /// Begins the check of a program, which begins at its end.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub(super) fn check_before_start(
+        &mut self,
+        path: PathBuf,
+        ticket: Ticket,
+        stepping: bool,
+        out: &mut impl Outside,
+    ) -> Result<(), String> {
+        let text = world::program(&path)?;
+        self.forget_dry_run("another job has begun", out);
+        self.take_over(out);
+        let mut interpreter = Interpreter::from_state(self.interpreter.state.clone());
+        interpreter.load(&Self::name_of(&path), text.clone());
+        let check = Box::new(Check::new(interpreter, self.given()));
+        let since = out.now();
+        self.checking = Checking::default();
+        self.checking.start = Some(Start { check, path, text, ticket, stepping, since });
+        self.advance_start(out);
+        Ok(())
+    }
+
+    /// Checks the next lines of a program that begins, or that runs.
+    pub(super) fn advance_check(&mut self, out: &mut impl Outside) {
+        self.advance_start(out);
+        let number = self.interpreter.state.lines_run;
+        let Some(ahead) = &mut self.checking.ahead else { return };
+        if ahead.check.number() < number.saturating_add(MAX_AHEAD) {
+            ahead.check.advance(&self.world, LINES_AHEAD);
+        }
+        let Some(first) = ahead.check.reasons().first().filter(|_| !ahead.told) else { return };
+        ahead.told = true;
+        // What was read already reports itself.
+        ahead.pause = Some(first.number).filter(|n| *n >= number);
+        let text = format!("{}: the program pauses before this line", first.text);
+        if ahead.pause.is_some() {
+            self.tell(Level::Error, &text, out);
+        }
+    }
+
+    fn advance_start(&mut self, out: &mut impl Outside) {
+        let Some(mut start) = self.checking.start.take() else { return };
+        start.check.advance(&self.world, LINES_BEFORE);
+        if start.check.seen() == Seen::Part && out.now() - start.since < BUDGET {
+            self.checking.start = Some(start);
+            return;
+        }
+        let Start { check, path, text, ticket, stepping, .. } = start;
+        let may =
+            self.may_begin(super::Mode::Auto, "a program", out).and_then(|()| refusal(&check));
+        if let Err(why) = may {
+            return out.finish(ticket, Err(why));
+        }
+        self.take_over(out);
+        self.interpreter.load(&Self::name_of(&path), text);
+        self.begin_job(true, Some(ticket), stepping, out);
+        self.begin_journal(&path, &Outputs::default(), out);
+        self.checking.go_on(check);
+    }
+
+    /// Checks the first lines of a program from its middle, from which it begins now.
+    ///
+    /// # Errors
+    /// They are wrong; all reasons.
+    pub(super) fn check_rest(
+        &self,
+        mut interpreter: Interpreter,
+        path: &Path,
+    ) -> Result<Box<Check>, String> {
+        interpreter.supply(&Self::name_of(path), world::program(path)?);
+        let mut check = Box::new(Check::new(interpreter, self.given()));
+        check.advance(&self.world, LINES_BEFORE);
+        refusal(&check).map(|()| check)
+    }
+
+    /// Ends the check of a program, which does not begin or has ended.
+    pub(super) fn forget_check(&mut self, why: &str, out: &mut impl Outside) {
+        if let Some(start) = core::mem::take(&mut self.checking).start {
+            out.finish(start.ticket, Err(why.to_owned()));
+        }
+    }
+
+    /// Returns an estimate of the seconds until the end of the program; `None` while it is not known.
+    pub(crate) fn time_left(&self) -> Option<f64> {
+        self.job.as_ref()?;
+        self.checking.time_left(self.unfinished().0)
+    }
+}
+
+/// Returns all reasons that a check has found.
+fn refusal(check: &Check) -> Result<(), String> {
+    let reasons: Vec<&str> = check.reasons().iter().map(|reason| &*reason.text).collect();
+    if reasons.is_empty() { Ok(()) } else { Err(reasons.join("; ")) }
+}
