@@ -477,6 +477,10 @@ fn output_goes_through_one_crate() {
             "a folder that is renamed when it is whole",
         ),
         ("components/foreign/halcompile/src/program.rs", scratch),
+        (
+            "components/motion/task/src/worker/files.rs",
+            "a program's log that only grows, line by line",
+        ),
         ("components/remote/panel/src/audit.rs", "a log that only grows, line by line"),
         ("components/drivers/parport/src/hardware.rs", device),
         ("components/drivers/speaker/src/device.rs", device),

@@ -10,6 +10,7 @@
 //! ```
 
 mod check;
+mod checking;
 mod end;
 mod entry;
 mod journal;
@@ -28,7 +29,7 @@ use crate::{
     convert::{Action, Converter},
     outside::{Order, Outside, Ticket},
 };
-use check::Checking;
+use checking::Checking;
 use hal_gcode::{Interpreter, Request, state::modal::MAX_SPINDLES};
 use hal_job::{World, run};
 use journal::Keeping;

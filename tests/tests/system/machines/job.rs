@@ -185,8 +185,7 @@ fn a_job_that_broke_off_is_resumed_when_a_person_agrees() {
     scratch.write("custom.hal", "");
     let asked = scratch.halrun(&["--virtual", "--resume", "--record", "out.vcd", "printer.ini"]);
     assert_eq!(asked.status, Some(1));
-    for part in ["note the job broke off at line ", "not-ready ", "no terminal to ask: give --yes"]
-    {
+    for part in ["note the job broke off at line ", "not-ready ", "nobody can agree: --yes"] {
         assert!(asked.stderr.contains(part), "no {part:?} in\n{}", asked.stderr);
     }
     let still = Vcd::parse(&scratch.read("out.vcd"));

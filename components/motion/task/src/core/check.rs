@@ -4,9 +4,12 @@
 //! nothing begins. A longer program begins, and the check goes on ahead of it. The job pauses before the first line that is
 //! wrong.
 
-use super::{Core, Ticket};
+use super::{
+    Core, Ticket,
+    checking::{Checking, Start},
+};
 use crate::outside::{Level, Outside};
-use hal_gcode::{Interpreter, Text};
+use hal_gcode::Interpreter;
 use hal_job::{
     check::{Check, Seen},
     effects::Outputs,
@@ -22,76 +25,6 @@ const LINES_BEFORE: u32 = 4000;
 const LINES_AHEAD: u32 = 250;
 /// Number of lines that the check may be ahead of the program, which may have no end.
 const MAX_AHEAD: u64 = 1_000_000;
-/// Seconds of motion from which the estimate of the time follows the machine.
-const SETTLED: f64 = 10.0;
-
-/// The check, before the start of a program or ahead of it.
-#[derive(Default)]
-pub(super) struct Checking {
-    start: Option<Start>,
-    ahead: Option<Ahead>,
-}
-
-/// A program that begins when its check allows it.
-struct Start {
-    check: Box<Check>,
-    path: PathBuf,
-    text: Text,
-    ticket: Ticket,
-    stepping: bool,
-    since: f64,
-}
-
-/// A check ahead of the program.
-struct Ahead {
-    check: Box<Check>,
-    /// Number of lines before the first wrong line, before which the job pauses.
-    pause: Option<u64>,
-    /// The first reason was told.
-    told: bool,
-    /// Seconds in which the job moved.
-    moved: f64,
-}
-
-impl Checking {
-    /// Returns whether a program is checked before its start.
-    pub(super) fn is_before_start(&self) -> bool {
-        self.start.is_some()
-    }
-
-    /// Goes on with a check ahead of the program, which begins now.
-    pub(super) fn go_on(&mut self, check: Box<Check>) {
-        self.ahead = Some(Ahead { check, pause: None, told: false, moved: 0.0 });
-    }
-
-    /// Ends the check ahead of the program.
-    pub(super) fn end_ahead(&mut self) {
-        self.ahead = None;
-    }
-
-    /// Adds seconds in which the job moved.
-    pub(super) fn pass(&mut self, seconds: f64) {
-        if let Some(ahead) = &mut self.ahead {
-            ahead.moved += seconds;
-        }
-    }
-
-    /// Returns true once, before the first wrong line.
-    pub(super) fn pauses_before(&mut self, number: u64) -> bool {
-        self.ahead.as_mut().is_some_and(|ahead| ahead.pause.take_if(|n| *n == number).is_some())
-    }
-
-    /// Returns the estimate of the seconds that the program still takes before a line has run.
-    fn time_left(&self, number: u64) -> Option<f64> {
-        let ahead = self.ahead.as_ref()?;
-        let (done, whole) = ahead.check.seconds(number);
-        let done = done - ahead.check.seconds(ahead.check.first()).0;
-        // Accelerations and overrides make the way so far slower or faster than its estimate.
-        let pace = (ahead.moved + SETTLED) / (done + SETTLED);
-        Some((whole? - ahead.check.seconds(number).0).max(0.0) * pace)
-    }
-}
-
 impl Core {
     /// Begins the check of a program, which begins at its end.
     ///
