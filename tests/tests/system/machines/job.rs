@@ -124,13 +124,13 @@ fn a_part_with_two_tools_goes_from_its_program_to_the_pulses() {
 }
 
 #[test]
-fn a_program_beyond_a_limit_fails_at_its_line() {
+fn a_program_beyond_a_limit_is_refused_with_its_line_before_it_begins() {
     let scratch = printer("G21 G90\nG0 X10\nG0 X999\nM2\n");
     let output = scratch.halrun(&["--virtual", "--run", "part.ngc", "printer.ini"]);
     assert_eq!(output.status, Some(1));
-    let placed = |line: &str| line.contains("/part.ngc:3: task.run: linear move");
-    assert!(output.stderr.lines().any(placed), "{}", output.stderr);
-    assert!(output.stderr.contains("part.ngc: failed after "), "{}", output.stderr);
+    let refused = "/part.ngc:3: task.run: X999.0000 is beyond [AXIS_X]MAX_LIMIT 200.0000";
+    assert!(output.stderr.contains(refused), "{}", output.stderr);
+    assert!(output.stderr.contains("part.ngc: failed after 0.000 s"), "{}", output.stderr);
 }
 
 #[test]
