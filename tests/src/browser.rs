@@ -3,20 +3,13 @@
 use crate::{
     scratch::{Running, Scratch, until},
     tools::Tool,
+    web,
 };
 use serde_json::{Value, json};
-use std::{
-    fs,
-    io::{Read as _, Write as _},
-    net::TcpStream,
-    process::Command,
-    time::Duration,
-};
+use std::{fs, process::Command};
 
 /// Key of an element in answers of the driver.
 const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
-/// Longest time in which the driver answers.
-const TIMEOUT: Duration = Duration::from_secs(120);
 /// Chromium's arguments: no screen, and no traffic of its own.
 const ARGUMENTS: &[&str] = &[
     "--headless=new",
@@ -56,14 +49,17 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Opens a window, or reports the running test as skipped where Chromium or its driver is not installed.
-    pub fn open(scratch: &Scratch, screen: Screen) -> Option<Self> {
-        let is_there = |program| {
+    /// Returns whether Chromium and its driver are installed; reports the running test as skipped if not.
+    pub fn is_there() -> bool {
+        let is_there = |program: &str| {
             Command::new(program).arg("--version").output().is_ok_and(|o| o.status.success())
         };
-        for program in ["chromium", "chromedriver"] {
-            Tool::of(program).or_skip(is_there(program).then_some(()))?;
-        }
+        let missing = ["chromium", "chromedriver"].into_iter().find(|program| !is_there(program));
+        missing.inspect(|program| Tool::of(program).skip()).is_none()
+    }
+
+    /// Opens a window.
+    pub fn open(scratch: &Scratch, screen: Screen) -> Self {
         let mut command = Command::new("chromedriver");
         command.arg("--port=0").current_dir(scratch.path());
         let driver = scratch.start(&mut command);
@@ -90,7 +86,7 @@ impl Browser {
             "goog:chromeOptions": options, "goog:loggingPrefs": { "browser": "ALL" } } } });
         let made = browser.ask("POST", "/session", Some(&capabilities));
         browser.session = format!("/session/{}", made["sessionId"].as_str().unwrap());
-        Some(browser)
+        browser
     }
 
     /// Opens an address.
@@ -145,9 +141,13 @@ impl Browser {
         self.act(&[to, json!({ "type": "pointerDown", "button": 0 })]);
     }
 
-    /// Presses an element for a moment.
+    /// Presses an element for a moment. A finger of the driver makes no click: on a phone a script clicks.
     pub fn click(&self, selector: &str) {
-        self.hold(selector, 20);
+        if self.pointer == "touch" {
+            self.run(&format!("document.querySelector({}).click()", quoted(selector)));
+        } else {
+            self.hold(selector, 20);
+        }
     }
 
     /// Types a text into an element; a file chooser takes paths.
@@ -197,21 +197,10 @@ impl Browser {
     /// # Panics
     /// The driver refuses it.
     fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
-        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream.set_read_timeout(Some(TIMEOUT)).unwrap();
         let body = body.map(Value::to_string).unwrap_or_default();
-        let head = format!(
-            "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\nContent-Length: {}\r\n\r\n",
-            self.port,
-            body.len()
-        );
-        stream.write_all(head.as_bytes()).unwrap();
-        stream.write_all(body.as_bytes()).unwrap();
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).unwrap();
-        let answer = String::from_utf8(answer).unwrap();
-        let (_, json) = answer.split_once("\r\n\r\n").unwrap();
-        let answer: Value = serde_json::from_str(json).unwrap();
+        let host = format!("Host: 127.0.0.1:{}\r\n", self.port);
+        let answer = web::request(self.port, method, path, &host, body.as_bytes()).json();
+        assert!(answer.get("value").is_some(), "{method} {path}: the driver does not answer");
         assert!(answer["value"]["error"].is_null(), "{method} {path}: {}", answer["value"]);
         answer["value"].clone()
     }
@@ -220,13 +209,9 @@ impl Browser {
 impl Drop for Browser {
     fn drop(&mut self) {
         // The driver ends the browser with the session; a test that failed may have lost it.
-        let request = format!(
-            "DELETE {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n",
-            self.session, self.port
-        );
-        if let Ok(mut stream) = TcpStream::connect(("127.0.0.1", self.port)) {
-            drop(stream.write_all(request.as_bytes()));
-            drop(stream.read_to_end(&mut Vec::new()));
+        let host = format!("Host: 127.0.0.1:{}\r\n", self.port);
+        if self.driver.is_running() && !self.session.is_empty() {
+            drop(web::request(self.port, "DELETE", &self.session, &host, b""));
         }
         if self.driver.is_running() {
             self.driver.signal(rustix::process::Signal::TERM);

@@ -32,3 +32,4 @@ pub mod tools;
 pub mod trace;
 pub mod user;
 pub mod vcd;
+pub mod web;

@@ -7,6 +7,7 @@ mod engine;
 mod faults;
 mod language;
 mod machines;
+mod panel;
 mod peer;
 mod tidy;
 mod words;

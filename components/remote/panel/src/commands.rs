@@ -4,7 +4,7 @@ use crate::{
     error::{Code, Error},
     session::Role,
 };
-use hal_protocol::Request;
+use hal_protocol::{Direction, ItemInfo, Request};
 use serde_json::{Map, Value as Json};
 
 /// Arguments of a command, as a client sends them.
@@ -205,6 +205,33 @@ fn touch_off(given: &Given<'_>) -> Result<Vec<Request>, Error> {
 
 /// Pins of motion and the task that the dead man acts on or looks at.
 const STOPS: &[&str] = &["motion.jog-stop", "motion.feed-inhibit", "task.abort", "task.job"];
+
+/// Returns the signal that a command writes or links, by its argument.
+pub(crate) fn signal_of<'a>(name: &str, args: &'a Args) -> Option<&'a str> {
+    let argument = match name {
+        "sets" => "name",
+        "net" | "linkp" => "signal",
+        _ => return None,
+    };
+    args.get(argument)?.as_str()
+}
+
+/// Refuses a signal that one of these pins reads to learn whether remote motion is permitted, or must stop.
+pub(crate) fn guard_signal(signal: &str, pins: &[ItemInfo]) -> Result<(), Error> {
+    let reads = |pin: &&ItemInfo| {
+        pin.signal.as_deref() == Some(signal)
+            && pin.direction != Direction::Out
+            && guard(&pin.name).is_err()
+    };
+    match pins.iter().find(reads) {
+        None => Ok(()),
+        Some(pin) => {
+            let text =
+                format!("signal {signal} leads to {}: it is not changed from afar", pin.name);
+            Err(Error::new(Code::Remote, text))
+        }
+    }
+}
 
 /// Refuses changes of the pins that stop remote motion: no client rewires what guards against it.
 fn guard(name: &str) -> Result<(), Error> {

@@ -1,6 +1,7 @@
 //! The panel: serves a machine to browsers and programs over HTTP and a WebSocket (`API.md`).
 #![forbid(unsafe_code)]
 
+mod accounts;
 mod audit;
 mod commands;
 mod engine;
@@ -13,10 +14,12 @@ mod lease;
 mod options;
 mod page;
 mod prepare;
+mod security;
 mod server;
 mod session;
 mod socket;
 mod status;
+mod tls;
 mod values;
 
 pub use options::Options;

@@ -26,10 +26,31 @@ pub struct Options {
     /// File for the log of what has been done; without it, `panel-INSTANCE.audit` beside the instance's socket.
     #[arg(long)]
     pub audit: Option<PathBuf>,
+    /// File with the accounts of who signs in with a password.
+    #[arg(long)]
+    pub accounts: Option<PathBuf>,
+    /// Adds an account NAME=ROLE to the file of --accounts, with the password on standard input, and ends.
+    #[arg(long, requires = "accounts")]
+    pub add_account: Option<String>,
+    /// File with the certificate and its key in PEM; made where there is none. The server then speaks TLS alone.
+    #[arg(long)]
+    pub certificate: Option<PathBuf>,
+    /// Further name under which browsers reach the server; several are possible.
+    #[arg(long)]
+    pub name: Vec<String>,
     /// Role of who opens the address with the token.
     #[arg(long, value_enum, default_value_t = Role::Integrator)]
     pub role: Role,
     /// Folder with the page, in place of the one in the program.
     #[arg(long)]
     pub page: Option<PathBuf>,
+}
+
+impl Options {
+    /// Returns the options of the command line. `-ini FILE` is how a machine's start calls every user interface.
+    #[must_use]
+    pub fn given() -> Self {
+        let given = std::env::args_os();
+        Self::parse_from(given.map(|arg| if arg == "-ini" { "--ini-file".into() } else { arg }))
+    }
 }

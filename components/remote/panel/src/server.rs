@@ -1,6 +1,7 @@
 //! The server: what it needs before it listens, and its connections.
 
 use crate::{
+    accounts,
     audit::Audit,
     engine::Engine,
     heart::{self, Heart},
@@ -8,6 +9,7 @@ use crate::{
     lease::Clients,
     options::Options,
     prepare,
+    security::Security,
     session::{Sessions, secret},
     status,
 };
@@ -27,11 +29,14 @@ use std::{
     time::Duration,
 };
 use tokio::{
-    net::{TcpListener, TcpStream},
+    io::{AsyncRead, AsyncWrite},
+    net::TcpListener,
     runtime,
     signal::unix::{SignalKind, signal},
     sync::{Mutex, Semaphore, watch},
+    time::timeout,
 };
+use tokio_rustls::TlsAcceptor;
 
 /// Number of connections; more wait until one ends.
 const MAX_CONNECTIONS: usize = 1024;
@@ -47,6 +52,8 @@ const REFUSED: Duration = Duration::from_millis(100);
 pub(crate) struct Panel {
     /// Address of the server.
     pub(crate) address: SocketAddr,
+    /// Accounts, certificate and names of the server.
+    pub(crate) security: Security,
     /// Options of the program.
     pub(crate) options: Options,
     /// The way to the engine.
@@ -75,7 +82,7 @@ impl Panel {
     /// Writes a new one-time token into the file with the address.
     pub(crate) fn renew_token(&self) -> Result<(), String> {
         let token = secret()?;
-        let text = format!("http://{}/#token={token}\n", self.address);
+        let text = format!("{}/#token={token}\n", self.security.origin(self.address));
         let written = hal_output::install(&self.address_file, text.as_bytes(), 0o600);
         let file = self.address_file.display();
         written.map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?;
@@ -89,12 +96,10 @@ impl Panel {
 /// # Errors
 /// An instance, a file or the address is missing or unusable.
 pub fn run(options: &Options) -> Result<(), String> {
-    if !options.listen.ip().is_loopback() {
-        return Err(format!(
-            "{} is a network address: only loopback is served without TLS and accounts",
-            options.listen
-        ));
+    if let (Some(account), Some(file)) = (&options.add_account, &options.accounts) {
+        return accounts::add(file, account, &mut std::io::stdin().lock());
     }
+    let security = Security::open(options)?;
     let ini = options.ini_file.as_deref().map(read_ini).transpose()?;
     let place = Place::find(options.instance.as_deref())?;
     let info = info::info(place.name(), ini.as_ref());
@@ -115,6 +120,7 @@ pub fn run(options: &Options) -> Result<(), String> {
         prepare::load(&place, ini.as_ref())?;
         let panel = Arc::new(Panel {
             address,
+            security,
             options: options.clone(),
             engine: Engine::join(place.clone())?,
             machine: status::observe(&place)?,
@@ -129,10 +135,17 @@ pub fn run(options: &Options) -> Result<(), String> {
         });
         panel.renew_token()?;
         let file = panel.address_file.display();
-        hal_output::print(&format!("listening at {address}; the address to open is in {file}\n"))
-            .map_err(|e| e.to_string())?;
+        let fingerprint = panel.security.tls.as_ref().map(|tls| {
+            format!("the certificate has the SHA-256 fingerprint {}\n", tls.fingerprint)
+        });
+        let fingerprint = fingerprint.unwrap_or_default();
+        hal_output::print(&format!(
+            "listening at {address}; the address to open is in {file}\n{fingerprint}"
+        ))
+        .map_err(|e| e.to_string())?;
         let router = http::router(&panel);
-        let served = serve(&listener, &router).await;
+        let tls = panel.security.tls.as_ref().map(|tls| tls.acceptor.clone());
+        let served = serve(&listener, &router, tls.as_ref()).await;
         // Without the file nobody opens an address that is gone.
         drop(std::fs::remove_file(&panel.address_file));
         served
@@ -151,7 +164,11 @@ fn read_ini(path: &Path) -> Result<Ini, String> {
 }
 
 /// Accepts connections until a signal ends the program.
-async fn serve(listener: &TcpListener, router: &Router) -> Result<(), String> {
+async fn serve(
+    listener: &TcpListener,
+    router: &Router,
+    tls: Option<&TlsAcceptor>,
+) -> Result<(), String> {
     let fail = |e: std::io::Error| hal_output::reason(&e);
     let mut end = signal(SignalKind::terminate()).map_err(fail)?;
     let mut interrupt = signal(SignalKind::interrupt()).map_err(fail)?;
@@ -161,9 +178,18 @@ async fn serve(listener: &TcpListener, router: &Router) -> Result<(), String> {
         tokio::select! {
             accepted = listener.accept() => match accepted {
                 Ok((stream, _)) => {
-                    let router = router.clone();
+                    let (router, tls) = (router.clone(), tls.cloned());
                     tokio::spawn(async move {
-                        connection(stream, router).await;
+                        // Without it, small messages wait for the answer to the one before.
+                        drop(stream.set_nodelay(true));
+                        match tls {
+                            None => connection(stream, router).await,
+                            Some(tls) => {
+                                if let Ok(Ok(stream)) = timeout(HEAD_TIME, tls.accept(stream)).await {
+                                    connection(stream, router).await;
+                                }
+                            }
+                        }
                         drop(permit);
                     });
                 }
@@ -176,9 +202,10 @@ async fn serve(listener: &TcpListener, router: &Router) -> Result<(), String> {
     }
 }
 
-async fn connection(stream: TcpStream, router: Router) {
-    // Without it, small messages wait for the answer to the one before.
-    drop(stream.set_nodelay(true));
+async fn connection<S>(stream: S, router: Router)
+where
+    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+{
     let service = TowerToHyperService::new(router);
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEAD_TIME).max_buf_size(MAX_HEAD);

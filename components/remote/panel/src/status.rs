@@ -60,7 +60,10 @@ pub(crate) fn observe(place: &Place) -> Result<watch::Receiver<Arc<Machine>>, St
     Ok(seen)
 }
 
-#[expect(clippy::disallowed_methods, reason = "a program at the edge: people look in real time")]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "people look while the engine's clock stands still, too"
+)]
 fn pause(time: Duration) {
     thread::sleep(time);
 }

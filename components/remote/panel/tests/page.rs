@@ -129,7 +129,13 @@ fn run_script(name: &str) {
             let required = std::env::var("FERRULE_REQUIRE").unwrap_or_default();
             let demanded = required.split(',').any(|name| ["node", "all"].contains(&name));
             assert!(!demanded, "node (apt-get install nodejs): {e}");
-            println!("skipped: node is not installed (apt-get install nodejs)");
+            let line = "node is not installed (apt-get install nodejs)";
+            println!("skipped: {line}");
+            // `.ci/run` lists what is skipped.
+            if let Some(list) = std::env::var_os("FERRULE_SKIPPED").filter(|f| !f.is_empty()) {
+                let list = fs::OpenOptions::new().append(true).create(true).open(list);
+                list.unwrap().write_all(format!("page {name}: {line}\n").as_bytes()).unwrap();
+            }
             return;
         }
     };

@@ -1,12 +1,11 @@
 //! The program halpanel: a machine in the browser.
 #![forbid(unsafe_code)]
 
-use clap::Parser as _;
 use halpanel::Options;
 use std::{io::Write as _, process::ExitCode};
 
 fn main() -> ExitCode {
-    hal_output::program(|_| match halpanel::run(&Options::parse()) {
+    hal_output::program(|_| match halpanel::run(&Options::given()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(text) => {
             // Without standard error there is nowhere else to say it.

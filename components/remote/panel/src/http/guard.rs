@@ -6,7 +6,7 @@ use crate::{
 };
 use axum::{
     extract::{Request, State},
-    http::{HeaderMap, HeaderName, HeaderValue, header},
+    http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header},
     middleware::Next,
     response::{IntoResponse as _, Response},
 };
@@ -35,7 +35,7 @@ pub(crate) async fn guard(
     next: Next,
 ) -> Response {
     let mut response = match check(&panel, request.headers()) {
-        Ok(()) => next.run(request).await,
+        Ok(()) => named(next.run(request).await),
         Err(e) => e.into_response(),
     };
     let headers = response.headers_mut();
@@ -46,6 +46,24 @@ pub(crate) async fn guard(
     response
 }
 
+/// Gives a refusal of the libraries below, which is a text, the form of all others.
+fn named(response: Response) -> Response {
+    let status = response.status();
+    let json = HeaderValue::from_static("application/json");
+    if !status.is_client_error() || response.headers().get(header::CONTENT_TYPE) == Some(&json) {
+        return response;
+    }
+    let (code, text) = match status {
+        StatusCode::PAYLOAD_TOO_LARGE => (Code::TooLarge, "the body of the request is too long"),
+        StatusCode::NOT_FOUND => (Code::NotFound, "there is no such path"),
+        StatusCode::METHOD_NOT_ALLOWED => (Code::Malformed, "this path has no such method"),
+        _ => (Code::Malformed, "the request cannot be read"),
+    };
+    let mut named = Error::new(code, text).into_response();
+    *named.status_mut() = status;
+    named
+}
+
 fn check(panel: &Panel, headers: &HeaderMap) -> Result<(), Error> {
     let foreign = |text: String| Err(Error::new(Code::ForeignOrigin, text));
     let text = |value: &HeaderValue| String::from_utf8_lossy(value.as_bytes()).into_owned();
@@ -53,11 +71,13 @@ fn check(panel: &Panel, headers: &HeaderMap) -> Result<(), Error> {
     let (Some(host), None) = (hosts.next().map(text), hosts.next()) else {
         return foreign("a request names one host".to_owned());
     };
-    if !panel.is_host(&host) {
+    if !panel.security.is_host(panel.address, &host) {
         return foreign(format!("this server is not {host}"));
     }
     let mut origins = headers.get_all(header::ORIGIN).iter().map(text);
-    if let Some(origin) = origins.find(|origin| *origin != format!("http://{host}")) {
+    if let Some(origin) =
+        origins.find(|origin| *origin != format!("{}://{host}", panel.security.scheme()))
+    {
         return foreign(format!("a page of {origin} has sent this request"));
     }
     let site = headers.get("sec-fetch-site").map(text);
@@ -68,15 +88,5 @@ fn check(panel: &Panel, headers: &HeaderMap) -> Result<(), Error> {
             foreign("a page of another server has sent this request".to_owned())
         }
         _ => Ok(()),
-    }
-}
-
-impl Panel {
-    /// Returns whether a request for this host is for this server.
-    fn is_host(&self, host: &str) -> bool {
-        let port = self.address.port();
-        host == self.address.to_string()
-            || host == format!("localhost:{port}")
-            || (port == 80 && (host == "localhost" || host == self.address.ip().to_string()))
     }
 }

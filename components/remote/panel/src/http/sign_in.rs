@@ -1,9 +1,10 @@
 //! Begin and end of sessions.
 
 use crate::{
+    accounts::Wrong,
     error::{Code, Error},
     server::Panel,
-    session::{Session, cookie_name},
+    session::{Role, Session, cookie_name},
 };
 use axum::{
     Json,
@@ -15,6 +16,7 @@ use axum::{
 use serde::Deserialize;
 use serde_json::json;
 use std::sync::Arc;
+use tokio::task::block_in_place;
 
 /// Name of who opened the address with the one-time token.
 const LOCAL: &str = "local";
@@ -27,10 +29,56 @@ impl FromRequestParts<Arc<Panel>> for Session {
     }
 }
 
+/// Longest name of a user in the audit log, in characters.
+const MAX_NAME: usize = 64;
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Login {
+    Token(Token),
+    Password(Password),
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Login {
+struct Token {
     token: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Password {
+    user: String,
+    password: String,
+}
+
+impl Panel {
+    /// Returns the role of who has the one-time token, which is replaced.
+    fn by_token(&self, login: Token) -> Result<Role, Error> {
+        if !self.sessions.take_token(&login.token) {
+            return Err(Error::new(Code::WrongLogin, "the token is wrong, or has been used"));
+        }
+        if let Err(why) = self.renew_token() {
+            // The file still has this token.
+            self.sessions.set_token(login.token);
+            return Err(Error::new(Code::Disk, why));
+        }
+        Ok(self.options.role)
+    }
+
+    /// Returns the role of who has this password.
+    fn by_password(&self, login: &Password) -> Result<Role, Error> {
+        let accounts = self.security.accounts.as_ref().ok_or_else(|| {
+            Error::new(Code::WrongLogin, "there are no accounts: sign in with the token")
+        })?;
+        // Hashing a password takes a while, and memory: one after the other.
+        block_in_place(|| accounts.check(&login.user, &login.password)).map_err(|why| match why {
+            Wrong::Login => Error::new(Code::WrongLogin, "the user or the password is wrong"),
+            Wrong::Haste => {
+                Error::new(Code::TooMany, "too many passwords were tried: wait a little")
+            }
+        })
+    }
 }
 
 /// Begins a session.
@@ -40,18 +88,20 @@ pub(crate) async fn sign_in(
 ) -> Result<Response, Error> {
     let login: Login = serde_json::from_slice(&body)
         .map_err(|e| Error::new(Code::Malformed, format!("this is no login: {e}")))?;
-    if !panel.sessions.take_token(&login.token) {
-        return Err(Error::new(Code::WrongLogin, "the token is wrong, or has been used"));
-    }
-    let fail = |text: String| Error::new(Code::Disk, text);
-    if let Err(why) = panel.renew_token() {
-        // The file still has this token.
-        panel.sessions.set_token(login.token);
-        return Err(fail(why));
-    }
-    let (session, key) = panel.sessions.begin(LOCAL, panel.options.role).map_err(fail)?;
+    let (user, role) = match login {
+        Login::Token(login) => (LOCAL.to_owned(), panel.by_token(login)),
+        Login::Password(login) => {
+            let role = panel.by_password(&login);
+            (login.user, role)
+        }
+    };
+    let shown: String = user.chars().take(MAX_NAME).collect();
+    panel.audit.note(&shown, 0, &json!("sign-in"), role.as_ref().map(|_| ()));
+    let begun = panel.sessions.begin(&user, role?);
+    let (session, key) = begun.map_err(|why| Error::new(Code::Disk, why))?;
     let name = cookie_name(panel.address.port());
-    let cookie = format!("{name}={}; HttpOnly; SameSite=Strict; Path=/", session.cookie);
+    let secure = if panel.security.tls.is_some() { "; Secure" } else { "" };
+    let cookie = format!("{name}={}; HttpOnly; SameSite=Strict; Path=/{secure}", session.cookie);
     let body = json!({ "role": session.role, "user": session.user, "key": key });
     Ok(([(header::SET_COOKIE, cookie)], Json(body)).into_response())
 }

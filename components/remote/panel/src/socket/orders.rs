@@ -75,7 +75,14 @@ impl Connection {
         });
         let mut work = Box::pin(async move {
             let answer = match run(order.clone()).await {
-                Ok(ok) => json!({ "type": "reply", "id": id, "ok": ok }),
+                Ok(mut ok) => {
+                    let pending = ok.as_object_mut().and_then(|ok| ok.remove("pending"));
+                    let mut reply = json!({ "type": "reply", "id": id, "ok": ok });
+                    if let (Some(pending), Json::Object(reply)) = (pending, &mut reply) {
+                        reply.insert("pending".to_owned(), pending);
+                    }
+                    reply
+                }
                 Err(e) => json!({ "type": "reply", "id": id, "error": e }),
             };
             // A client that has gone needs no answer.
@@ -158,6 +165,12 @@ impl Order {
             Action::ToolChanged => return self.tool_changed(lease).await,
         };
         let engine = &self.panel.engine;
+        if let Some(signal) = commands::signal_of(name, args) {
+            let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
+            if let Reply::Items(pins) = engine.call(list).await? {
+                commands::guard_signal(signal, &pins)?;
+            }
+        }
         let stops = engine.stops();
         // A program that is held, and not paused, goes on by the release alone.
         let released = name == "resume" && self.panel.heart.hold.load(Relaxed) && !self.is_paused();

@@ -1,0 +1,95 @@
+//! Passwords, and what is refused before anything listens.
+
+use super::printer::Printer;
+use serde_json::json;
+use std::{
+    fs::{self, File},
+    os::unix::fs::PermissionsExt as _,
+};
+
+/// Adds an account to the file `people`.
+fn add(printer: &Printer, account: &str, password: &str) {
+    let scratch = &printer.scratch;
+    scratch.write("password", format!("{password}\n"));
+    let mut command = scratch.command(&[], "halpanel");
+    command.args(["--accounts", "people", "--add-account", account]);
+    command.stdin(File::open(scratch.path().join("password")).unwrap());
+    let output = scratch.run(&mut command);
+    assert_eq!((output.status, &*output.stderr), (Some(0), ""), "{account}");
+}
+
+#[test]
+fn a_person_signs_in_with_a_password_and_has_the_role_of_the_account() {
+    let mut printer = Printer::start("viewer");
+    add(&printer, "ana=operator", "correct horse");
+    add(&printer, "eva=integrator", "battery staple");
+    let people = printer.scratch.read("people");
+    assert!(!people.contains("horse") && people.lines().count() == 2, "{people}");
+    printer.restart("viewer", &["--accounts", "people"]);
+    let sign_in = |user: &str, password: &str| {
+        let body = json!({ "user": user, "password": password }).to_string();
+        printer.request("POST", "/api/v1/session", &printer.host(), body.as_bytes())
+    };
+    for (user, password, role) in [
+        ("ana", "correct horse", "operator"),
+        ("eva", "battery staple", "integrator"),
+        ("ana", "battery staple", ""),
+        ("nobody", "correct horse", ""),
+        ("", "", ""),
+    ] {
+        let answer = sign_in(user, password);
+        let wanted = if role.is_empty() { (401, "wrong-login") } else { (200, "") };
+        assert_eq!((answer.status, &*answer.code()), wanted, "{user} {password}");
+        assert_eq!(answer.json()["role"].as_str().unwrap_or_default(), role);
+    }
+    // The token opens a session as before, with the role of the option.
+    let by_token = printer.sign_in();
+    let who = printer.request("GET", "/api/v1/session", &by_token.headers(), b"");
+    assert_eq!(who.json(), json!({ "role": "viewer", "user": "local" }));
+    let audit = printer.scratch.read("audit");
+    assert!(audit.contains(r#""user":"ana""#) && audit.contains("wrong-login"), "{audit}");
+    assert!(!audit.contains("horse"), "{audit}");
+}
+
+#[test]
+fn what_does_not_fit_is_refused_before_anything_listens() {
+    let mut printer = Printer::start("viewer");
+    add(&printer, "ana=operator", "correct horse");
+    let scratch = &printer.scratch;
+    scratch.write("damaged", "ana operator\n");
+    scratch.write("open", scratch.read("people"));
+    scratch.write("bad.pem", "no certificate\n");
+    let mode = |name: &str, mode| {
+        fs::set_permissions(scratch.path().join(name), fs::Permissions::from_mode(mode)).unwrap();
+    };
+    mode("damaged", 0o600);
+    mode("open", 0o644);
+    mode("bad.pem", 0o600);
+    let taken = format!("--listen 127.0.0.1:{}", printer.port);
+    for (options, why) in [
+        (&*taken, "in use"),
+        ("--listen 192.0.2.1:7776", "is a network address: it needs --accounts and --certificate"),
+        ("--listen 0.0.0.0:0 --accounts people --certificate new.pem", "--name states"),
+        ("--accounts damaged", "damaged:1: this is no account, must be NAME ROLE HASH"),
+        ("--accounts open", "open: others than its owner may use it: chmod 600"),
+        ("--accounts nothing", "nothing: "),
+        ("--certificate bad.pem", "bad.pem: it has no certificate"),
+        ("--instance nobody", "nobody"),
+        ("--ini-file nothing.ini", "nothing.ini"),
+        ("--add-account ana=king --accounts people", "the role is 'king'"),
+    ] {
+        let mut command = scratch.command(&[], "halpanel");
+        let output = scratch.run(command.args(options.split(' ')));
+        assert_eq!((output.status, &*output.stdout), (Some(1), ""), "{options}: {output:?}");
+        assert!(output.stderr.contains(why), "{options}: {}", output.stderr);
+    }
+    // The panel that listens goes on.
+    assert_eq!(printer.sign_in().socket().command("abort", &json!({})), "");
+    // With a certificate it speaks TLS alone, and says which one.
+    printer.restart("viewer", &["--certificate", "own.pem"]);
+    assert!(printer.address().starts_with("https://127.0.0.1:"), "{}", printer.address());
+    assert_eq!(printer.request("GET", "/", &printer.host(), b"").status, 0);
+    assert!(printer.said().contains("SHA-256 fingerprint"), "{}", printer.said());
+    let pem = fs::metadata(printer.scratch.path().join("own.pem")).unwrap();
+    assert_eq!(pem.permissions().mode() & 0o777, 0o600);
+}

@@ -1,0 +1,65 @@
+//! Looks of the page: languages, themes, screens, and the findings of an automatic check of accessibility.
+
+use super::stand::Stand;
+use hal_tests::{
+    browser::{DESKTOP, PHONE},
+    programs::root,
+    tools::Tool,
+};
+use std::fs;
+
+#[test]
+fn each_language_theme_and_screen_has_all_cards_and_no_error() {
+    for (screen, width) in [(DESKTOP, "desktop"), (PHONE, "phone")] {
+        let Some(stand) = Stand::start(screen) else { return };
+        let b = &stand.browser;
+        for language in ["en", "es"] {
+            for theme in ["dark", "light"] {
+                b.run(&format!(
+                    "localStorage.setItem('ferrule-panel', JSON.stringify({{ language: '{language}', theme: '{theme}' }})); location.reload()"
+                ));
+                b.until(&format!("document.documentElement.lang === '{language}' && document.querySelector('#machine-state')?.textContent"));
+                let name = format!("{width}-{language}-{theme}");
+                assert_eq!(
+                    b.run("return document.querySelectorAll('main .card').length"),
+                    13,
+                    "{name}"
+                );
+                assert_eq!(b.run("return document.documentElement.dataset.theme"), theme, "{name}");
+                let too_wide = "return document.documentElement.scrollWidth - document.documentElement.clientWidth";
+                assert_eq!(b.run(too_wide), 0, "{name}: the page is wider than the screen");
+                stand.picture(&name);
+                b.run("document.querySelector('[data-page=integrate]').click()");
+                b.until("document.querySelectorAll('#tree .names li').length > 10");
+                stand.picture(&format!("{name}-integrate"));
+                b.run("document.querySelector('[data-page=operate]').click()");
+            }
+        }
+        assert_eq!(b.errors(), Vec::<String>::new(), "{width}");
+    }
+}
+
+/// axe-core, a checker of accessibility, where npm has put it.
+const AXE: Tool = Tool {
+    name: "axe",
+    what: "axe-core",
+    remedy: "npm install --no-save --prefix components/remote/panel axe-core",
+};
+
+#[test]
+fn axe_finds_nothing_serious() {
+    let script = root().join("components/remote/panel/node_modules/axe-core/axe.min.js");
+    let Some(axe) = AXE.or_skip(fs::read_to_string(script).ok()) else { return };
+    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let b = &stand.browser;
+    b.run(&axe);
+    for (page, theme) in
+        [("operate", "dark"), ("operate", "light"), ("integrate", "dark"), ("integrate", "light")]
+    {
+        b.run(&format!("document.querySelector('[data-page={page}]').click(); document.documentElement.dataset.theme = '{theme}'"));
+        b.until("document.querySelectorAll('main .card').length > 5");
+        b.run("window.found = null; axe.run().then((r) => { window.found = r.violations.filter((v) => ['serious', 'critical'].includes(v.impact)).map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 150)).join(' | ')}`); })");
+        b.until("window.found");
+        assert_eq!(b.run("return window.found"), serde_json::json!([]), "{page}, {theme}");
+    }
+}

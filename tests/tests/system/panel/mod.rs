@@ -1,0 +1,17 @@
+//! The panel: requests byte by byte, and Chromium without a screen, with the printer on the real clock.
+#![expect(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "whatever fails here fails a test"
+)]
+
+mod accounts;
+mod display;
+mod integrator;
+mod looks;
+mod operator;
+mod printer;
+mod requests;
+mod roles;
+mod socket;
+mod stand;

@@ -1,0 +1,223 @@
+//! The operator's page: a whole job by buttons, by touch and by keys, and the ends of jogs.
+
+use super::stand::{HOLD, Stand};
+use hal_tests::{
+    browser::{DESKTOP, PHONE, Screen},
+    scratch::until,
+};
+
+/// A program with two tools and moves of some seconds.
+const PART: &str = "\
+G21 G90 G94 G54
+T1 M6
+G0 X10 Y10 Z5
+G1 Z-2 F300
+G1 X60 F1200
+Y60
+X10
+Y10
+G0 Z5
+T2 M6
+G1 X100 Y100 F3000
+G0 X0 Y0
+M2
+";
+
+/// Uploads a program and opens it.
+fn open(stand: &Stand, name: &str, text: &str) {
+    let b = &stand.browser;
+    stand.printer.scratch.write(name, text);
+    b.fill("#upload", stand.printer.scratch.path().join(name).to_str().unwrap());
+    let listed = format!(
+        "[...document.querySelectorAll('.files .plain')].some((f) => f.textContent === '{name}')"
+    );
+    b.until(&listed);
+    assert_eq!(stand.printer.scratch.read(&format!("programs/{name}")), text);
+    b.run(&format!("[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === '{name}').click()"));
+    b.until(&format!("document.querySelector('.file').textContent === '{name}'"));
+}
+
+/// Shows a group of cards on a phone.
+fn group(stand: &Stand, screen: Screen, name: &str) {
+    if screen.is_phone {
+        stand.browser.click(&format!("nav [data-group={name}]"));
+    }
+}
+
+fn runs_a_job(screen: Screen, name: &str) {
+    let Some(stand) = Stand::start(screen) else { return };
+    let b = &stand.browser;
+    group(&stand, screen, "move");
+    stand.ready();
+
+    // A short touch moves nothing; a hold moves until the release.
+    b.until(
+        "document.querySelector('.jog-X-plus') && !document.querySelector('.jog-X-plus').disabled",
+    );
+    let x = || stand.printer.number("getp joint.0.pos-cmd");
+    stand.tap(".jog-X-plus");
+    assert_eq!(x(), 0.0, "a short touch");
+    stand.jog(".jog-X-plus", 0, 2.0);
+    stand.picture(&format!("{name}-jog"));
+    b.release();
+    until("the jog has ended", || stand.printer.halcmd("getp motion.in-position").trim() == "TRUE");
+
+    group(&stand, screen, "job");
+    open(&stand, "part.ngc", PART);
+    group(&stand, screen, "view");
+    stand.picture(&format!("{name}-path"));
+    group(&stand, screen, "job");
+    b.hold("#run-start", HOLD);
+
+    // The change of tool: the job waits until a person confirms.
+    b.until("!document.querySelector('#tool-prompt').hidden");
+    stand.picture(&format!("{name}-tool"));
+    b.hold("#tool-changed", HOLD);
+    b.until("document.querySelector('#tool-prompt').hidden");
+
+    // The override, the pause and the end of the pause.
+    b.run("const f = document.querySelector('#feed-override'); f.value = 50; f.dispatchEvent(new Event('input'))");
+    let mut viewer = stand.printer.sign_in().socket();
+    let is_half = |m: &serde_json::Value| m["task"]["feed_override"] == 0.5;
+    assert!(viewer.wait(is_half).is_some(), "the override is 50 %");
+    b.until("document.querySelector('.listing .current')");
+    b.click("#run-pause");
+    b.until("!document.querySelector('#run-resume').hidden");
+    until("motion rests", || stand.printer.number("getp motion.current-vel") == 0.0);
+    stand.picture(&format!("{name}-paused"));
+    b.hold("#run-resume", HOLD);
+    b.until("document.querySelector('#run-resume').hidden");
+
+    // The second tool, then the end of the program.
+    b.until("!document.querySelector('#tool-prompt').hidden");
+    b.hold("#tool-changed", HOLD);
+    until("the job ends", || stand.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    b.until("document.querySelector('#run-state').textContent.length > 0 && document.querySelector('#run-start').disabled === false");
+
+    // A second run that is stopped.
+    b.hold("#run-start", HOLD);
+    b.until("!document.querySelector('#run-stop').disabled");
+    b.click("#run-stop");
+    until("the job is aborted", || stand.printer.halcmd("task.status").contains("jobs=2 failed=1"));
+    stand.picture(&format!("{name}-stopped"));
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
+fn a_desk_runs_a_job() {
+    runs_a_job(DESKTOP, "job-desktop");
+}
+
+#[test]
+fn a_phone_runs_a_job() {
+    runs_a_job(PHONE, "job-phone");
+}
+
+#[test]
+fn the_keyboard_alone_runs_a_job() {
+    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let b = &stand.browser;
+    let (tab, space) = ("\u{e004}", " ");
+    // Tab reaches an element; space is then held.
+    let reach = |selector: &str| {
+        b.until(&format!("!document.querySelector('{selector}').disabled"));
+        for _ in 0..200 {
+            if b.run(&format!(
+                "return document.activeElement === document.querySelector('{selector}')"
+            )) == true
+            {
+                return;
+            }
+            b.key(tab, true);
+            b.key(tab, false);
+        }
+        panic!("Tab does not reach {selector}");
+    };
+    let hold = |selector: &str, done: &str| {
+        reach(selector);
+        b.key(space, true);
+        b.until(done);
+        b.key(space, false);
+    };
+    reach("#lease");
+    b.key(space, true);
+    b.key(space, false);
+    b.until("document.querySelector('#lease').getAttribute('aria-pressed') === 'true'");
+    hold("#estop-reset", "document.querySelector('#machine-state').dataset.state === 'off'");
+    hold("#power-on", "document.querySelector('#machine-state').dataset.state === 'on'");
+    hold("#home-all", "document.querySelector('.jog-X-plus').checkVisibility()");
+
+    // Keys jog while their mode is on; Escape ends it.
+    reach("#jog-keys");
+    b.key(space, true);
+    b.key(space, false);
+    b.until("document.body.classList.contains('keys-jog')");
+    let x = || stand.printer.number("getp joint.0.pos-cmd");
+    let before = x();
+    until("the key moves X", || {
+        b.key("\u{e014}", true);
+        let has_moved = before < x();
+        b.key("\u{e014}", false);
+        has_moved
+    });
+    until("the jog has ended", || stand.printer.halcmd("getp motion.in-position").trim() == "TRUE");
+    b.key("\u{e00c}", true);
+    b.key("\u{e00c}", false);
+    b.until("!document.body.classList.contains('keys-jog')");
+
+    open(&stand, "short.ngc", "G21 G90\nG1 X5 Y5 F600\nM2\n");
+    hold("#run-start", "!document.querySelector('#run-stop').disabled");
+    until("the job ends", || stand.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+}
+
+#[test]
+fn a_jog_ends_with_what_held_it() {
+    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let b = &stand.browser;
+    stand.ready();
+    let cuts = [
+        ("blur", "window.dispatchEvent(new Event('blur'))"),
+        (
+            "a hidden page",
+            "Object.defineProperty(document, 'hidden', { value: true, configurable: true }); document.dispatchEvent(new Event('visibilitychange')); delete document.hidden",
+        ),
+        (
+            "pointercancel",
+            "document.querySelector('.jog-X-plus').dispatchEvent(new PointerEvent('pointercancel', { pointerId: window.lastPointer }))",
+        ),
+        (
+            "the other face of the page",
+            "document.querySelector('[data-page=integrate]').click(); document.querySelector('[data-page=operate]').click()",
+        ),
+    ];
+    b.run(
+        "window.addEventListener('pointerdown', (e) => { window.lastPointer = e.pointerId }, true); \
+         const send = WebSocket.prototype.send; window.sent = []; \
+         WebSocket.prototype.send = function (text) { window.sent.push(JSON.parse(text).name); send.call(this, text) }",
+    );
+    for (name, cut) in cuts {
+        // Where the computer is too busy, the dead man ends the jog before the cut: then once more.
+        until("a jog lasts until its cut", || {
+            b.run("window.sent = []");
+            b.press(".jog-X-plus");
+            b.until("window.sent.includes('jog')");
+            let ended =
+                b.run(&format!("const e = window.sent.includes('jog-stop'); {cut}; return e"));
+            if ended == true {
+                b.release();
+            }
+            ended == false
+        });
+        b.until("window.sent.includes('jog-stop')");
+        until("the machine rests", || {
+            stand.printer.halcmd("getp motion.in-position").trim() == "TRUE"
+        });
+        let x = stand.printer.number("getp joint.0.pos-cmd");
+        // What still holds the button begins nothing again.
+        b.release();
+        b.run("window.sent = []");
+        stand.tap(".jog-Y-plus");
+        assert_eq!(b.run("return window.sent.includes('jog')"), false, "{name}");
+        assert_eq!(stand.printer.number("getp joint.0.pos-cmd").to_bits(), x.to_bits(), "{name}");
+    }
+}

@@ -1,0 +1,161 @@
+//! The simulated printer with its panel.
+
+use hal_tests::{
+    programs::root,
+    scratch::{Running, Scratch, until},
+    web::{self, Answer, Socket},
+};
+use rustix::process::Signal;
+use serde_json::json;
+use std::{fs, path::Path};
+
+/// The machine and the panel; both end with it.
+#[derive(Debug)]
+pub(super) struct Printer {
+    panel: Running,
+    machine: Running,
+    pub(super) scratch: Scratch,
+    pub(super) port: u16,
+}
+
+/// A person who has signed in.
+#[derive(Clone, Debug)]
+pub(super) struct Session {
+    port: u16,
+    pub(super) cookie: String,
+    pub(super) key: String,
+}
+
+impl Printer {
+    /// Starts the printer, and a panel whose sessions have this role.
+    pub(super) fn start(role: &str) -> Self {
+        let scratch = Scratch::copy_of(&root().join("configs/printer"));
+        let ini = scratch.read("printer.ini");
+        // A computer that tests keep busy answers late: the lease then lasts, while a jog still ends at once.
+        scratch.write("printer.ini", format!("{ini}\n[REMOTE]\nLEASE_TIMEOUT = 60\n"));
+        fs::create_dir(scratch.path().join("programs")).unwrap();
+        let words = ["--simulate", "--headless", "printer.ini"];
+        let machine = scratch.start(scratch.command(&[], "halrun").args(words));
+        until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
+        let panel = panel(&scratch, role, &[]);
+        let mut printer = Self { panel, machine, scratch, port: 0 };
+        printer.port = printer.listens();
+        printer
+    }
+
+    /// Waits until the panel listens, and returns its port.
+    fn listens(&mut self) -> u16 {
+        until("the panel writes its address", || {
+            let is_running = self.panel.is_running();
+            assert!(is_running, "the panel has ended: {:?}", self.panel.said());
+            is_address(&self.scratch.path().join("address"))
+        });
+        let address = self.address();
+        let (_, rest) = address.split_once("127.0.0.1:").unwrap();
+        rest.split_once('/').unwrap().0.parse().unwrap()
+    }
+
+    /// Ends the panel, and starts one whose sessions have another role, with further options.
+    pub(super) fn restart(&mut self, role: &str, options: &[&str]) {
+        self.panel.signal(Signal::TERM);
+        assert!(self.panel.ended().is_some_and(|s| s.success()), "{:?}", self.panel.said());
+        self.panel = panel(&self.scratch, role, options);
+        self.port = self.listens();
+    }
+
+    /// Returns what the panel has printed.
+    pub(super) fn said(&self) -> String {
+        self.panel.said().0
+    }
+
+    /// Returns the address with the one-time token.
+    pub(super) fn address(&self) -> String {
+        self.scratch.read("address").trim().to_owned()
+    }
+
+    /// Returns the one-time token.
+    pub(super) fn token(&self) -> String {
+        self.address().split_once("#token=").unwrap().1.to_owned()
+    }
+
+    /// Signs in.
+    pub(super) fn sign_in(&self) -> Session {
+        let body = json!({ "token": self.token() }).to_string();
+        let answer = self.request("POST", "/api/v1/session", &self.host(), body.as_bytes());
+        assert_eq!(answer.status, 200, "{answer:?}");
+        let cookie = answer.header("set-cookie").unwrap().split_once(';').unwrap().0.to_owned();
+        let key = answer.json()["key"].as_str().unwrap().to_owned();
+        Session { port: self.port, cookie, key }
+    }
+
+    /// Returns the header that names this server.
+    pub(super) fn host(&self) -> String {
+        format!("Host: 127.0.0.1:{}\r\n", self.port)
+    }
+
+    /// Sends a request with these lines as headers.
+    pub(super) fn request(&self, method: &str, path: &str, headers: &str, body: &[u8]) -> Answer {
+        web::request(self.port, method, path, headers, body)
+    }
+
+    /// Runs a command of halcmd.
+    pub(super) fn halcmd(&self, line: &str) -> String {
+        let words: Vec<_> = line.split(' ').collect();
+        let output = self.scratch.halcmd(&words);
+        assert_eq!(output.status, Some(0), "{line}: {output:?}");
+        output.stdout
+    }
+
+    /// Returns a number that halcmd prints of a pin or signal.
+    pub(super) fn number(&self, command: &str) -> f64 {
+        self.halcmd(command).trim().parse().unwrap()
+    }
+}
+
+impl Session {
+    /// Returns the port of the server.
+    pub(super) const fn port(&self) -> u16 {
+        self.port
+    }
+
+    /// Returns the headers of a request of this session.
+    pub(super) fn headers(&self) -> String {
+        let Self { port, cookie, key } = self;
+        format!("Host: 127.0.0.1:{port}\r\nCookie: {cookie}\r\nX-Ferrule-Key: {key}\r\n")
+    }
+
+    /// Opens the socket and says hello.
+    pub(super) fn socket(&self) -> Socket {
+        let Self { port, cookie, key } = self;
+        let headers = format!("Host: 127.0.0.1:{port}\r\nCookie: {cookie}\r\n");
+        let mut socket = Socket::open(*port, "/api/v1/socket", &headers).unwrap();
+        socket.send(&json!({ "type": "hello", "key": key }));
+        let hello = socket.receive().unwrap();
+        assert_eq!(hello["type"], "hello", "{hello}");
+        socket
+    }
+}
+
+impl Drop for Printer {
+    fn drop(&mut self) {
+        for program in [&mut self.panel, &mut self.machine] {
+            if program.is_running() {
+                program.signal(Signal::TERM);
+            }
+        }
+        let (machine, panel) = (&mut self.machine, &mut self.panel);
+        until("the programs end", || !machine.is_running() && !panel.is_running());
+    }
+}
+
+fn is_address(file: &Path) -> bool {
+    fs::read_to_string(file).is_ok_and(|text| text.contains("#token=") && text.ends_with('\n'))
+}
+
+fn panel(scratch: &Scratch, role: &str, options: &[&str]) -> Running {
+    let mut command = scratch.command(&[], "halpanel");
+    command.args(["--listen", "127.0.0.1:0", "--ini-file", "printer.ini", "--role", role]);
+    command.args(["--programs", "programs", "--address-file", "address", "--audit", "audit"]);
+    command.args(options);
+    scratch.start(&mut command)
+}

@@ -1,0 +1,78 @@
+//! The printer, and a browser that shows its panel.
+
+use super::printer::Printer;
+use hal_tests::{
+    browser::{Browser, Screen},
+    scratch::until,
+};
+use std::path::PathBuf;
+
+/// Time in ms for which buttons that begin motion are held.
+pub(super) const HOLD: u32 = 900;
+
+/// The browser with the page, and the machine that it shows.
+#[derive(Debug)]
+pub(super) struct Stand {
+    pub(super) browser: Browser,
+    pub(super) printer: Printer,
+}
+
+impl Stand {
+    /// Starts the printer and its panel, and opens the page. `None` where there is no browser.
+    pub(super) fn start(screen: Screen) -> Option<Self> {
+        // First, because without it nothing else is of use.
+        Browser::is_there().then_some(())?;
+        let printer = Printer::start("integrator");
+        let browser = Browser::open(&printer.scratch, screen);
+        browser.go(&printer.address());
+        browser.until("document.querySelector('#machine-state')?.textContent");
+        Some(Self { browser, printer })
+    }
+
+    /// Takes control, leaves e-stop, switches on and homes, all in the page.
+    pub(super) fn ready(&self) {
+        let b = &self.browser;
+        b.click("#lease");
+        b.until("document.querySelector('#lease').getAttribute('aria-pressed') === 'true'");
+        b.hold("#estop-reset", HOLD);
+        b.hold("#power-on", HOLD);
+        b.until("document.querySelector('#machine-state').dataset.state === 'on'");
+        b.hold("#home-all", HOLD);
+        until("all joints are homed", || {
+            self.printer.halcmd("getp motion.is-all-homed").trim() == "TRUE"
+        });
+    }
+
+    /// Presses a jog button until a joint has moved so far. The dead man ends a jog where the computer is too busy to
+    /// answer within its time; a person then presses again.
+    pub(super) fn jog(&self, button: &str, joint: u32, far: f64) {
+        let x = || self.printer.number(&format!("getp joint.{joint}.pos-cmd"));
+        let from = x();
+        let mut seen = f64::NAN;
+        self.browser.press(button);
+        until("the jog moves", || {
+            let now = x();
+            if now.to_bits() == seen.to_bits() {
+                self.browser.release();
+                self.browser.press(button);
+            }
+            seen = now;
+            from + far < now
+        });
+    }
+
+    /// Touches an element for less time than any button is held, however busy the computer is.
+    pub(super) fn tap(&self, selector: &str) {
+        self.browser.run(&format!(
+            "const to = document.querySelector('{selector}'); \
+             for (const kind of ['pointerdown', 'pointerup']) \
+             to.dispatchEvent(new PointerEvent(kind, {{ pointerId: 9, button: 0, bubbles: true }}))"
+        ));
+    }
+
+    /// Keeps a picture of the page where `FERRULE_PICTURES` names a folder.
+    pub(super) fn picture(&self, name: &str) {
+        let Some(folder) = std::env::var_os("FERRULE_PICTURES") else { return };
+        self.browser.picture(&PathBuf::from(folder).join(format!("{name}.png")));
+    }
+}
