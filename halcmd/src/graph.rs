@@ -1,12 +1,12 @@
 //! `graph`: a picture of a machine as SVG, or as text for Graphviz or Mermaid.
 
+mod by_index;
 mod dot;
 mod drawing;
 mod layers;
 mod layout;
 mod mermaid;
 mod plan;
-mod row;
 mod size;
 mod svg;
 mod wires;

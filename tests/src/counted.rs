@@ -4,11 +4,8 @@
 //! library has no other component. Rows are the rows of the recorded tables in the library's folder `traces` that load
 //! it.
 
-use crate::programs::family;
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use crate::programs::{family, files_below};
+use std::{fs, path::Path};
 
 /// Counts for one component.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,16 +27,12 @@ impl Sources {
     /// Reads the sources of a library of `components`.
     pub fn of(library: &str) -> Self {
         let folder = family(library);
-        let mut found = Vec::new();
-        walk(&folder, &mut found);
-        let text = |path: &PathBuf| fs::read_to_string(path).unwrap();
-        let stem = |path: &PathBuf| path.file_stem().unwrap().to_string_lossy().into_owned();
-        let of = |end: &'static str| {
-            found.iter().filter(move |p| p.extension().is_some_and(|e| e == end))
-        };
+        let text = |path: &Path| fs::read_to_string(path).unwrap();
+        let stem = |path: &Path| path.file_stem().unwrap().to_string_lossy().into_owned();
+        let of = |ending| files_below(&folder, ending).into_iter();
         Self {
-            files: of("rs").map(|p| (stem(p), text(p))).collect(),
-            tables: of("txt").map(text).collect(),
+            files: of(".rs").map(|p| (stem(&p), text(&p))).collect(),
+            tables: of(".txt").map(|p| text(&p)).collect(),
         }
     }
 
@@ -64,19 +57,6 @@ impl Sources {
             }
         }
         out
-    }
-}
-
-fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> =
-        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            walk(&path, out);
-        } else {
-            out.push(path);
-        }
     }
 }
 

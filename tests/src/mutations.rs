@@ -16,7 +16,7 @@ use std::{
 
 /// A machine without errors and warnings.
 #[derive(Clone, Debug)]
-pub struct Machine {
+pub struct CleanMachine {
     /// Folder of its files.
     pub folder: PathBuf,
     /// The file that is checked: an INI file or a script.
@@ -79,7 +79,7 @@ impl Mutant {
     }
 }
 
-impl Machine {
+impl CleanMachine {
     /// Reads a machine. Mistakes are made in the checked file, and in the HAL files of an INI file.
     pub fn read(path: &Path) -> Self {
         let folder = path.parent().unwrap().to_owned();

@@ -9,7 +9,7 @@ const MAKER: &str = "stepgen.make-pulses";
 pub(super) fn findings(dry_run: &mut DryRun) -> Vec<Finding> {
     let Some(ini) = dry_run.ini().cloned() else { return Vec::new() };
     let kind = if ini.is_old() { "axis" } else { "joint" };
-    let mut machine = Machine { link: dry_run.engine() };
+    let mut machine = JointQueries { link: dry_run.engine() };
     let Some(period) = machine.period() else { return Vec::new() };
     let signals = machine.signals();
     let mut found = Vec::new();
@@ -38,11 +38,11 @@ fn channel(signals: &[SignalInfo], command: &str) -> Option<String> {
     })
 }
 
-struct Machine<'a> {
+struct JointQueries<'a> {
     link: &'a mut dyn Link,
 }
 
-impl Machine<'_> {
+impl JointQueries<'_> {
     /// Returns the period of the thread that makes the pulses, in nanoseconds.
     fn period(&mut self) -> Option<f64> {
         let list = Request::List { kind: Kind::Threads, patterns: Vec::new(), ty: None };

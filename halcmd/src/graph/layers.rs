@@ -1,17 +1,17 @@
 //! Assignment of boxes to columns: values flow from left to right, except feedback.
 
-use super::row::Row;
+use super::by_index::ByIndex;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns the column of each of `n` boxes. `links` gives the number of values from one box to
 /// another.
-pub(super) fn columns(n: usize, links: &BTreeMap<(usize, usize), i64>) -> Row<usize> {
+pub(super) fn columns(n: usize, links: &BTreeMap<(usize, usize), i64>) -> ByIndex<usize> {
     let order = order(n, links);
-    let mut place = Row::of(n, 0);
+    let mut place = ByIndex::of(n, 0);
     order.iter().enumerate().for_each(|(at, i)| place.set(*i, at));
     let forward: BTreeSet<(usize, usize)> =
         links.keys().copied().filter(|(a, b)| place.at(*a) < place.at(*b)).collect();
-    let mut column = Row::of(n, 0_usize);
+    let mut column = ByIndex::of(n, 0_usize);
     for i in &order {
         for (_, b) in forward.range((*i, 0)..=(*i, usize::MAX)) {
             column.set(*b, column.at(*b).max(column.at(*i) + 1));
@@ -31,7 +31,7 @@ pub(super) fn columns(n: usize, links: &BTreeMap<(usize, usize), i64>) -> Row<us
 /// Returns an order in which few values flow backwards: pure sources first, pure sinks last, and of
 /// the others the one with the largest difference between outgoing and incoming values next.
 fn order(n: usize, links: &BTreeMap<(usize, usize), i64>) -> Vec<usize> {
-    let (mut gives, mut takes) = (Row::of(n, 0_i64), Row::of(n, 0_i64));
+    let (mut gives, mut takes) = (ByIndex::of(n, 0_i64), ByIndex::of(n, 0_i64));
     let mut near: BTreeMap<usize, Vec<(usize, i64, bool)>> = BTreeMap::new();
     for ((a, b), weight) in links.iter().filter(|((a, b), _)| a != b) {
         gives.set(*a, gives.at(*a) + weight);

@@ -2,10 +2,10 @@
 //! itself; the groups are then put below and beside each other.
 
 use super::{
+    by_index::ByIndex,
     drawing::Drawing,
     layers::columns,
     plan::Plan,
-    row::Row,
     size::{GRID, Sized},
     wires::{Wire, route},
 };
@@ -74,8 +74,8 @@ impl Layout {
 /// Returns the groups of boxes that wires connect, directly or indirectly.
 fn groups(drawing: &Drawing) -> Vec<Vec<usize>> {
     let n = drawing.boxes.len();
-    let mut of: Row<usize> = (0..n).collect();
-    let root = |of: &Row<usize>, mut i: usize| {
+    let mut of: ByIndex<usize> = (0..n).collect();
+    let root = |of: &ByIndex<usize>, mut i: usize| {
         while of.at(i) != i {
             i = of.at(i);
         }

@@ -1,7 +1,7 @@
 //! Heights of boxes and passing wires in their columns, with few crossings and straight wires.
 
 use super::{
-    row::Row,
+    by_index::ByIndex,
     size::{BY, GRID, IN, OUT, Sized},
 };
 use std::collections::BTreeMap;
@@ -53,7 +53,7 @@ pub(super) struct Plan {
 
 impl Plan {
     /// Places boxes whose columns are known.
-    pub(super) fn new(boxes: &[Sized], column: &Row<usize>) -> Self {
+    pub(super) fn new(boxes: &[Sized], column: &ByIndex<usize>) -> Self {
         let mut plan = Self::default();
         let mut reach: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
         for (i, b) in boxes.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! The route of each wire: out of a pin, along a track between two columns, and into the next pin.
 
 use super::{
+    by_index::ByIndex,
     plan::{Ends, Plan, Port},
-    row::Row,
     size::{SMALL, text_width},
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -161,7 +161,7 @@ fn ordered(mut trunks: Vec<Trunk>) -> Vec<Trunk> {
 /// Assigns a track to each trunk. Trunks that never overlap in height share one.
 fn tracks(trunks: &[Trunk]) -> BTreeMap<usize, i64> {
     let mut tracks = BTreeMap::new();
-    let mut taken: Row<i64> = Row::of(trunks.len(), 0);
+    let mut taken: ByIndex<i64> = ByIndex::of(trunks.len(), 0);
     for (i, t) in trunks.iter().enumerate() {
         let beside = trunks
             .iter()

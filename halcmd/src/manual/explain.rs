@@ -1,10 +1,10 @@
 //! `halcmd explain`: meaning, consequences, example and remedy of each finding of `check`.
 
+mod explanation;
 mod functs;
 mod ini;
 mod links;
 mod loading;
-mod row;
 mod script;
 mod steps;
 mod values;
@@ -13,9 +13,9 @@ mod wiring;
 use crate::{Error, Terminal, language::hint::nearest};
 use hal_protocol::Code;
 
-pub use row::Row;
+pub use explanation::Explanation;
 
-const GROUPS: &[&[Row]] = &[
+const GROUPS: &[&[Explanation]] = &[
     script::ROWS,
     loading::ROWS,
     links::ROWS,
@@ -27,13 +27,13 @@ const GROUPS: &[&[Row]] = &[
 ];
 
 /// Returns every row, in order of codes.
-pub fn rows() -> impl Iterator<Item = &'static Row> {
+pub fn rows() -> impl Iterator<Item = &'static Explanation> {
     GROUPS.iter().copied().flatten()
 }
 
 /// Returns the explanation of a code.
 #[must_use]
-pub fn row(code: Code) -> Option<&'static Row> {
+pub fn row(code: Code) -> Option<&'static Explanation> {
     rows().find(|row| row.code == code)
 }
 

@@ -19,7 +19,7 @@ use hal_trace::{FileError, Trace};
 use std::{path::Path, process::ExitCode};
 
 /// A command: name, arguments, description and function.
-struct Row {
+struct CommandRow {
     name: &'static str,
     words: &'static str,
     help: &'static str,
@@ -27,29 +27,29 @@ struct Row {
     run: fn(&[String]) -> Result<ExitCode, String>,
 }
 
-const ROWS: &[Row] = &[
-    Row {
+const ROWS: &[CommandRow] = &[
+    CommandRow {
         name: "capture",
         words: "[options] NAME...",
         help: "sample a machine at a trigger, into a file",
         options: plan::completable,
         run: capture::main,
     },
-    Row {
+    CommandRow {
         name: "convert",
         words: "[options] IN OUT",
         help: "turn a file into one of another kind",
         options: convert::completable,
         run: convert::main,
     },
-    Row {
+    CommandRow {
         name: "view",
         words: "FILE [CHANNEL...], or [options] NAME...",
         help: "look at a file or a machine in the terminal: zoom, cursors, measurements",
         options: plan::completable,
         run: view::main,
     },
-    Row {
+    CommandRow {
         name: "plot",
         words: "[options] FILE [CHANNEL...]",
         help: "draw a file as SVG or PNG",
@@ -60,7 +60,7 @@ const ROWS: &[Row] = &[
 
 /// Returns the commands for completion.
 pub(crate) fn subcommands() -> Vec<Subcommand> {
-    let command = |row: &Row| Subcommand {
+    let command = |row: &CommandRow| Subcommand {
         name: row.name,
         help: row.help,
         options: (row.options)(),

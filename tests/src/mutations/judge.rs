@@ -1,6 +1,6 @@
 //! Verdict on the findings of `check` about a mutant.
 
-use super::{Machine, Mutant};
+use super::{CleanMachine, Mutant};
 use crate::programs::programs;
 use hal_protocol::{Finding, Level};
 use std::{collections::BTreeMap, fmt::Write, path::PathBuf};
@@ -56,7 +56,7 @@ impl Counts {
 ///
 /// # Panics
 /// The machine itself has errors or warnings.
-pub fn judge(machine: &Machine, most: usize) -> Vec<Verdict> {
+pub fn judge(machine: &CleanMachine, most: usize) -> Vec<Verdict> {
     let scratch = machine.copy();
     let path = scratch.path().join(&machine.main).display().to_string();
     let folder = format!("{}/", scratch.path().display());
@@ -89,7 +89,12 @@ pub fn judge(machine: &Machine, most: usize) -> Vec<Verdict> {
         .collect()
 }
 
-fn verdict(machine: &Machine, mutant: &Mutant, lines: &[String], found: &[Finding]) -> Verdict {
+fn verdict(
+    machine: &CleanMachine,
+    mutant: &Mutant,
+    lines: &[String],
+    found: &[Finding],
+) -> Verdict {
     let bad: Vec<&Finding> = found.iter().filter(|f| f.level > Level::Note).collect();
     let here = |f: &&&Finding| {
         let mut at = f.at.iter().chain(f.related.iter().map(|r| &r.at));

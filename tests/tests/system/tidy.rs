@@ -1,38 +1,12 @@
 //! The rules of the code base that no compiler checks.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
+use hal_tests::programs::{files_below, root, short};
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 use syn::visit::{self, Visit};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
-}
-
-/// Returns every file below `folder` with this ending, without build output.
-fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
-    let mut out = Vec::new();
-    let mut entries: Vec<_> =
-        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
-    entries.sort();
-    for path in entries {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if path.is_dir() {
-            if name != "target" && !name.starts_with('.') {
-                out.extend(files(&path, ending));
-            }
-        } else if name.ends_with(ending) {
-            out.push(path);
-        }
-    }
-    out
-}
-
-fn short(path: &Path) -> String {
-    path.strip_prefix(root()).unwrap().display().to_string()
-}
 
 /// Returns the file without its tests.
 fn code(path: &Path) -> String {
@@ -43,7 +17,7 @@ fn code(path: &Path) -> String {
 /// Returns the manifests of the workspace's members.
 fn members() -> BTreeMap<String, toml::Table> {
     let mut out = BTreeMap::new();
-    for path in files(&root(), "Cargo.toml") {
+    for path in files_below(root(), "Cargo.toml") {
         let at = short(&path);
         let own = ["Cargo.toml", "tests/fuzz/", "tests/plugins/", "tests/loom/"];
         if at == "Cargo.toml" || own.iter().skip(1).any(|o| at.starts_with(o)) {
@@ -128,7 +102,7 @@ fn lints_are_inherited_and_exceptions_carry_a_reason() {
             assert!(value.is_table(), "{name}: {key}.workspace = true");
         }
     }
-    for path in files(&root(), ".rs") {
+    for path in files_below(root(), ".rs") {
         if path.ends_with("tests/tests/system/tidy.rs") {
             continue;
         }
@@ -146,7 +120,7 @@ fn lints_are_inherited_and_exceptions_carry_a_reason() {
 fn unsafe_has_an_address() {
     let word = ["uns", "afe"].concat();
     let mut at_registers: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
-    for path in files(&root().join("components"), ".rs") {
+    for path in files_below(&root().join("components"), ".rs") {
         let at = short(&path);
         let compat = at.starts_with("components/foreign/compat/");
         let driver = ["components/drivers/parport/", "components/drivers/viagpio/"]
@@ -170,7 +144,7 @@ fn unsafe_has_an_address() {
     for list in at_registers.values() {
         assert_eq!(list.len(), 1, "one module of a driver touches registers: {list:?}");
     }
-    for path in files(&root().join("halcmd"), ".rs") {
+    for path in files_below(&root().join("halcmd"), ".rs") {
         let uses = code(&path).lines().any(|l| l.contains(&format!("{word} {{")));
         assert!(!uses, "{}: no {word} code here", short(&path));
     }
@@ -179,7 +153,7 @@ fn unsafe_has_an_address() {
 #[test]
 fn files_have_one_subject() {
     for folder in ["hal", "components", "halcmd", "tests/src"] {
-        for path in files(&root().join(folder), ".rs") {
+        for path in files_below(&root().join(folder), ".rs") {
             let at = short(&path);
             if at.contains("/tests/") || at.ends_with("/tests.rs") {
                 continue;
@@ -195,7 +169,7 @@ fn files_have_one_subject() {
 #[test]
 fn realtime_files_do_nothing_that_realtime_must_not() {
     let mut seen = 0;
-    for path in files(&root().join("hal"), ".rs") {
+    for path in files_below(&root().join("hal"), ".rs") {
         let text = code(&path);
         let first = text.lines().next().unwrap_or_default();
         if !first.starts_with("//! Realtime.") {
@@ -275,7 +249,7 @@ const BEFORE_THREADS: &[(&str, &[&str])] = &[
 #[test]
 fn realtime_files_of_components_allocate_only_before_threads_run() {
     let mut found: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for path in files(&root().join("components"), ".rs") {
+    for path in files_below(&root().join("components"), ".rs") {
         let text = code(&path);
         if !text.starts_with("//! Realtime.") {
             continue;
@@ -303,7 +277,7 @@ fn realtime_files_of_components_allocate_only_before_threads_run() {
 
 #[test]
 fn orderings_name_their_partners() {
-    for path in files(&root().join("hal"), ".rs") {
+    for path in files_below(&root().join("hal"), ".rs") {
         let at = short(&path);
         if at.contains("/tests/") || at.contains("/benches/") || at.ends_with("/tests.rs") {
             continue;
@@ -356,7 +330,7 @@ const SYSTEM: &[(&str, &str)] = &[
 #[test]
 fn few_files_know_the_system() {
     let mut used = BTreeSet::new();
-    for path in files(&root().join("hal"), ".rs") {
+    for path in files_below(&root().join("hal"), ".rs") {
         let at = short(&path);
         if at.contains("/tests/") || at.contains("/benches/") || at.ends_with("/tests.rs") {
             continue;
@@ -398,7 +372,7 @@ const TEXTS: &[(&str, &str, &str)] = &[
 fn errors_are_enums_without_strings() {
     let mut found = BTreeSet::new();
     for folder in ["hal", "halcmd", "components"] {
-        for path in files(&root().join(folder), ".rs") {
+        for path in files_below(&root().join(folder), ".rs") {
             let at = short(&path);
             if at.contains("/tests/") || at.contains("/benches/") || at.ends_with("/tests.rs") {
                 continue;
@@ -445,7 +419,7 @@ impl<'ast> Visit<'ast> for Strings {
 
 #[test]
 fn atomics_of_the_engine_come_from_one_module() {
-    for path in files(&root().join("hal/engine/src"), ".rs") {
+    for path in files_below(&root().join("hal/engine/src"), ".rs") {
         let text = code(&path);
         let direct = text.contains("std::sync::atomic") || text.contains("core::sync::atomic");
         assert!(!direct || path.ends_with("sync.rs"), "{}: use crate::sync", short(&path));
@@ -494,7 +468,7 @@ fn output_goes_through_one_crate() {
         ("halcmd/src/programs/haltest/stage.rs", scratch),
     ]);
     for folder in ["hal", "halcmd", "components"] {
-        for path in files(&root().join(folder), ".rs") {
+        for path in files_below(&root().join(folder), ".rs") {
             let at = short(&path);
             let folders = ["/tests/", "/benches/", "/examples/"];
             let own = at.starts_with("hal/output/") || folders.iter().any(|f| at.contains(f));
@@ -516,7 +490,7 @@ fn output_goes_through_one_crate() {
 
 #[test]
 fn no_vague_names() {
-    for path in files(&root(), ".rs") {
+    for path in files_below(root(), ".rs") {
         if path.ends_with("tests/tests/system/tidy.rs") {
             continue;
         }
@@ -548,7 +522,7 @@ fn the_readme_names_every_folder() {
         assert!(text.contains(name), "README.md: {name} is not on the map");
     }
     let map = std::fs::read_to_string(root().join("hal/README.md")).unwrap();
-    for path in files(&root().join("hal/engine/src"), ".rs") {
+    for path in files_below(&root().join("hal/engine/src"), ".rs") {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let known = map.contains(&format!("`{name}`"));
         assert!(known, "hal/README.md: the code map has no `{name}`");

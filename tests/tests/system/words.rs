@@ -1,7 +1,7 @@
 //! The words of the code base: plain ones, as STYLE asks.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_tests::programs::root;
+use hal_tests::programs::{files_below, root, short};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -72,29 +72,14 @@ fn doc(line: &str) -> Option<&str> {
 
 /// Returns every Rust file but expected output and this list.
 fn sources() -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for folder in ["hal", "halcmd", "components", "tests"] {
-        collect(&root().join(folder), &mut found);
-    }
+    let folders = ["hal", "halcmd", "components", "tests"];
+    let all = folders.iter().flat_map(|folder| files_below(&root().join(folder), ".rs"));
+    let is_own = |path: &PathBuf| !path.ends_with("words.rs") && !is_expected(path);
+    let found: Vec<_> = all.filter(is_own).collect();
     assert!(found.len() > 500, "only {} files", found.len());
     found
 }
 
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
-    let mut entries: Vec<_> = fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
-    entries.sort();
-    for path in entries {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if path.is_dir() {
-            if name != "target" && name != "expected" {
-                collect(&path, found);
-            }
-        } else if name.ends_with(".rs") && name != "words.rs" {
-            found.push(path);
-        }
-    }
-}
-
-fn short(path: &Path) -> String {
-    path.strip_prefix(root()).unwrap().display().to_string()
+fn is_expected(path: &Path) -> bool {
+    path.components().any(|part| part.as_os_str() == "expected")
 }

@@ -8,13 +8,13 @@ pub(crate) const MAX_PORTS: usize = 8;
 /// Configuration of one port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PortConfig {
-    pub(crate) place: Place,
+    pub(crate) place: PortLocation,
     pub(crate) mode: Mode,
 }
 
 /// Location of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum PortLocation {
     /// Address of its data register.
     Address(u16),
     /// Number of the port in the kernel: 0 for `/dev/parport0`.
@@ -56,7 +56,7 @@ impl Mode {
     }
 }
 
-impl Place {
+impl PortLocation {
     fn parse(word: &str) -> Option<Self> {
         let digits = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X")).unwrap_or(word);
         if !digits.bytes().all(|c| c.is_ascii_hexdigit()) {
@@ -79,7 +79,7 @@ pub(crate) fn parse(cfg: Option<&str>) -> Result<Vec<PortConfig>, Error> {
     let mut words = cfg.split(split).filter(|w| !w.is_empty()).peekable();
     while let Some(word) = words.next() {
         let bad = |why| Err(refused(&format!("bad port address '{word}'"), why));
-        let Some(place) = Place::parse(word) else { return bad(ADDRESS) };
+        let Some(place) = PortLocation::parse(word) else { return bad(ADDRESS) };
         if ports.iter().any(|p| p.place == place) {
             return bad("it is there already");
         }
@@ -108,10 +108,10 @@ fn refused(what: &str, why: &str) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::{Mode, Place, PortConfig, parse};
+    use super::{Mode, PortConfig, PortLocation, parse};
 
     fn at(address: u16, mode: Mode) -> PortConfig {
-        PortConfig { place: Place::Address(address), mode }
+        PortConfig { place: PortLocation::Address(address), mode }
     }
 
     #[test]
@@ -124,8 +124,8 @@ mod tests {
             ("0x378 0x278 x", vec![at(0x378, Mode::Out), at(0x278, Mode::X)]),
             ("d010 epp", vec![at(0xD010, Mode::Epp)]),
             ("10 o fffd i", vec![at(0x10, Mode::Out), at(0xFFFD, Mode::In)]),
-            ("0 in", vec![PortConfig { place: Place::Kernel(0), mode: Mode::In }]),
-            ("0xF", vec![PortConfig { place: Place::Kernel(15), mode: Mode::Out }]),
+            ("0 in", vec![PortConfig { place: PortLocation::Kernel(0), mode: Mode::In }]),
+            ("0xF", vec![PortConfig { place: PortLocation::Kernel(15), mode: Mode::Out }]),
         ] {
             assert_eq!(parse(Some(cfg)), Ok(ports), "{cfg:?}");
         }

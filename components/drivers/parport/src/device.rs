@@ -1,7 +1,7 @@
 //! Realtime. Port with its registers, real or simulated, and the values last written to them.
 
 use crate::{
-    config::{Place, PortConfig},
+    config::{PortConfig, PortLocation},
     hardware::{Hardware, System},
     lines::{self, Output},
 };
@@ -82,8 +82,8 @@ impl Device {
     ) -> Result<Self, Error> {
         let access = if b.is_simulated() {
             let base = match config.place {
-                Place::Address(address) => address,
-                Place::Kernel(_) => 0x378,
+                PortLocation::Address(address) => address,
+                PortLocation::Kernel(_) => 0x378,
             };
             Kind::Simulated { base, file: simulated(b, index, base, config)? }
         } else {

@@ -1,7 +1,7 @@
 //! Realtime. Real ports: through the kernel's parport device, and directly where that is permitted.
 
 use crate::{
-    config::{Mode, Place, PortConfig},
+    config::{Mode, PortConfig, PortLocation},
     device::Register,
 };
 use core::marker::PhantomData;
@@ -116,8 +116,8 @@ impl Hardware {
         let found = find(&system.ports, config.place);
         let (base, mut why) = match (config.place, found) {
             (_, Some(found)) => (found.base, Refused::NoNode(found.number)),
-            (Place::Kernel(number), None) => return Err(Refused::Absent(number)),
-            (Place::Address(address), None) => (address, Refused::NoWay(address)),
+            (PortLocation::Kernel(number), None) => return Err(Refused::Absent(number)),
+            (PortLocation::Address(address), None) => (address, Refused::NoWay(address)),
         };
         let mut node = None;
         if let Some(found) = found {
@@ -211,7 +211,7 @@ const fn register(offset: u16) -> Option<Register> {
 }
 
 /// Finds a port in the kernel's list.
-fn find(list: &Path, wanted: Place) -> Option<Found> {
+fn find(list: &Path, wanted: PortLocation) -> Option<Found> {
     // The kernel numbers ports from 0 and has few.
     (0..16).find_map(|number| {
         let text = fs::read_to_string(list.join(format!("parport{number}/base-addr"))).ok()?;
@@ -219,8 +219,8 @@ fn find(list: &Path, wanted: Place) -> Option<Found> {
         let base = words.next()?.parse().ok()?;
         let high = words.next().and_then(|w| w.parse().ok()).unwrap_or(0);
         let is = match wanted {
-            Place::Address(address) => address == base,
-            Place::Kernel(n) => n == number,
+            PortLocation::Address(address) => address == base,
+            PortLocation::Kernel(n) => n == number,
         };
         is.then_some(Found { number, base, high })
     })

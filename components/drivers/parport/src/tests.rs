@@ -2,7 +2,7 @@
 
 use crate::{
     Parport,
-    config::{Mode, Place, PortConfig},
+    config::{Mode, PortConfig, PortLocation},
     hardware::{Hardware, Refused, System},
 };
 use hal_component::{Builder, Clock, Component, Error, Out, Period, Touch, Update, bench::Bench};
@@ -443,14 +443,14 @@ fn system(name: &str) -> System {
 #[test]
 fn refusals_of_real_ports() {
     let at = |place, mode| PortConfig { place, mode };
-    let known = at(Place::Address(0x378), Mode::Out);
+    let known = at(PortLocation::Address(0x378), Mode::Out);
     let system = system("refused");
     let open = |config| Hardware::open(&system, 0, config).unwrap_err();
 
-    assert_eq!(open(at(Place::Address(0x278), Mode::Out)), Refused::NoWay(0x278));
-    assert_eq!(open(at(Place::Kernel(2), Mode::Out)), Refused::Absent(2));
+    assert_eq!(open(at(PortLocation::Address(0x278), Mode::Out)), Refused::NoWay(0x278));
+    assert_eq!(open(at(PortLocation::Kernel(2), Mode::Out)), Refused::Absent(2));
     assert_eq!(open(known), Refused::NoNode(3));
-    assert_eq!(open(at(Place::Kernel(3), Mode::X)), Refused::NoNode(3));
+    assert_eq!(open(at(PortLocation::Kernel(3), Mode::X)), Refused::NoNode(3));
     // A regular file fails every request, like a port that another program has claimed.
     fs::write(system.nodes.join("parport3"), "").unwrap();
     assert_eq!(open(known), Refused::Taken(3));

@@ -38,7 +38,7 @@ pub struct Follower {
     begun: bool,
     speed: f64,
     back: bool,
-    output: Place,
+    output: TrackPosition,
     /// Rounding of the output's place that is still to be made good.
     carry: f64,
     ring: Box<[f64]>,
@@ -68,7 +68,7 @@ pub struct Follower {
 
 /// A place on the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Place {
+struct TrackPosition {
     cell: u64,
     /// Path coordinate from the start of the cell.
     x: f64,
@@ -101,7 +101,7 @@ impl Follower {
             begun: false,
             speed: 0.0,
             back: false,
-            output: Place::default(),
+            output: TrackPosition::default(),
             carry: 0.0,
             ring: vec![0.0; usize::from(MAX_SAMPLES)].into_boxed_slice(),
             samples: 1,
@@ -190,9 +190,9 @@ impl Follower {
     }
 
     /// Place of the input.
-    fn place(&self, cell: &Cell) -> Place {
+    fn place(&self, cell: &Cell) -> TrackPosition {
         let x = if self.back { self.to_go } else { cell.length - self.to_go };
-        Place { cell: self.cell, x: if self.begun { x } else { 0.0 } }
+        TrackPosition { cell: self.cell, x: if self.begun { x } else { 0.0 } }
     }
 
     fn is_flat(&self) -> bool {

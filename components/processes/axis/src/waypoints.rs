@@ -11,17 +11,17 @@ pub(crate) const TEST_ROOM: usize = 50;
 pub(crate) const EPSILON: f64 = 0.0001;
 
 /// Offsets of all joints.
-pub(crate) type Place = [f64; MAX];
+pub(crate) type Offsets = [f64; MAX];
 
 /// Recorded path of the offsets, and their target.
 #[derive(Debug)]
 pub(crate) struct Path {
     pub(crate) phase: Phase,
-    pub(crate) waypoints: Box<[Place; ROOM]>,
+    pub(crate) waypoints: Box<[Offsets; ROOM]>,
     pub(crate) count: usize,
     /// Time of the last waypoint in nanoseconds, and its offsets.
-    pub(crate) noted: (i64, Place),
-    pub(crate) target: Place,
+    pub(crate) noted: (i64, Offsets),
+    pub(crate) target: Offsets,
     pub(crate) epsilon: f64,
     pub(crate) seconds: f64,
     pub(crate) threshold: f64,

@@ -1,10 +1,10 @@
 //! Explanations of findings about functions and threads.
 
-use super::row::Row;
+use super::explanation::Explanation;
 use hal_protocol::Code;
 
-pub(super) const ROWS: &[Row] = &[
-    Row {
+pub(super) const ROWS: &[Explanation] = &[
+    Explanation {
         code: Code::NeverAdded,
         means: "Pins of the function are linked or set, and no thread runs it, nor another function \
                 that would do the same.",
@@ -15,7 +15,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
                 addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nnet none not.0.out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::AddedTwice,
         means: "The function is in a thread already, and is not made for being in two.",
         matters: "halrun stops at this line.",
@@ -24,7 +24,7 @@ pub(super) const ROWS: &[Row] = &[
                 addf or2.0 servo # <--\nstart\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::BadPosition,
         means: "Positions count from 1, or from -1 backwards, and the thread has not so many \
                 functions.",
@@ -34,7 +34,7 @@ pub(super) const ROWS: &[Row] = &[
                 start\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo 1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::EmptyThread,
         means: "No function was added to the thread.",
         matters: "It costs processor time for nothing. Often the functions went to another thread.",
@@ -43,7 +43,7 @@ pub(super) const ROWS: &[Row] = &[
                 loadrt or2\naddf or2.0 servo\nstart\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NeverStarted,
         means: "Threads have functions, and no line starts them.",
         matters: "Nothing moves until someone says 'halcmd start'.",
@@ -51,7 +51,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo # <--\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::FastInSlow,
         means: "The function makes pulses or watches edges, which belongs in the fastest thread, \
                 and it is in a slower one.",
@@ -64,7 +64,7 @@ pub(super) const ROWS: &[Row] = &[
                 loadrt stepgen step_type=0\naddf stepgen.make-pulses base\n\
                 addf stepgen.update-freq servo\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::SlowInFast,
         means: "The function computes with numbers, its component has another one for the fast \
                 thread, and it is in the fast thread as well.",
@@ -78,7 +78,7 @@ pub(super) const ROWS: &[Row] = &[
                 loadrt stepgen step_type=0\naddf stepgen.make-pulses base\n\
                 addf stepgen.update-freq servo\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::OrderCosts,
         means: "Functions of a thread run in the order of their addf lines, and this one runs \
                 before one whose output it reads.",
@@ -90,7 +90,7 @@ pub(super) const ROWS: &[Row] = &[
                 addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\n\
                 net none not.0.out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::Feedback,
         means: "Values go from function to function and come back to the first.",
         matters: "Every control loop is one; its delay limits the gains. One that is not meant \
@@ -102,7 +102,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
                 addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nnet none not.0.out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::Crossing,
         means: "A function of one thread writes the signal, and one of another thread reads it.",
         matters: "The reader may see it a period later, and two signals that belong together in \
@@ -114,7 +114,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\nloadrt not\n\
                 addf or2.0 servo\naddf not.0 servo\nnet any or2.0.out => not.0.in\nnet none not.0.out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::BadPeriod,
         means: "A thread's period is out of range, or shorter than that of a thread that exists: \
                 the fastest is made first.",
@@ -123,7 +123,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt threads name1=servo period1=1000000 name2=base period2=100000 # <--\n",
         right: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\n",
     },
-    Row {
+    Explanation {
         code: Code::NothingHandedOver,
         means: "A function works on what another function of its component hands to it, and no \
                 thread runs that other one.",
@@ -134,7 +134,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0\n\
                 addf stepgen.make-pulses servo\naddf stepgen.update-freq servo\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NeedsFp,
         means: "The function computes with floating-point numbers, and its thread was made for functions \
                 that do not: with fp1=0, or as motmod's base thread without base_thread_fp=1.",

@@ -1,6 +1,6 @@
 //! Explanations of findings about INI files.
 
-use super::row::Row;
+use super::explanation::Explanation;
 use hal_protocol::Code;
 
 /// A machine with one joint. The arguments are the entries of `[HAL]` and of `[JOINT_0]`.
@@ -34,8 +34,8 @@ macro_rules! machine {
 /// A machine without mistakes.
 const PLAIN: &str = machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n");
 
-pub(super) const ROWS: &[Row] = &[
-    Row {
+pub(super) const ROWS: &[Explanation] = &[
+    Explanation {
         code: Code::IniUnreadable,
         means: "The INI file cannot be opened, or a line of it is neither a [SECTION], an entry \
                 NAME = VALUE, nor a comment.",
@@ -44,7 +44,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME 0.1\n# <--\n[HAL]\nHALFILE = m.hal\n",
         right: PLAIN,
     },
-    Row {
+    Explanation {
         code: Code::NoHalfile,
         means: "A HALFILE is neither beside the INI file nor in the libraries of HAL files.",
         matters: "halrun stops before it has wired the machine.",
@@ -58,7 +58,7 @@ pub(super) const ROWS: &[Row] = &[
             "--- custom.hal\nprint wiring\n"
         ),
     },
-    Row {
+    Explanation {
         code: Code::NoPostgui,
         means: "A POSTGUI_HALFILE is not there.",
         matters: "The machine starts without what the file would have wired.",
@@ -69,7 +69,7 @@ pub(super) const ROWS: &[Row] = &[
         ),
         right: PLAIN,
     },
-    Row {
+    Explanation {
         code: Code::IniUnused,
         means: "An entry of a joint, axis or spindle is read by no script, and neither motion nor a program \
                 that is known reads it.",
@@ -78,7 +78,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: machine!("", "COLOUR = red\n# <--\n"),
         right: PLAIN,
     },
-    Row {
+    Explanation {
         code: Code::SectionRepeated,
         means: "The section is in the file more than once.",
         matters: "Its entries are added to the first; of an entry that is in both, the first \
@@ -87,7 +87,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: machine!("", "MAX_VELOCITY = 20\n[JOINT_0]\n# <--\nMAX_ACCELERATION = 1000\n"),
         right: PLAIN,
     },
-    Row {
+    Explanation {
         code: Code::JointTooFast,
         means: "The joint's MAX_VELOCITY times the scale is more steps in a second than its step \
                 generator can make in the base period, or more than the step generator's maxvel.",
@@ -96,7 +96,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: machine!("", "MAX_VELOCITY = 90\n# <--\nMAX_ACCELERATION = 1000\n"),
         right: machine!("", "MAX_VELOCITY = 40\nMAX_ACCELERATION = 1000\n"),
     },
-    Row {
+    Explanation {
         code: Code::MotionRefuses,
         means: "An entry of the INI file is not a value that the motion controller accepts.",
         matters: "halrun stops there.",
@@ -107,7 +107,7 @@ pub(super) const ROWS: &[Row] = &[
             "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMIN_LIMIT = 0\nMAX_LIMIT = 100\n"
         ),
     },
-    Row {
+    Explanation {
         code: Code::StepgenSlower,
         means: "The joint's MAX_ACCELERATION is more than the step generator's maxaccel.",
         matters: "The step generator cannot follow the planner: a following error in fast moves.",
@@ -115,7 +115,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 2000\n# <--\n"),
         right: PLAIN,
     },
-    Row {
+    Explanation {
         code: Code::EntryMissing,
         means: "An entry that motion needs is missing or has no value.",
         matters: "Motion uses a default that seldom suits the machine: a joint without \
@@ -124,7 +124,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION =\n# <--\n"),
         right: PLAIN,
     },
-    Row {
+    Explanation {
         code: Code::EntryMisplaced,
         means: "Nothing reads the entry, and its name is nearly that of an entry which is read, or \
                 that of an entry of another section.",
@@ -133,7 +133,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMAX_LIMTI = 9\n# <--\n"),
         right: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMAX_LIMIT = 9\n"),
     },
-    Row {
+    Explanation {
         code: Code::EntriesDisagree,
         means: "An entry contradicts another one or the wiring: HOME is outside the travel limits, \
                 a search for a home switch has no switch, FERROR is less than a step, a value is \

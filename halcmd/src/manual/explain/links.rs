@@ -1,10 +1,10 @@
 //! Explanations of findings about signals and pins.
 
-use super::row::Row;
+use super::explanation::Explanation;
 use hal_protocol::Code;
 
-pub(super) const ROWS: &[Row] = &[
-    Row {
+pub(super) const ROWS: &[Explanation] = &[
+    Explanation {
         code: Code::TypeMismatch,
         means: "A signal joins pins of one type, and this one has another.",
         matters: "halrun stops at this line.",
@@ -14,7 +14,7 @@ pub(super) const ROWS: &[Row] = &[
                 loadrt comp\naddf siggen.0.update servo\naddf comp.0 servo\naddf or2.0 servo\n\
                 net wave siggen.0.sine => comp.0.in0\nnet high comp.0.out => or2.0.in0\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::TwoWriters,
         means: "The signal has an output already. One signal has one writer.",
         matters: "halrun stops at this line. If it did not, each writer would undo the other.",
@@ -24,7 +24,7 @@ pub(super) const ROWS: &[Row] = &[
                 addf or2.0 servo\naddf or2.1 servo\naddf or2.2 servo\n\
                 net a or2.0.out => or2.2.in0\nnet b or2.1.out => or2.2.in1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::LinkedTwice,
         means: "The pin is linked to another signal. A pin has one signal.",
         matters: "halrun stops at this line.",
@@ -33,7 +33,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 net a or2.0.in0\nnet b or2.0.in1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NamedAsPin,
         means: "The first word after net is the name of the signal, and a pin has that name: the \
                 signal was probably forgotten.",
@@ -43,7 +43,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=2\naddf or2.0 servo\n\
                 addf or2.1 servo\nnet any or2.0.out => or2.1.in0\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::PortMisused,
         means: "A signal of type port has one writer and one reader, and its size is set once.",
         matters: "halrun stops at this line.",
@@ -51,7 +51,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "newsig bytes port\nsets bytes 100\nsets bytes 200 # <--\n",
         right: "newsig bytes port\nsets bytes 200\n",
     },
-    Row {
+    Explanation {
         code: Code::NoReader,
         means: "An output is linked to the signal, and no input.",
         matters: "Whatever the output says goes nowhere. That is fine for a signal that people \
@@ -62,7 +62,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=2\naddf or2.0 servo\n\
                 addf or2.1 servo\nnet any or2.0.out => or2.1.in0\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NoWriter,
         means: "Inputs are linked to the signal, no output is, and no line gives it a value.",
         matters: "It keeps the value that the first input had. A limit switch that ends like this \
@@ -73,7 +73,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 net any or2.0.in0\nsets any 1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::Unguarded,
         means: "An input for a limit switch, a fault or the e-stop has no signal and no value of \
                 its own.",
@@ -85,7 +85,7 @@ pub(super) const ROWS: &[Row] = &[
                 net ok or2.0.out => estop-latch.0.ok-in\nsetp estop-latch.0.reset 1\n\
                 net good estop-latch.0.ok-out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NeverEnabled,
         means: "iocontrol waits for emc-enable-in to be TRUE, and nothing can make it so.",
         matters: "The machine never leaves e-stop.",
@@ -94,7 +94,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt iocontrol\n\
                 net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n",
     },
-    Row {
+    Explanation {
         code: Code::Unfed,
         means: "A driver's output has no signal, and no line has set it.",
         matters: "The line stays at the level of FALSE. If a motor is wired to it, it does not \
@@ -106,7 +106,7 @@ pub(super) const ROWS: &[Row] = &[
                 net lamp or2.0.out => viagpio.pin-05-out viagpio.pin-06-out\n\
                 net lamp => viagpio.pin-07-out viagpio.pin-08-out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NoPins,
         means: "The signal was made, and no pin is linked to it.",
         matters: "It does nothing. Its name may be misspelt where it is used.",
@@ -115,7 +115,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 newsig any bit\nlinksp any or2.0.in0\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NoChargePump,
         means: "A driver's outputs are used, and no charge pump beats.",
         matters: "After a crash of the computer, or kill -9, outputs keep their last level. A board \
@@ -130,7 +130,7 @@ pub(super) const ROWS: &[Row] = &[
                 addf viagpio.write servo\nnet lamp or2.0.out => viagpio.pin-05-out\n\
                 net pump charge-pump.out => viagpio.pin-06-out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::EstopNotReturned,
         means: "iocontrol.0.user-enable-out goes FALSE with iocontrol.estop, and no signal or \
                 component carries that back to iocontrol.0.emc-enable-in.",
@@ -146,7 +146,7 @@ pub(super) const ROWS: &[Row] = &[
                 net allowed iocontrol.0.user-enable-out => and2.0.in1\n\
                 net closed and2.0.out => iocontrol.0.emc-enable-in\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::EstopNotJoined,
         means: "A script has no INI file, so it stops motion in e-stop by its own signals; and \
                 motion.enable follows neither user-enable-out nor the e-stop chain, or \

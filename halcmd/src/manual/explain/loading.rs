@@ -1,10 +1,10 @@
 //! Explanations of findings about components and names.
 
-use super::row::Row;
+use super::explanation::Explanation;
 use hal_protocol::Code;
 
-pub(super) const ROWS: &[Row] = &[
-    Row {
+pub(super) const ROWS: &[Explanation] = &[
+    Explanation {
         code: Code::NoComponent,
         means: "No plugin library on the path offers a component of this name, or the library \
                 cannot be used.",
@@ -13,7 +13,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt and3 # <--\n",
         right: "loadrt and2\n",
     },
-    Row {
+    Explanation {
         code: Code::NoSuchName,
         means: "There is no pin, parameter, signal, function, thread or component of this name at \
                 this line.",
@@ -24,7 +24,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 setp or2.0.in0 1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NameTaken,
         means: "Something has this name already: a component is loaded once, with count= or \
                 names= for more than one, and a signal is made once.",
@@ -33,7 +33,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt or2\nloadrt or2 # <--\n",
         right: "loadrt or2 count=2\n",
     },
-    Row {
+    Explanation {
         code: Code::BadName,
         means: "The name is too long, empty, or has blanks in it.",
         matters: "halrun stops at this line.",
@@ -42,7 +42,7 @@ pub(super) const ROWS: &[Row] = &[
                 door-of-the-machine-in-the-corner-of-the-hall bit # <--\n",
         right: "newsig min-x bit\n",
     },
-    Row {
+    Explanation {
         code: Code::BadArgument,
         means: "The component has no such argument, or not with this value.",
         matters: "halrun stops at this line.",
@@ -51,7 +51,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt or2 cout=2 # <--\n",
         right: "loadrt or2 count=2\n",
     },
-    Row {
+    Explanation {
         code: Code::LoadRefused,
         means: "The component was found and its arguments read, and it refuses for the reason \
                 that it gives.",
@@ -60,7 +60,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt stepgen step_type=0 ctrl_type=x # <--\n",
         right: "loadrt stepgen step_type=0 ctrl_type=v\n",
     },
-    Row {
+    Explanation {
         code: Code::NoService,
         means: "The component uses what another one offers, such as kinematics, and that one is \
                 not loaded yet.",
@@ -72,7 +72,7 @@ pub(super) const ROWS: &[Row] = &[
                 addf motion-command-handler servo-thread\naddf motion-controller servo-thread\n\
                 net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::BadCall,
         means: "The component's command has no argument of this name.",
         matters: "halrun stops at this line.",
@@ -85,7 +85,7 @@ pub(super) const ROWS: &[Row] = &[
                 net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
                 motion.jog joint=0 velocity=5\n",
     },
-    Row {
+    Explanation {
         code: Code::AliasShadows,
         means: "A pin was given the name that a parameter has, or a parameter that of a pin.",
         matters: "setp and getp take the pin: the parameter can no longer be reached by its name.",
@@ -94,7 +94,7 @@ pub(super) const ROWS: &[Row] = &[
                 alias pin or2.0.out stepgen.0.maxvel # <--\n",
         right: "loadrt or2\nloadrt stepgen step_type=0\nalias pin or2.0.out any-limit\n",
     },
-    Row {
+    Explanation {
         code: Code::Unused,
         means: "No pin of the component is linked, nothing of it is set, and no thread runs its \
                 functions.",
@@ -103,7 +103,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt or2 # <--\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::Foreign,
         means: "The component is written in C (or is LinuxCNC's own): its functions are code that \
                 Ferrule runs and does not see into.",
@@ -118,7 +118,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt charge_pump\n\
                 addf charge-pump servo\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::LoadedAlready,
         means: "A HAL file loads iocontrol (or io, or iov2), which a start from an INI file has \
                 loaded before the HAL files.",

@@ -1,10 +1,10 @@
 //! Explanations of findings about lines of scripts, and about the programs that they start.
 
-use super::row::Row;
+use super::explanation::Explanation;
 use hal_protocol::Code;
 
-pub(super) const ROWS: &[Row] = &[
-    Row {
+pub(super) const ROWS: &[Explanation] = &[
+    Explanation {
         code: Code::Unreadable,
         means: "The line cannot be split into words: a quotation has no end, a bracket is not \
                 closed, a variable has no name, or the line is too long.",
@@ -14,7 +14,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "print \"ready # <--\n",
         right: "print \"ready\"\n",
     },
-    Row {
+    Explanation {
         code: Code::UnknownCommand,
         means: "The first word is neither a command nor a command of a component that is loaded.",
         matters: "halrun stops at this line.",
@@ -22,7 +22,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadtr and2 # <--\n",
         right: "loadrt and2\n",
     },
-    Row {
+    Explanation {
         code: Code::WrongWords,
         means: "The command exists, but has too many or too few words, or one that it does not \
                 know.",
@@ -32,7 +32,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt and2\naddf and2.0 servo\n\
                 setp and2.0.in0 1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::NoEnvironment,
         means: "The line uses $NAME, and the environment has no such variable.",
         matters: "halrun stops at this line; on another computer it may not.",
@@ -40,7 +40,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadrt threads name1=servo period1=$NO_SUCH_PERIOD # <--\n",
         right: "loadrt threads name1=servo period1=1000000\n",
     },
-    Row {
+    Explanation {
         code: Code::NoIniEntry,
         means: "The line uses [SECTION]NAME, and the INI file has no such entry, or no INI file \
                 was given.",
@@ -52,7 +52,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=[EMCMOT]SERVO_PERIOD\n\
                 --- m.ini\n[EMCMOT]\nSERVO_PERIOD = 1000000\n",
     },
-    Row {
+    Explanation {
         code: Code::NoFile,
         means: "The file cannot be opened.",
         matters: "halrun stops at this line.",
@@ -61,7 +61,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "source wiring.hal # <--\n",
         right: "source more.hal\n--- more.hal\nprint \"wiring\"\n",
     },
-    Row {
+    Explanation {
         code: Code::Refused,
         means: "The line is refused for the reason that it gives.",
         matters: "halrun stops at this line.",
@@ -69,7 +69,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "lock all\nnewsig x bit # <--\n",
         right: "newsig x bit\nlock all\n",
     },
-    Row {
+    Explanation {
         code: Code::DosLines,
         means: "Lines end in a carriage return and a line feed.",
         matters: "It works here; other programs may take the carriage return for a part of the \
@@ -78,7 +78,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "print ready # <--\r\n",
         right: "print ready\n",
     },
-    Row {
+    Explanation {
         code: Code::ProgramPins,
         means: "A program makes these pins when it is started, and a check starts nothing.",
         matters: "A wrong name among them, a wrong type or a second writer is not found.",
@@ -88,7 +88,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadusr -W hal_manualtoolchange\nnewsig done bit\n\
                 net done hal_manualtoolchange.changed\n",
     },
-    Row {
+    Explanation {
         code: Code::NoProgramAwaited,
         means: "The program is neither beside halrun nor in PATH, and the line waits for it.",
         matters: "halrun stops at this line.",
@@ -96,7 +96,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadusr -W hal_manualtoolchang # <--\n",
         right: "loadusr -W hal_manualtoolchange\n",
     },
-    Row {
+    Explanation {
         code: Code::NoProgram,
         means: "The program is neither beside halrun nor in PATH. Nothing waits for it.",
         matters: "The machine starts without it.",
@@ -104,7 +104,7 @@ pub(super) const ROWS: &[Row] = &[
         wrong: "loadusr halsamplr -n 10 # <--\n",
         right: "loadusr halsampler -n 10\n",
     },
-    Row {
+    Explanation {
         code: Code::NotSupported,
         means: "Ferrule does not do this: Tcl files, and TWOPASS.",
         matters: "halrun refuses the machine.",
@@ -115,7 +115,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
                 --- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n",
     },
-    Row {
+    Explanation {
         code: Code::IdleAllowance,
         means: "A comment allows a finding that is not there: it was put right, has another code, \
                 or stands on another line.",

@@ -1,6 +1,6 @@
 //! Explanations of findings about step pulses.
 
-use super::row::Row;
+use super::explanation::Explanation;
 use hal_protocol::Code;
 
 /// A script with a step generator and a driver, each in a thread of its own. `$more` is appended.
@@ -20,8 +20,8 @@ macro_rules! steps {
     };
 }
 
-pub(super) const ROWS: &[Row] = &[
-    Row {
+pub(super) const ROWS: &[Explanation] = &[
+    Explanation {
         code: Code::StepsTooFast,
         means: "maxvel times position-scale is more steps in a second than pulses of this length \
                 and gap can be made in the thread's period.",
@@ -35,7 +35,7 @@ pub(super) const ROWS: &[Row] = &[
         ),
         right: steps!("", "", "setp stepgen.0.position-scale 400\nsetp stepgen.0.maxvel 10\n"),
     },
-    Row {
+    Explanation {
         code: Code::DoubleStep,
         means: "stepspace 0 lets a step come in every period, and the port does not end the pulses \
                 by itself.",
@@ -55,7 +55,7 @@ pub(super) const ROWS: &[Row] = &[
              net xdir stepgen.0.dir => viagpio.pin-05-out\n"
         ),
     },
-    Row {
+    Explanation {
         code: Code::StepsMerge,
         means: "As H602, and the speed that is asked for does need a step in every period.",
         matters: "Above that speed pulses merge, and steps are lost without a word.",
@@ -75,7 +75,7 @@ pub(super) const ROWS: &[Row] = &[
              net xdir stepgen.0.dir => viagpio.pin-05-out\n"
         ),
     },
-    Row {
+    Explanation {
         code: Code::ResetUnmarked,
         means: "stepspace 0 lets a step come in every period, the port's reset function runs, and \
                 the step pin is not among those that it resets.",
@@ -96,7 +96,7 @@ pub(super) const ROWS: &[Row] = &[
              net xdir stepgen.0.dir => parport.0.pin-04-out\n"
         ),
     },
-    Row {
+    Explanation {
         code: Code::ResetNotRun,
         means: "A pin is to be reset, and no thread runs the port's reset function.",
         matters: "The pulses are not ended: the setting has no effect.",
@@ -115,7 +115,7 @@ pub(super) const ROWS: &[Row] = &[
              net xdir stepgen.0.dir => parport.0.pin-04-out\n"
         ),
     },
-    Row {
+    Explanation {
         code: Code::ResetLate,
         means: "reset-time is more than a quarter of the thread's period, which is as long as the \
                 reset function waits.",

@@ -1,10 +1,10 @@
 //! Explanations of findings about values that lines set.
 
-use super::row::Row;
+use super::explanation::Explanation;
 use hal_protocol::Code;
 
-pub(super) const ROWS: &[Row] = &[
-    Row {
+pub(super) const ROWS: &[Explanation] = &[
+    Explanation {
         code: Code::NotWritable,
         means: "An output, a parameter that its component reports, a pin that is linked, or a \
                 signal that an output writes cannot be set.",
@@ -14,7 +14,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 setp or2.0.in0 1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::BadValue,
         means: "The value is not a value of the type, or does not fit into it.",
         matters: "halrun stops at this line.",
@@ -23,7 +23,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 setp or2.0.in0 TRUE\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::SetTwice,
         means: "A line sets it to one value, a later one to another, and the machine does not run \
                 in between.",
@@ -35,7 +35,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0,0\naddf stepgen.make-pulses servo\naddf stepgen.update-freq servo\n\
                 setp stepgen.0.maxvel 10\nsetp stepgen.1.maxvel 20\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::SetThenLinked,
         means: "A line sets the pin, and a later one links it to a signal that an output writes.",
         matters: "The value is lost with the link.",
@@ -45,7 +45,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=2\naddf or2.0 servo\n\
                 addf or2.1 servo\nsetp or2.1.in1 1\nnet any or2.0.out => or2.1.in0\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::SetThenWritten,
         means: "A line sets the signal, and a later one links an output to it.",
         matters: "The output writes the signal in each cycle: the value is lost.",
@@ -55,7 +55,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 net any or2.0.in0\nsets any 1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::ScaleZero,
         means: "A scale says how many steps, counts or volts make one unit, and it is 0.",
         matters: "Positions and speeds become 0, or what the component takes instead; following \
@@ -65,7 +65,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt stepgen step_type=0\naddf stepgen.make-pulses servo\naddf stepgen.update-freq servo\n\
                 setp stepgen.0.position-scale -80\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::BoundsCross,
         means: "The lower bound of a range is above the upper one.",
         matters: "Nothing is within such a range: the output stays at one of the bounds.",
@@ -74,7 +74,7 @@ pub(super) const ROWS: &[Row] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt limit1\naddf limit1.0 servo\n\
                 setp limit1.0.max 5\nsetp limit1.0.min -5\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::EarlierValue,
         means: "The item is neither set nor linked, and its first value is that of LinuxCNC 2.10, which is another \
                 one in 2.9.",

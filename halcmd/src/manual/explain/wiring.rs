@@ -1,6 +1,6 @@
 //! Explanations of findings about channels that are wired in half, not at all, or to each other.
 
-use super::row::Row;
+use super::explanation::Explanation;
 use hal_protocol::Code;
 
 /// Two joints and their step generators. The arguments are the first lines, the feedback lines of X and of Y, and
@@ -28,8 +28,8 @@ macro_rules! joints {
     };
 }
 
-pub(super) const ROWS: &[Row] = &[
-    Row {
+pub(super) const ROWS: &[Explanation] = &[
+    Explanation {
         code: Code::HalfWired,
         means: "A pin is linked, and a pin of the same channel that it is useless without is not.",
         matters: "Steps without a direction go one way, a command without feedback is a following \
@@ -43,7 +43,7 @@ pub(super) const ROWS: &[Row] = &[
                 net x joint.0.motor-pos-cmd => joint.0.motor-pos-fb\n\
                 net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n",
     },
-    Row {
+    Explanation {
         code: Code::InputOpen,
         means: "An input on which a channel works has no signal and no value, and other pins of the \
                 channel are in use.",
@@ -58,7 +58,7 @@ pub(super) const ROWS: &[Row] = &[
                 net wave siggen.0.sine => comp.0.in1\nnet high comp.0.out => and2.0.in0\n\
                 setp and2.0.in1 1\nnet both and2.0.out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::ResultUnused,
         means: "A channel works on an input, and no output of it is linked.",
         matters: "What it computes goes nowhere: the line that uses it was probably forgotten.",
@@ -70,7 +70,7 @@ pub(super) const ROWS: &[Row] = &[
                 addf siggen.0.update servo\naddf lowpass.0 servo\n\
                 net wave siggen.0.sine => lowpass.0.in\nnet smooth lowpass.0.out\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::OddChannel,
         means: "Every channel in use but this one has the pin linked, or the parameter set.",
         matters: "The line for this channel was probably forgotten: its scale is 1, its motor is \
@@ -85,7 +85,7 @@ pub(super) const ROWS: &[Row] = &[
                 setp pwmgen.1.scale 10\nsetp pwmgen.0.value 1\nsetp pwmgen.0.enable 1\n\
                 setp pwmgen.1.value 1\nsetp pwmgen.1.enable 1\nstart\n",
     },
-    Row {
+    Explanation {
         code: Code::Crossed,
         means: "A joint gets its feedback from another channel than the one that it commands, or one \
                 of several signals with the same beginning goes to another channel than the rest.",
@@ -104,7 +104,7 @@ pub(super) const ROWS: &[Row] = &[
             "net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n"
         ),
     },
-    Row {
+    Explanation {
         code: Code::ArrowTurned,
         means: "The arrow of a net line points from an input to an output.",
         matters: "Nothing at all: arrows only tell readers. But the reader is told the opposite, and \

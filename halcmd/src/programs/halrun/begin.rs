@@ -14,20 +14,20 @@ pub(super) enum Begin {
     /// The first line of the program.
     First(String),
     /// A line of the program.
-    From(String, Place),
+    From(String, ProgramLine),
     /// The place where the last job broke off.
     Resume,
 }
 
 /// A line of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct ProgramLine {
     file: Option<String>,
     line: u32,
     pass: u32,
 }
 
-impl Place {
+impl ProgramLine {
     /// Parses `[FILE:]LINE[/PASS]`.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let (file, rest) = match text.rsplit_once(':') {
@@ -53,12 +53,12 @@ mod tests {
 
     #[test]
     fn places_are_lines_with_a_file_and_a_pass() {
-        let shown = |text| Place::parse(text).map(|p| p.args().join(" "));
+        let shown = |text| ProgramLine::parse(text).map(|p| p.args().join(" "));
         assert_eq!(shown("12").as_deref(), Some("line=12 pass=1"));
         assert_eq!(shown("12/3").as_deref(), Some("line=12 pass=3"));
         assert_eq!(shown("probe.ngc:7/2").as_deref(), Some("line=7 pass=2 in=probe.ngc"));
         for wrong in ["", "0", "12/0", "-1", "12/x", "a:", "twelve"] {
-            assert_eq!(Place::parse(wrong), None, "{wrong}");
+            assert_eq!(ProgramLine::parse(wrong), None, "{wrong}");
         }
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, postgui: 
         let (path, why) = (path.display().to_string().into(), crate::ini::plain(&error));
         return failed(session, &Error::Ini(hal_ini::Error::File { path, why }));
     }
-    let mut machine = Machine { session, ini, folders, outcome: Outcome::Good };
+    let mut machine = MachineStart { session, ini, folders, outcome: Outcome::Good };
     machine.load();
     machine.operator();
     machine.session.begin_machine();
@@ -76,7 +76,8 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, postgui: 
 
 /// Executes the part of [`start`] that comes before the HAL files.
 pub(crate) fn before_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
-    let mut machine = Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
+    let mut machine =
+        MachineStart { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
     machine.load();
     machine.operator();
     session.begin_machine();
@@ -84,7 +85,8 @@ pub(crate) fn before_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
 
 /// Executes the part of [`start`] that comes after the HAL files.
 pub(crate) fn after_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
-    let mut machine = Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
+    let mut machine =
+        MachineStart { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
     machine.configure();
     machine.load_task(path);
 }
@@ -96,7 +98,8 @@ fn operator_entry(ini: &Ini) -> Option<&Entry> {
 
 /// Executes the files of `SHUTDOWN`.
 pub(super) fn shut_down(session: &mut Session<'_>, ini: &Ini, path: &Path) {
-    let mut machine = Machine { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
+    let mut machine =
+        MachineStart { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
     for entry in ini.all("HAL", "SHUTDOWN").filter(|entry| !entry.value.is_empty()) {
         machine.file(entry, true);
     }
@@ -114,14 +117,14 @@ fn variables(ini: &Path, folder: &Path) -> Vec<(&'static str, OsString)> {
     all
 }
 
-struct Machine<'a, 's> {
+struct MachineStart<'a, 's> {
     session: &'a mut Session<'s>,
     ini: &'a Ini,
     folders: Folders,
     outcome: Outcome,
 }
 
-impl Machine<'_, '_> {
+impl MachineStart<'_, '_> {
     /// Runs a step, unless an earlier one has ended the start.
     fn then(&mut self, step: impl FnOnce(&mut Session<'_>) -> Outcome) {
         let goes_on = match self.outcome {

@@ -1,7 +1,7 @@
 //! Command line, environment and profile of halrun.
 
 use super::{
-    begin::{Begin, Job, Place as ProgramPlace},
+    begin::{Begin, Job, ProgramLine},
     compat,
     folders::{LINUXCNC_MODULES, plugin_path},
     log::Selection,
@@ -168,7 +168,7 @@ pub(crate) fn plan(
         (Some(file), None, false) => Some(Begin::First(whole(file).display().to_string())),
         (Some(file), Some(text), false) => {
             let why = "it is [FILE:]LINE[/PASS], such as 120 or 120/2";
-            let place = ProgramPlace::parse(&text).ok_or_else(|| bad("--from", &text, why))?;
+            let place = ProgramLine::parse(&text).ok_or_else(|| bad("--from", &text, why))?;
             Some(Begin::From(whole(file).display().to_string(), place))
         }
     };

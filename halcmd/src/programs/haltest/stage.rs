@@ -3,7 +3,7 @@
 
 use super::{
     outcome::{Complaint, Spot},
-    test::{Machine, Test},
+    test::{MachineFile, Test},
 };
 use crate::ini::plain;
 use std::{
@@ -92,8 +92,8 @@ pub(super) fn set(test: &Test, stage: &Path) -> Result<(PathBuf, String), Compla
 }
 
 /// Returns the machine's folder and the name of its script.
-fn found(machine: &Machine) -> Result<(PathBuf, String), Complaint> {
-    let Machine { spot, shown, path } = machine;
+fn found(machine: &MachineFile) -> Result<(PathBuf, String), Complaint> {
+    let MachineFile { spot, shown, path } = machine;
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
     let folder = folder.unwrap_or_else(|| Path::new(".")).canonicalize();
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned());

@@ -34,7 +34,7 @@ pub(super) struct Entry {
 
 /// The script or INI file of a machine.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Machine {
+pub(super) struct MachineFile {
     pub(super) spot: Spot,
     /// Path as the test gave it.
     pub(super) shown: String,
@@ -55,7 +55,7 @@ pub(super) struct Snapshot {
 #[derive(Debug, Default)]
 pub(super) struct Test {
     pub(super) about: String,
-    pub(super) machine: Option<Machine>,
+    pub(super) machine: Option<MachineFile>,
     pub(super) arguments: Vec<String>,
     pub(super) environment: Vec<(String, String)>,
     pub(super) settings: Vec<Entry>,
@@ -177,7 +177,7 @@ impl Reader<'_> {
             let spot = source.spot(&machine.span());
             let name = machine.get_ref();
             let shown = beside(Path::new(source.shown()), name).display().to_string();
-            self.test.machine = Some(Machine { spot, shown, path: beside(path, name) });
+            self.test.machine = Some(MachineFile { spot, shown, path: beside(path, name) });
         }
         if let Some(profile) = &file.profile {
             let (name, spot) = (profile.get_ref(), source.spot(&profile.span()));

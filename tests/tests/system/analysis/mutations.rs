@@ -4,7 +4,7 @@
 use hal_protocol::Level;
 use hal_tests::{
     golden,
-    mutations::{Machine, Verdict, judge, machines, table},
+    mutations::{CleanMachine, Verdict, judge, machines, table},
     programs::{programs, root},
 };
 use std::{collections::BTreeSet, fmt::Write, path::PathBuf};
@@ -23,7 +23,7 @@ fn verdicts(most: usize) -> Vec<Verdict> {
     list.retain(|m| !["demo.ini", "scope.ini", "pedal.ini"].iter().any(|part| m.ends_with(part)));
     let (even, odd): (Vec<_>, Vec<_>) = list.iter().enumerate().partition(|(n, _)| n % 2 == 0);
     let run = |part: Vec<(usize, &PathBuf)>| -> Vec<(usize, Vec<Verdict>)> {
-        part.into_iter().map(|(n, m)| (n, judge(&Machine::read(m), most))).collect()
+        part.into_iter().map(|(n, m)| (n, judge(&CleanMachine::read(m), most))).collect()
     };
     let mut all = std::thread::scope(|scope| {
         let odd = scope.spawn(|| run(odd));

@@ -116,7 +116,7 @@ impl Drop for Theirs {
 
 /// Domain in which two are compared.
 #[derive(Clone)]
-struct Place {
+struct KinematicsCase {
     module: &'static str,
     load: fn(&mut Bench) -> Result<(), String>,
     /// Size of the workspace, in units.
@@ -172,7 +172,7 @@ fn matrix(p: &[f64]) -> [f64; 9] {
     ]
 }
 
-fn apart(place: &Place, a: &[f64], b: &[f64]) -> f64 {
+fn apart(place: &KinematicsCase, a: &[f64], b: &[f64]) -> f64 {
     let mut far = 0.0_f64;
     for i in [0, 1, 2, 6, 7, 8] {
         far = far.max((a[i] - b[i]).abs() / place.size);
@@ -200,7 +200,7 @@ impl Seen {
     }
 }
 
-fn compare(program: &Path, place: &Place) -> String {
+fn compare(program: &Path, place: &KinematicsCase) -> String {
     let mut bench = Bench::new();
     (place.load)(&mut bench).unwrap();
     bench.load::<Finder>(&[]).unwrap();
@@ -314,8 +314,8 @@ fn pins(bench: &Bench, theirs: &BTreeMap<String, (String, f64)>) -> (String, boo
     (format!("{same} of {}", theirs.len()), wrong, more.join(" "))
 }
 
-fn places() -> Vec<Place> {
-    let base = Place {
+fn places() -> Vec<KinematicsCase> {
+    let base = KinematicsCase {
         module: "",
         load: |_| Ok(()),
         size: 1000.0,
@@ -331,15 +331,15 @@ fn places() -> Vec<Place> {
     let mixed = |n: usize, turns: &[usize]| -> Vec<(f64, f64)> {
         (0..n).map(|i| if turns.contains(&i) { turn } else { line }).collect()
     };
-    let one = |module, load, ranges| Place { module, load, ranges, ..base.clone() };
+    let one = |module, load, ranges| KinematicsCase { module, load, ranges, ..base.clone() };
     const OLD: &str = "theirs are not each other's inverse where B and C, or U, are not 0";
     vec![
-        Place {
+        KinematicsCase {
             size: 600.0,
             ..one("5axiskins", |b| b.load::<k::FiveAxiskins>(&[]), mixed(6, &[3, 4]))
         },
         one("corexykins", |b| b.load::<k::Corexykins>(&[]), mixed(9, &[])),
-        Place {
+        KinematicsCase {
             size: 40.0,
             abc: true,
             letters: &[0, 1, 2, 3, 4, 5],
@@ -348,26 +348,29 @@ fn places() -> Vec<Place> {
             set: &[("genhexkins.tool-offset", 5.0), ("genhexkins.spindle-offset", 3.0)],
             ..one("genhexkins", |b| b.load::<k::Genhexkins>(&[]), Vec::new())
         },
-        Place {
+        KinematicsCase {
             size: 800.0,
             abc: true,
             set: &[("genserkins.D-5", 60.0), ("genserkins.A-1", 30.0)],
             ..one("genserkins", |b| b.load::<k::Genserkins>(&[]), mixed(9, &[0, 1, 2, 3, 4, 5]))
         },
-        Place {
+        KinematicsCase {
             size: 269.0,
             letters: &[0, 1, 2, 3, 4, 5, 6, 7, 8],
             ranges: [&[(-90., 90.), (-90., 90.), (-100., 400.)][..], &[(-50., 50.); 6]].concat(),
             ..one("lineardeltakins", |b| b.load::<k::Lineardeltakins>(&[]), Vec::new())
         },
-        Place {
+        KinematicsCase {
             set: &[("maxkins.pivot-length", 100.0)],
             differs: &[("forward", OLD)],
             ..one("maxkins", |b| b.load::<k::Maxkins>(&[]), mixed(9, &[3, 4, 5]))
         },
         one("millturn", |b| b.load::<k::Millturn>(&[]), mixed(4, &[3])),
-        Place { switch: 1, ..one("millturn", |b| b.load::<k::Millturn>(&[]), mixed(4, &[3])) },
-        Place {
+        KinematicsCase {
+            switch: 1,
+            ..one("millturn", |b| b.load::<k::Millturn>(&[]), mixed(4, &[3]))
+        },
+        KinematicsCase {
             size: 600.0,
             letters: &[0, 1, 2, 3, 4],
             ranges: [(-90., 90.), (-90., 90.), (250., 420.), (-10., 10.), (-10., 10.)].into(),
@@ -375,36 +378,36 @@ fn places() -> Vec<Place> {
             differs: &[("pins", "theirs has parameters of a sixth strut, which it does not use")],
             ..one("pentakins", |b| b.load::<k::Pentakins>(&[]), Vec::new())
         },
-        Place {
+        KinematicsCase {
             size: 800.0,
             abc: true,
             differs: &[("inverse", "theirs does not always stay on the side where the joints are")],
             ..one("pumakins", |b| b.load::<k::Pumakins>(&[]), vec![turn; 6])
         },
-        Place {
+        KinematicsCase {
             size: 300.0,
             ..one("rosekins", |b| b.load::<k::Rosekins>(&[]), vec![(1.0, 300.0), line, turn])
         },
-        Place {
+        KinematicsCase {
             size: 14.0,
             letters: &[0, 1, 2, 3, 4, 5, 6, 7, 8],
             ranges: [&[(-4., 4.), (-4., 4.), (-15., -9.)][..], &[(-5., 5.); 6]].concat(),
             ..one("rotarydeltakins", |b| b.load::<k::Rotarydeltakins>(&[]), Vec::new())
         },
         one("rotatekins", |b| b.load::<k::Rotatekins>(&[]), mixed(9, &[3, 4, 5])),
-        Place {
+        KinematicsCase {
             size: 640.0,
             flags: Some(|joints| f64::from(u8::from(joints[1] < 0.0))),
             ..one("scarakins", |b| b.load::<k::Scarakins>(&[]), mixed(6, &[0, 1, 3, 4, 5]))
         },
-        Place {
+        KinematicsCase {
             size: 458.0,
             letters: &[0, 1, 2, 3, 4],
             ranges: [(60., 280.), (-200., 200.), (0., 400.), turn, turn].into(),
             differs: &[("inverse", "theirs goes elsewhere when the forearm leans back under it")],
             ..one("scorbot-kins", |b| b.load::<k::ScorbotKins>(&[]), Vec::new())
         },
-        Place {
+        KinematicsCase {
             size: 300.0,
             letters: &[0, 1, 2],
             ranges: [(-300., 300.), (-300., 300.), (10., 300.)].into(),
@@ -412,7 +415,7 @@ fn places() -> Vec<Place> {
             ..one("tripodkins", |b| b.load::<k::Tripodkins>(&[]), Vec::new())
         },
         one("userkins", |b| b.load::<k::Userkins>(&[]), mixed(3, &[])),
-        Place {
+        KinematicsCase {
             switch: 1,
             set: &[
                 ("xyzab_tdr_kins.x-offset", 10.0),
@@ -422,7 +425,7 @@ fn places() -> Vec<Place> {
             ],
             ..one("xyzab_tdr_kins", |b| b.load::<k::XyzabTdr>(&[]), mixed(5, &[3, 4]))
         },
-        Place {
+        KinematicsCase {
             set: &[
                 ("xyzac-trt-kins.y-offset", 10.0),
                 ("xyzac-trt-kins.z-offset", 20.0),
@@ -431,7 +434,7 @@ fn places() -> Vec<Place> {
             ],
             ..one("xyzac-trt-kins", |b| b.load::<k::XyzacTrt>(&[]), mixed(5, &[3, 4]))
         },
-        Place {
+        KinematicsCase {
             set: &[
                 ("xyzbc-trt-kins.x-offset", 10.0),
                 ("xyzbc-trt-kins.z-offset", 20.0),

@@ -10,19 +10,19 @@ use std::{
 
 /// A folder of `configs`: `NAME.hal`, or `NAME.ini` with its scripts, is the machine; `demo.hal` or `demo.ini`
 /// demonstrates it.
-struct Machine {
+struct Demo {
     name: String,
     folder: PathBuf,
 }
 
 /// Returns every machine; if `CASE` is set, only those whose names begin with it.
-fn machines() -> Vec<Machine> {
+fn machines() -> Vec<Demo> {
     let wanted = std::env::var("CASE").unwrap_or_default();
-    let mut all: Vec<Machine> = fs::read_dir(root().join("configs"))
+    let mut all: Vec<Demo> = fs::read_dir(root().join("configs"))
         .unwrap()
         .map(|e| e.unwrap().path())
         .filter(|p| p.is_dir())
-        .map(|folder| Machine {
+        .map(|folder| Demo {
             name: folder.file_name().unwrap().to_string_lossy().into_owned(),
             folder,
         })
@@ -33,7 +33,7 @@ fn machines() -> Vec<Machine> {
     all
 }
 
-impl Machine {
+impl Demo {
     fn has(&self, file: &str) -> bool {
         self.folder.join(file).is_file()
     }

@@ -4,14 +4,12 @@
 //! `tests/samples.md`.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_tests::{golden, programs::root, scratch::Scratch};
-use std::{
-    collections::BTreeMap,
-    fmt::Write as _,
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
+use hal_tests::{
+    golden,
+    programs::{files_below, root},
+    scratch::Scratch,
 };
+use std::{collections::BTreeMap, fmt::Write as _, fs, path::Path, process::Command};
 
 const SAMPLES: &str = "/usr/share/doc/linuxcnc/examples/sample-configs";
 /// The library of HAL files of the package.
@@ -37,19 +35,6 @@ const BOARDS: [&str; 10] = [
 /// Lines with these beginnings or parts give no reason.
 const NO_REASON: [&str; 6] =
     ["Warning", "Traceback", "  ", "motmod: ", "halrun: Warning", "hal_manualtoolchange"];
-
-fn ini_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> =
-        fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            ini_files(&path, found);
-        } else if path.extension().is_some_and(|e| e == "ini") {
-            found.push(path);
-        }
-    }
-}
 
 /// Returns whether an INI file is that of a machine; the others are parts, or settings of panels.
 fn is_machine(path: &Path) -> bool {
@@ -91,8 +76,7 @@ fn the_table_of_sample_configurations_is_true() {
     assert!(copied.unwrap().success());
     scratch.write("move.ngc", PROGRAM);
     let all = scratch.path().join("sample-configs");
-    let mut files = Vec::new();
-    ini_files(&all, &mut files);
+    let files = files_below(&all, ".ini");
     let mut kinds: BTreeMap<String, u32> = BTreeMap::new();
     let mut rows = String::new();
     for path in files.iter().filter(|path| is_machine(path)) {

@@ -211,7 +211,7 @@ fn a_run_in_virtual_time_with_a_program_in_python_gives_the_same_bytes_twice() {
     }
 }
 
-/// What the script `machine/bounds.py` prints on the mill, whose e-stop chain is closed.
+/// Output of the script `machine/bounds.py` on the mill, whose e-stop chain is closed.
 const BOUNDS: &str = "\
 axis is -1, should be 0 to 8
 axis is -1, should be 0 to 8

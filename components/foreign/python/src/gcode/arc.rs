@@ -11,7 +11,7 @@ const MIN_SEGMENTS: u32 = 3;
 /// The most segments of an arc.
 const MAX_SEGMENTS: f64 = 1e6;
 /// A place of nine axes, as a tuple of Python.
-type Place = (f64, f64, f64, f64, f64, f64, f64, f64, f64);
+type AxisPositions = (f64, f64, f64, f64, f64, f64, f64, f64, f64);
 
 const LETTERS: [&str; 9] = ["x", "y", "z", "a", "b", "c", "u", "v", "w"];
 
@@ -64,7 +64,7 @@ pub(super) fn arc_to_segments(
     v: f64,
     w: f64,
     max_segments: u32,
-) -> PyResult<Vec<Place>> {
+) -> PyResult<Vec<AxisPositions>> {
     let start = canon.getattr("lo")?;
     let start: [f64; 9] = start
         .extract::<Vec<f64>>()?

@@ -72,8 +72,8 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
 struct Pins {
     lengths: [ParamRw<f64>; 6],
     joints: Vec<Joint>,
-    tool: Place,
-    frame: Place,
+    tool: FramePins,
+    frame: FramePins,
     config: In<i32>,
     solution: Out<i32>,
     margin: Out<f64>,
@@ -92,11 +92,11 @@ struct Joint {
 
 /// Pins that hold a frame.
 #[derive(Debug, Touch)]
-struct Place {
+struct FramePins {
     numbers: [In<f64>; 6],
 }
 
-impl Place {
+impl FramePins {
     fn make(b: &mut Builder<'_>, name: &str, what: &str) -> Result<Self, Error> {
         let mut pin = |letter, about| {
             b.item(&format!("armkins.{name}.{letter}"), &format!("{about} of {what}."), 0.0)
@@ -154,8 +154,8 @@ impl Pins {
         Ok(Self {
             lengths,
             joints,
-            tool: Place::make(b, "tool", "the tool's tip relative to the flange")?,
-            frame: Place::make(b, "frame", "the frame of poses relative to the arm's base")?,
+            tool: FramePins::make(b, "tool", "the tool's tip relative to the flange")?,
+            frame: FramePins::make(b, "frame", "the frame of poses relative to the arm's base")?,
             config: b.item("armkins.config", "Solution to use, 0 to 7; -1 for the nearest.", -1)?,
             solution: b.item("armkins.solution", "Number of the last solution, 0 to 7.", 0)?,
             margin: b.item(

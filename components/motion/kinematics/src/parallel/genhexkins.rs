@@ -70,7 +70,7 @@ pub(crate) struct Hexapod {
 }
 
 /// Position and orientation of the platform.
-type Place = (Vector, Matrix);
+type PlatformPose = (Vector, Matrix);
 
 impl Hexapod {
     fn read(pins: &Pins) -> Option<Self> {
@@ -99,7 +99,7 @@ impl Hexapod {
 
     /// Returns the length of a strut, its direction, the vector from the platform's origin to its end, and the
     /// extension by its screw. Returns `None` if its length is 0.
-    fn strut(&self, s: &Strut, (at, turned): &Place) -> Option<(f64, Vector, Vector, f64)> {
+    fn strut(&self, s: &Strut, (at, turned): &PlatformPose) -> Option<(f64, Vector, Vector, f64)> {
         let arm = turned * s.platform;
         let way = at + arm - s.base;
         let length = way.norm();
@@ -124,7 +124,7 @@ impl Hexapod {
     }
 
     /// Returns the errors of the strut lengths, and the Jacobian for the pose of the platform.
-    fn look(&self, joints: &Joints, place: &Place) -> Option<Look<6>> {
+    fn look(&self, joints: &Joints, place: &PlatformPose) -> Option<Look<6>> {
         let mut off = Vector6::zeros();
         let mut jacobian = Matrix6::zeros();
         let rows = jacobian.row_iter_mut().zip(off.iter_mut());
@@ -141,7 +141,7 @@ impl Hexapod {
     }
 
     /// Adds the effect of the screws to the Jacobian, by finite differences.
-    fn add_screws(&self, jacobian: &mut Matrix6<f64>, place: &Place) -> Option<()> {
+    fn add_screws(&self, jacobian: &mut Matrix6<f64>, place: &PlatformPose) -> Option<()> {
         let size = self.size();
         for (n, mut column) in jacobian.column_iter_mut().enumerate() {
             let step = if n < 3 { BESIDE * size } else { BESIDE };
@@ -157,12 +157,12 @@ impl Hexapod {
         Some(())
     }
 
-    fn search(&self, joints: &Joints, from: Place) -> Result<(Place, u32), Unsolved> {
+    fn search(&self, joints: &Joints, from: PlatformPose) -> Result<(PlatformPose, u32), Unsolved> {
         find(from, self.bounds, |place| self.look(joints, place), moved)
     }
 
     /// Returns a start for the search: above the middle of the base, at the height that the strut lengths give.
-    fn middle(&self, joints: &Joints) -> Place {
+    fn middle(&self, joints: &Joints) -> PlatformPose {
         let (mut height, mut middle) = (0.0, Vector::zeros());
         for (s, joint) in self.struts.iter().zip(joints) {
             let way = s.platform - s.base;
@@ -182,7 +182,7 @@ impl Hexapod {
 }
 
 /// Moves the platform by a step: a translation, and a rotation vector in radians.
-fn moved((at, turned): &Place, step: &Vector6<f64>) -> Place {
+fn moved((at, turned): &PlatformPose, step: &Vector6<f64>) -> PlatformPose {
     let [x, y, z, a, b, c] = (*step).into();
     let axis = Vector::new(a, b, c);
     let angle = axis.norm();

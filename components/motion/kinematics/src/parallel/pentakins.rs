@@ -129,7 +129,7 @@ struct Pentapod {
 }
 
 /// Position of the tip, and A and B in radians.
-type Place = (Vector, f64, f64);
+type PlatformPose = (Vector, f64, f64);
 
 /// Returns the length of a strut, and its gradient with respect to the base's end in the effector's frame.
 fn reach(s: &Strut, seen: &Vector) -> Option<(f64, Vector)> {
@@ -148,7 +148,7 @@ fn turned(a: f64, b: f64) -> Matrix {
 }
 
 impl Pentapod {
-    fn look(&self, joints: &Joints, (tip, a, b): &Place) -> Option<Look<5>> {
+    fn look(&self, joints: &Joints, (tip, a, b): &PlatformPose) -> Option<Look<5>> {
         let turned = turned(*a, *b);
         let back = turned.transpose();
         let (about_a, about_b) = (Vector::x(), about_x(-*a) * Vector::y());
@@ -167,7 +167,7 @@ impl Pentapod {
     }
 
     /// Returns a start for the search: between the ends on the base, as low as the struts are long.
-    fn middle(&self, joints: &Joints) -> Place {
+    fn middle(&self, joints: &Joints) -> PlatformPose {
         let mut middle = Vector::zeros();
         for s in &self.struts {
             middle += s.base / 5.0;
@@ -181,7 +181,7 @@ impl Pentapod {
         (Vector::new(middle.x, middle.y, height), 0.0, 0.0)
     }
 
-    fn search(&self, joints: &Joints, from: Place) -> Result<(Place, u32), Unsolved> {
+    fn search(&self, joints: &Joints, from: PlatformPose) -> Result<(PlatformPose, u32), Unsolved> {
         find(
             from,
             self.bounds,

@@ -1,13 +1,13 @@
 //! Realtime. States 6 to 13: torch on, pierce and cut.
 
 use super::{
-    machine::Machine,
+    machine::Cutter,
     numbers::{later, short, sooner, sum},
     state::{State, Stop},
 };
 use hal_component::Period;
 
-impl Machine {
+impl Cutter {
     /// Returns whether the cut runs without a program.
     pub(super) fn is_manual(&self) -> bool {
         self.at.is_idle.get()

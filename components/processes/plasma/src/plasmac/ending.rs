@@ -1,11 +1,11 @@
 //! Realtime. Events that end a cut, and states 14 to 17: retract and end.
 
 use super::{
-    machine::Machine,
+    machine::Cutter,
     state::{State, Stop},
 };
 
-impl Machine {
+impl Cutter {
     /// Ends a cut with this stop reason and enters this state.
     pub(super) fn end(&mut self, stop: Stop, state: State) {
         self.stops(stop);

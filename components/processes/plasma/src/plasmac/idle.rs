@@ -1,11 +1,11 @@
 //! Realtime. State 0: idle, where cuts and jobs begin.
 
 use super::{
-    machine::Machine,
+    machine::Cutter,
     state::{State, Stop},
 };
 
-impl Machine {
+impl Cutter {
     pub(super) fn idle(&mut self) {
         if self.drive.z_counts.get() == 0 {
             self.base = self.at.z.get();

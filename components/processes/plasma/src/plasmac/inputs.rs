@@ -42,7 +42,7 @@ pins! {
 
 pins! {
     /// State and position of the machine.
-    pub(super) struct Machine {
+    pub(super) struct MachinePins {
         /// TRUE while the machine is on.
         is_on: In<bool> = "machine-is-on", false;
         /// TRUE while all joints are homed.

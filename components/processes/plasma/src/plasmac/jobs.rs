@@ -1,9 +1,9 @@
 //! Realtime. States 18 and 20 to 22: torch pulse, tests and scribing.
 
-use super::{machine::Machine, state::State};
+use super::{machine::Cutter, state::State};
 use hal_component::Period;
 
-impl Machine {
+impl Cutter {
     /// Starts a job other than a cut. Returns whether one was requested.
     pub(super) fn begin_job(&mut self) -> bool {
         let drive = &self.drive;

@@ -15,9 +15,9 @@ use hal_component::{Builder, Error, Messages, Period, Touch, Update};
 
 /// State of a plasma cutter.
 #[derive(Touch)]
-pub(super) struct Machine {
+pub(super) struct Cutter {
     pub(super) arc: inputs::Arc,
-    pub(super) at: inputs::Machine,
+    pub(super) at: inputs::MachinePins,
     pub(super) probe: inputs::Probe,
     pub(super) cut: settings::Cut,
     pub(super) thc: settings::Thc,
@@ -113,11 +113,11 @@ pub(super) struct Machine {
     pub(super) left: f32,
 }
 
-impl Machine {
+impl Cutter {
     pub(super) fn new(b: &mut Builder<'_>) -> Result<Self, Error> {
         Ok(Self {
             arc: inputs::Arc::make(b, "plasmac")?,
-            at: inputs::Machine::make(b, "plasmac")?,
+            at: inputs::MachinePins::make(b, "plasmac")?,
             probe: inputs::Probe::make(b, "plasmac")?,
             cut: settings::Cut::make(b, "plasmac")?,
             thc: settings::Thc::make(b, "plasmac")?,
@@ -362,7 +362,7 @@ impl Machine {
     }
 }
 
-impl Update for Machine {
+impl Update for Cutter {
     fn update(&mut self, period: Period) {
         self.read(period);
         self.status.z_height.set(if self.known {

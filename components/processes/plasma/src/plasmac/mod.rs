@@ -19,7 +19,7 @@ mod times;
 mod volts;
 
 use hal_component::{Builder, Component, Error, abi::component_flags};
-use machine::Machine;
+use machine::Cutter;
 
 /// Controller of a plasma cutter.
 pub(crate) struct Plasmac;
@@ -146,7 +146,7 @@ getp plasmac.stop-type-out # -> 2
     const FLAGS: u32 = component_flags::ONCE | component_flags::PARALLEL;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let machine = Machine::new(b)?;
+        let machine = Cutter::new(b)?;
         b.function("plasmac", "Reads the arc and the switches, and controls the torch.", machine)
     }
 }

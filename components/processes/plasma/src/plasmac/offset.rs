@@ -1,6 +1,6 @@
 //! Realtime. Offset probe: moves X and Y so that the probe replaces the torch, and moves them back.
 
-use super::{machine::Machine, numbers::later, state::Stop};
+use super::{machine::Cutter, numbers::later, state::Stop};
 use hal_component::{Period, Touch};
 
 /// Number of counts up to which the last step back takes no cycle of its own.
@@ -20,7 +20,7 @@ pub(super) struct Offset {
     moved: f32,
 }
 
-impl Machine {
+impl Cutter {
     /// Sets the probing position for a cut that begins. Returns false, and reports a fault, if the position is beyond a
     /// limit of X or Y.
     pub(super) fn aim_probe(&mut self) -> bool {

@@ -1,11 +1,11 @@
 //! Realtime. States 19, 23 and 24: paused motion and consumable change.
 
 use super::{
-    machine::Machine,
+    machine::Cutter,
     state::{State, Stop},
 };
 
-impl Machine {
+impl Cutter {
     pub(super) fn paused_motion(&mut self) {
         let speed = self.jobs.paused_motion_speed.get();
         let drive = &self.drive;

@@ -1,13 +1,13 @@
 //! Realtime. States 1 to 5: probe the surface, then move to the pierce height.
 
 use super::{
-    machine::Machine,
+    machine::Cutter,
     numbers::at_most,
     state::{State, Stop},
 };
 use hal_component::Period;
 
-impl Machine {
+impl Cutter {
     /// Returns whether the tip touches the surface.
     pub(super) fn tip_touches(&self) -> bool {
         self.probe.ohmic_probe.get() && self.probe.ohmic_probe_enable.get()

@@ -1,12 +1,12 @@
 //! Realtime. States 25 and 26: move to the position where the cut resumes, then back to the path.
 
 use super::{
-    machine::Machine,
+    machine::Cutter,
     numbers::{short, sum},
     state::State,
 };
 
-impl Machine {
+impl Cutter {
     pub(super) fn recovery_out(&mut self) {
         self.status.cut_recovering.set(true);
         self.drive.xy_enable.set(true);

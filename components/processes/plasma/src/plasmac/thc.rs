@@ -135,7 +135,7 @@ impl Thc {
     pub(super) fn step(
         &mut self,
         settings: (&settings::Thc, &settings::Cut),
-        machine: &inputs::Machine,
+        machine: &inputs::MachinePins,
         status: &Status,
         (scale, setup): (f64, i32),
         steady: Option<Option<f64>>,

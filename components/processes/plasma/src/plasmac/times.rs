@@ -1,6 +1,6 @@
 //! Realtime. Times and distances of a job.
 
-use super::{machine::Machine, state::State};
+use super::{machine::Cutter, state::State};
 use hal_component::{Out, Period, Touch};
 
 /// Flag for the start of a job's times.
@@ -15,7 +15,7 @@ fn add(pin: &Out<f64>, by: f64) {
     pin.set(pin.get() + by);
 }
 
-impl Machine {
+impl Cutter {
     /// Adds this cycle to the times of the job.
     pub(super) fn count(&mut self, period: Period) {
         let (status, secs) = (&self.status, period.secs());

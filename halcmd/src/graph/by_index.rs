@@ -2,9 +2,9 @@
 
 /// A value for each index.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Row<T>(Vec<T>);
+pub(super) struct ByIndex<T>(Vec<T>);
 
-impl<T: Copy + Default> Row<T> {
+impl<T: Copy + Default> ByIndex<T> {
     /// Makes a list of `n` equal values.
     pub(super) fn of(n: usize, value: T) -> Self {
         Self(vec![value; n])
@@ -23,7 +23,7 @@ impl<T: Copy + Default> Row<T> {
     }
 }
 
-impl<T> FromIterator<T> for Row<T> {
+impl<T> FromIterator<T> for ByIndex<T> {
     fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
         Self(values.into_iter().collect())
     }

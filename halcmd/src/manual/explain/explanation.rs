@@ -4,7 +4,7 @@ use hal_protocol::Code;
 
 /// Explanation of a code. Tests run its two examples.
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct Explanation {
     /// Code of the finding.
     pub code: Code,
     /// Meaning, in whole sentences.
