@@ -1,9 +1,6 @@
 //! The service `interlock`: the e-stop state for realtime threads.
 
-use crate::{
-    Touch, Uses, abi,
-    service::{Found, Table},
-};
+use crate::{Touch, Uses, abi, service::Found};
 use core::ffi::c_void;
 
 /// State of the e-stop. Motion is allowed only while it is released.
@@ -47,15 +44,6 @@ impl Estop {
 pub trait Interlock: Touch + Send + Sync + 'static {
     /// Realtime. Returns the current state of the e-stop.
     fn state(&self) -> Estop;
-}
-
-impl Table for abi::Interlock {
-    const NAME: &'static str = "interlock";
-    const VERSION: u32 = 1;
-
-    fn ctx(&mut self) -> &mut *const c_void {
-        &mut self.ctx
-    }
 }
 
 /// Returns the table for a value of this type.

@@ -3,7 +3,7 @@
 use crate::{
     Estop, Touch, Uses,
     abi::{self, IoCommand, IoOutcome, IoStatus, Record, Str},
-    service::{Found, Table},
+    service::Found,
     shim,
 };
 use core::ffi::c_void;
@@ -137,15 +137,6 @@ impl IoRequest {
             7 => Self::Abort,
             _ => return None,
         })
-    }
-}
-
-impl Table for abi::IoControl {
-    const NAME: &'static str = "iocontrol";
-    const VERSION: u32 = 1;
-
-    fn ctx(&mut self) -> &mut *const c_void {
-        &mut self.ctx
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::{
     Solution, Touch, Unsolved, Uses, Ways,
     abi::{self, Status, Use},
-    service::{Found, Table},
+    service::Found,
     solved::{solution, status},
 };
 use core::ffi::c_void;
@@ -61,15 +61,6 @@ pub trait Kinematics: Touch + Send + Sync + 'static {
     /// Realtime. Selects a kinematics type, from 0. Returns false if it does not exist.
     fn switch(&self, to: u32) -> bool {
         to == 0
-    }
-}
-
-impl Table for abi::Kinematics {
-    const NAME: &'static str = "kinematics";
-    const VERSION: u32 = 1;
-
-    fn ctx(&mut self) -> &mut *const c_void {
-        &mut self.ctx
     }
 }
 

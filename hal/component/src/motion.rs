@@ -6,7 +6,6 @@ mod user;
 use crate::{
     Error, MotionStatus, Plain, TicketHandle, Touch, Uses,
     abi::{self, MOTION_TEXT, MotionAnswer, MotionCommand, Record, Status, Str, motion_source},
-    service::Table,
     shim,
 };
 use core::ffi::c_void;
@@ -68,15 +67,6 @@ impl<M: Motion> Offered<M> {
 impl<M: Motion> Touch for Offered<M> {
     fn touch(&self, uses: &mut Uses) {
         self.motion.touch(uses);
-    }
-}
-
-impl Table for abi::Motion {
-    const NAME: &'static str = "motion";
-    const VERSION: u32 = 1;
-
-    fn ctx(&mut self) -> &mut *const c_void {
-        &mut self.ctx
     }
 }
 

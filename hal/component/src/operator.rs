@@ -3,7 +3,7 @@
 use crate::{
     Touch, Uses,
     abi::{self, OPERATOR_TEXT, OperatorCommand, OperatorView, Record, Status},
-    service::{Found, Table},
+    service::Found,
     shim,
 };
 use core::ffi::c_void;
@@ -78,15 +78,6 @@ impl OperatorRequest {
             }
             _ => return None,
         })
-    }
-}
-
-impl Table for abi::Operator {
-    const NAME: &'static str = "operator";
-    const VERSION: u32 = 1;
-
-    fn ctx(&mut self) -> &mut *const c_void {
-        &mut self.ctx
     }
 }
 

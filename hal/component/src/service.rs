@@ -18,6 +18,28 @@ pub(crate) trait Table: Record {
     fn ctx(&mut self) -> &mut *const c_void;
 }
 
+/// Declares tables, with the name and the version of their services.
+macro_rules! tables {
+    ($($table:ident, $name:literal, $version:literal;)*) => {
+        $(impl Table for abi::$table {
+            const NAME: &'static str = $name;
+            const VERSION: u32 = $version;
+
+            fn ctx(&mut self) -> &mut *const c_void {
+                &mut self.ctx
+            }
+        })*
+    };
+}
+
+tables! {
+    Interlock, "interlock", 1;
+    IoControl, "iocontrol", 1;
+    Kinematics, "kinematics", 1;
+    Motion, "motion", 1;
+    Operator, "operator", 1;
+}
+
 struct Offered<T, F> {
     value: T,
     table: F,

@@ -1,6 +1,6 @@
 //! Trace files, selected by their extension.
 
-use crate::{Flaw, Place, Reading, Trace, csv, fst, json, vcd};
+use crate::{Flaw, Position, Reading, Trace, csv, fst, json, vcd};
 use hal_output::{Whole, reason};
 use std::{
     io::{ErrorKind, Write},
@@ -77,7 +77,7 @@ pub enum FileError {
     /// The reader of a pipe has closed its end.
     ReaderGone(PathBuf),
     /// The file has a flaw at this place.
-    Flaw(PathBuf, Place, Flaw),
+    Flaw(PathBuf, Position, Flaw),
 }
 
 impl core::fmt::Display for FileError {
@@ -91,9 +91,9 @@ impl core::fmt::Display for FileError {
             Self::Flaw(path, place, flaw) => {
                 write!(f, "{}:", path.display())?;
                 match place {
-                    Place::File => {}
-                    Place::Line(n) => write!(f, "{n}:")?,
-                    Place::Byte(n) => write!(f, " byte {n}:")?,
+                    Position::File => {}
+                    Position::Line(n) => write!(f, "{n}:")?,
+                    Position::Byte(n) => write!(f, " byte {n}:")?,
                 }
                 write!(f, " {flaw}")
             }

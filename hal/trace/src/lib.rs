@@ -64,6 +64,6 @@ pub mod vcd;
 
 pub use channel::{Change, Channel};
 pub use file::{FileError, Format, load, save};
-pub use reading::{Flaw, Place, Reading};
+pub use reading::{Flaw, Position, Reading};
 pub use times::{TimeBase, Times};
 pub use trace::{Gap, Marker, Refusal, Trace};

@@ -4,7 +4,7 @@ use crate::{Refusal, Trace};
 
 /// Position in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Position {
     /// The file as a whole.
     File,
     /// A line, counted from 1.
@@ -74,7 +74,7 @@ pub struct Reading {
     /// Contents of the file that the trace cannot hold, one sentence each.
     pub notes: Vec<String>,
     /// Place and kind of the flaw that stopped the reading.
-    pub flaw: Option<(Place, Flaw)>,
+    pub flaw: Option<(Position, Flaw)>,
 }
 
 impl Reading {
@@ -82,7 +82,7 @@ impl Reading {
     ///
     /// # Errors
     /// The place and kind of the flaw.
-    pub fn whole(self) -> Result<Trace, (Place, Flaw)> {
+    pub fn whole(self) -> Result<Trace, (Position, Flaw)> {
         match self.flaw {
             None => Ok(self.trace),
             Some(flaw) => Err(flaw),

@@ -3,7 +3,7 @@
 
 use hal_tests::{
     imports::{circles, imports},
-    programs::{families, root},
+    programs::{families, files_below, root, short},
 };
 use std::{
     collections::BTreeMap,
@@ -82,6 +82,67 @@ const MAPS: &[(&str, &str)] = &[
     ("components/motion/kinematics/src", "components/motion/README.md"),
     ("tests/tests/system", "tests/README.md"),
 ];
+
+/// Largest number of types that share a name, tests not included.
+const MAX_NAMESAKES: usize = 8;
+/// Names that more types have, each the only one of its kind where it is, and the largest number of them.
+const COMMON_NAMES: &[(&str, usize)] = &[
+    ("Entry", 9),
+    ("Error", 10),
+    ("Id", 16),
+    ("Kind", 14),
+    ("Pins", 28),
+    ("Run", 10),
+    ("State", 12),
+    ("Step", 11),
+];
+
+#[test]
+fn few_types_share_a_name() {
+    let mut names: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for folder in ["hal", "halcmd", "components"] {
+        for path in files_below(&root().join(folder), ".rs") {
+            let at = short(&path);
+            if at.contains("/tests/") || at.ends_with("tests.rs") {
+                continue;
+            }
+            let text = fs::read_to_string(&path).unwrap();
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            for name in code.lines().filter_map(named_type) {
+                names.entry(name.to_owned()).or_default().push(at.clone());
+            }
+        }
+    }
+    let most = |name: &str| {
+        COMMON_NAMES.iter().find(|row| row.0 == name).map_or(MAX_NAMESAKES, |row| row.1)
+    };
+    let mut bad = Vec::new();
+    for (name, files) in &names {
+        if files.len() > most(name) {
+            bad.push(format!("{} types are named {name}: {}", files.len(), files.join(" ")));
+        }
+    }
+    assert!(names.len() > 1000, "only {} names", names.len());
+    assert!(bad.is_empty(), "name some of them by what they are:\n{}", bad.join("\n"));
+    for (name, _) in COMMON_NAMES {
+        let count = names.get(*name).map_or(0, Vec::len);
+        assert!(count > MAX_NAMESAKES, "{name}: {count} types need no number of their own");
+    }
+}
+
+/// Returns the name of the type that begins on a line.
+fn named_type(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    let line = match line.strip_prefix("pub") {
+        Some(rest) if rest.starts_with('(') => rest.split_once(") ")?.1,
+        Some(rest) => rest.trim_start(),
+        None => line,
+    };
+    let rest =
+        ["struct ", "enum ", "trait ", "union "].iter().find_map(|k| line.strip_prefix(k))?;
+    let name = rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()?;
+    name.starts_with(char::is_uppercase).then_some(name)
+}
 
 #[test]
 fn every_room_is_on_a_map() {

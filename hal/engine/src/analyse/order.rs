@@ -15,24 +15,24 @@
 //! nodes of the graph. [`Engine::order`](crate::Engine::order) returns the same with names and
 //! script positions, as `halcmd order` prints it.
 
+mod by_index;
 mod delay;
 mod draw;
-mod machine;
-mod row;
+mod flow_graph;
 mod say;
 mod sort;
 
 pub(crate) use delay::{Chain, Timed, Wait};
-pub(crate) use machine::{By, Flow, Machine};
+pub(crate) use flow_graph::{By, Flow, FlowGraph};
 
 use crate::graph::Graph;
-use row::Row;
+use by_index::ByIndex;
 
 /// A machine, and the best order found for each of its threads: the user's own unless another costs
 /// less.
 #[derive(Debug)]
 pub(crate) struct Study {
-    pub(crate) machine: Machine,
+    pub(crate) machine: FlowGraph,
     /// Indices of functions in their better order, for each thread.
     pub(crate) better: Vec<Vec<usize>>,
 }
@@ -59,11 +59,11 @@ pub(crate) struct Move {
 impl Study {
     /// Analyses the machine of a graph. The run time is proportional to the number of links.
     pub(crate) fn of(graph: &Graph) -> Self {
-        Self::new(Machine::of(graph))
+        Self::new(FlowGraph::of(graph))
     }
 
     /// Analyses a machine.
-    pub(crate) fn new(machine: Machine) -> Self {
+    pub(crate) fn new(machine: FlowGraph) -> Self {
         let better = (0..machine.threads.len()).map(|t| better(&machine, t)).collect();
         let mut study = Self { machine, better };
         study.keep_loops_short();
@@ -131,7 +131,7 @@ impl Study {
         else {
             return Vec::new();
         };
-        let place = Row::places(&user.order, self.machine.functs.len());
+        let place = ByIndex::places(&user.order, self.machine.functs.len());
         let places: Vec<usize> = better.iter().map(|f| place.at(*f)).collect();
         let stay = sort::standing(&places);
         let moved = better.iter().zip(&places).enumerate();
@@ -149,9 +149,9 @@ impl Study {
 }
 
 /// Returns the better order of a thread.
-fn better(machine: &Machine, thread: usize) -> Vec<usize> {
+fn better(machine: &FlowGraph, thread: usize) -> Vec<usize> {
     let Some(order) = machine.threads.get(thread).map(|t| &t.order) else { return Vec::new() };
-    let place = Row::places(order, machine.functs.len());
+    let place = ByIndex::places(order, machine.functs.len());
     let inside =
         |a: usize, b: usize| machine.thread_of(a) == thread && machine.thread_of(b) == thread;
     let flows = machine.flows.iter().filter(|f| inside(f.from, f.to));

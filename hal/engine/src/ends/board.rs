@@ -20,7 +20,7 @@ pub(super) struct Board {
     /// Number of the component code that the control side runs.
     pub(super) doing: AtomicU32,
     /// Current function of each thread, and whether the row is in use.
-    pub(super) rows: [Row; ROWS],
+    pub(super) rows: [ThreadRow; ROWS],
     /// Length of the recording's file in bytes up to its last whole record, and its length once the
     /// write in progress is complete.
     pub(super) recorded: AtomicU64,
@@ -37,7 +37,7 @@ pub(super) struct Board {
 /// Row of one thread.
 #[repr(C)]
 #[derive(Debug)]
-pub(super) struct Row {
+pub(super) struct ThreadRow {
     pub(super) funct: AtomicU32,
     taken: AtomicU32,
 }
@@ -92,7 +92,7 @@ impl Board {
 /// Number of the function that a thread is in, on the board if there is one.
 #[derive(Debug)]
 pub(crate) struct Current {
-    row: Option<&'static Row>,
+    row: Option<&'static ThreadRow>,
     own: AtomicU32,
 }
 
@@ -102,8 +102,9 @@ impl Current {
     pub(crate) fn new(thread: &str) -> Self {
         let own = AtomicU32::new(NOBODY);
         let Some(board) = board() else { return Self { row: None, own } };
-        let take =
-            |r: &&Row| r.taken.compare_exchange(0, 1, Ordering::Relaxed, Ordering::Relaxed).is_ok();
+        let take = |r: &&ThreadRow| {
+            r.taken.compare_exchange(0, 1, Ordering::Relaxed, Ordering::Relaxed).is_ok()
+        };
         let row = board.rows.iter().position(|r| take(&r));
         let row = row.and_then(|i| Some((i, board.rows.get(i)?)));
         if let Some((i, _)) = row {

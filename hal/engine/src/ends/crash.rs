@@ -8,7 +8,7 @@ use super::{
     notes,
     process::{self, GUARD, claim},
     signals,
-    sys::{self, Place},
+    sys::{self, Registers},
     terminal,
     text::Text,
     who,
@@ -75,7 +75,7 @@ pub(super) enum Shot {
 
 /// Ends this process: drives the outputs to their safe levels, reports the cause and keeps
 /// recordings.
-pub(super) fn crash(cause: &Cause<'_>, place: Place) -> ! {
+pub(super) fn crash(cause: &Cause<'_>, place: Registers) -> ! {
     let first = claim();
     sys::end_in(LAST_RESORT_S);
     if first {
@@ -126,7 +126,7 @@ pub(super) fn tell() {
 }
 
 /// Describes the code that has crashed, and the cause.
-fn describe(text: &mut Text, cause: &Cause<'_>, place: Place) {
+fn describe(text: &mut Text, cause: &Cause<'_>, place: Registers) {
     if let Cause::Signal { signal, shot: Shot::From(by), .. } = *cause {
         let name = signals::Named(signal);
         if by == sys::process() {

@@ -5,7 +5,7 @@
 use super::{
     crash::{self, Cause},
     process::is_ours,
-    sys::{self, Place},
+    sys::{self, Registers},
 };
 use core::ffi::{CStr, c_int, c_void};
 
@@ -45,7 +45,7 @@ macro_rules! replaced {
         }
 
         extern "C" fn $ours(status: c_int, code: usize, stack: usize) -> ! {
-            attend($own_name, $way, status, Place { code, stack })
+            attend($own_name, $way, status, Registers { code, stack })
         }
     };
 }
@@ -67,7 +67,7 @@ replaced!(_exit, our_exit_at_once, "_exit", Way::AtOnce);
 replaced!(_Exit, our_exit_in_c, "_Exit", Way::AtOnce);
 replaced!(abort, our_abort, "abort", Way::Abort);
 
-fn attend(function: &'static str, way: Way, status: c_int, place: Place) -> ! {
+fn attend(function: &'static str, way: Way, status: c_int, place: Registers) -> ! {
     if is_ours() {
         let status = (!matches!(way, Way::Abort)).then_some(status);
         crash::crash(&Cause::Exit { function, status }, place);
@@ -93,7 +93,7 @@ pub(super) fn watch() {
     }
     extern "C" fn attends(status: c_int, _: *mut c_void) {
         if is_ours() {
-            let place = Place { code: 0, stack: sys::stack() };
+            let place = Registers { code: 0, stack: sys::stack() };
             crash::crash(&Cause::Exit { function: "exit", status: Some(status) }, place);
         }
     }

@@ -9,7 +9,7 @@ use super::{
     instance::{Instance, instances, known},
     process::{GUARD, WAKE, is_claimed, park},
     signals::{self, is_asked},
-    sys::{self, Place},
+    sys::{self, Registers},
     text::Text,
     who,
 };
@@ -115,7 +115,7 @@ fn run() {
 
 /// Ends the process because another process sent it a crash signal, or because the control side does not respond.
 fn end(doing: Option<&Text>) -> ! {
-    let place = Place { code: 0, stack: sys::stack() };
+    let place = Registers { code: 0, stack: sys::stack() };
     if let Some((signal, by)) = signals::handed() {
         let (said, shot) = (signals::said(signal), Shot::From(by));
         crash::crash(&Cause::Signal { signal, said, shot }, place)

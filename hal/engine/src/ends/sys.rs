@@ -7,7 +7,7 @@ use core::{
 
 /// Code address and stack pointer at the moment of an event.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct Registers {
     pub(super) code: usize,
     pub(super) stack: usize,
 }
@@ -210,7 +210,7 @@ pub(super) fn block(set: &libc::sigset_t) {
 
 /// Returns where a thread was when a signal arrived, and the value of its register DX.
 #[cfg(target_arch = "x86_64")]
-pub(super) fn place(context: *mut c_void) -> (Place, u64) {
+pub(super) fn place(context: *mut c_void) -> (Registers, u64) {
     // SAFETY: the system's record of the thread.
     let context = unsafe { context.cast::<libc::ucontext_t>().as_ref() };
     let register = |which: c_int| {
@@ -219,24 +219,24 @@ pub(super) fn place(context: *mut c_void) -> (Place, u64) {
         value.copied().unwrap_or(0).cast_unsigned()
     };
     let address = |which| usize::try_from(register(which)).unwrap_or(0);
-    let place = Place { code: address(libc::REG_RIP), stack: address(libc::REG_RSP) };
+    let place = Registers { code: address(libc::REG_RIP), stack: address(libc::REG_RSP) };
     (place, register(libc::REG_RDX))
 }
 
 /// Returns where a thread was when a signal arrived.
 #[cfg(target_arch = "aarch64")]
-pub(super) fn place(context: *mut c_void) -> (Place, u64) {
+pub(super) fn place(context: *mut c_void) -> (Registers, u64) {
     // SAFETY: the system's record of the thread.
     let context = unsafe { context.cast::<libc::ucontext_t>().as_ref() };
     let at = |value: Option<u64>| usize::try_from(value.unwrap_or(0)).unwrap_or(0);
     let code = at(context.map(|c| c.uc_mcontext.pc));
-    (Place { code, stack: at(context.map(|c| c.uc_mcontext.sp)) }, 0)
+    (Registers { code, stack: at(context.map(|c| c.uc_mcontext.sp)) }, 0)
 }
 
 /// Unknown on other processors.
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-pub(super) fn place(_: *mut c_void) -> (Place, u64) {
-    (Place { code: 0, stack: 0 }, 0)
+pub(super) fn place(_: *mut c_void) -> (Registers, u64) {
+    (Registers { code: 0, stack: 0 }, 0)
 }
 
 /// Returns the port that the instruction at this address accesses, and whether it writes; `None`

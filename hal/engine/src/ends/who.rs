@@ -4,13 +4,13 @@ use super::{
     board::NOBODY,
     doing::{Origin, cycle, running},
     maps,
-    sys::{self, Place},
+    sys::{self, Registers},
     text::Text,
 };
 use crate::{realtime::thread::Thread, sync::Ordering};
 
 /// Describes the code that runs in this thread.
-pub(super) fn describe(text: &mut Text, place: Place, origins: &[Origin]) {
+pub(super) fn describe(text: &mut Text, place: Registers, origins: &[Origin]) {
     if let Some(thread) = cycle() {
         describe_cycle(text, thread);
         return;
@@ -53,7 +53,7 @@ pub(super) fn describe_cycle(text: &mut Text, thread: &Thread) {
 
 /// Returns the library that code belongs to: that of the address, or that of the innermost caller
 /// on the stack.
-fn origin(place: Place, origins: &[Origin]) -> Option<&Origin> {
+fn origin(place: Registers, origins: &[Origin]) -> Option<&Origin> {
     const MAX_RANGES: usize = 64;
     const MAX_WORDS: usize = 4096;
     const AT_ONCE: usize = 64;
@@ -94,7 +94,7 @@ fn origin(place: Place, origins: &[Origin]) -> Option<&Origin> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Place, Text, describe};
+    use super::{Registers, Text, describe};
     use crate::{
         ends::doing::{Control, Doing, What},
         name::Name,
@@ -105,7 +105,7 @@ mod tests {
         let name = |text| Name::parse("command", text).unwrap();
         let said = || {
             let mut text = Text::new();
-            describe(&mut text, Place { code: 0, stack: 0 }, &[]);
+            describe(&mut text, Registers { code: 0, stack: 0 }, &[]);
             text.as_str().to_owned()
         };
         let control = Control::default();

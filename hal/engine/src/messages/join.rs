@@ -30,7 +30,7 @@ pub(crate) enum Said {
 
 /// A line for the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Line {
+pub(crate) struct LogLine {
     /// Name of the component.
     pub(crate) component: String,
     pub(crate) level: u8,
@@ -80,7 +80,7 @@ impl Joiner {
         (component, name): (u32, &str),
         (level, text): (u8, &str),
         said: Said,
-        lines: &mut Vec<Line>,
+        lines: &mut Vec<LogLine>,
     ) {
         self.pass(at, lines);
         let speaker = self
@@ -100,7 +100,7 @@ impl Joiner {
             self.due = self.due.min(site.add(said));
             return;
         }
-        lines.push(Line {
+        lines.push(LogLine {
             component: speaker.name.clone(),
             level,
             text: worded(&speaker.name, &key.1, &said),
@@ -110,7 +110,7 @@ impl Joiner {
     }
 
     /// Advances to the time `now`: adds the joined lines that are due.
-    pub(crate) fn pass(&mut self, now: i64, lines: &mut Vec<Line>) {
+    pub(crate) fn pass(&mut self, now: i64, lines: &mut Vec<LogLine>) {
         while self.due <= now {
             let due = self.due;
             self.due = i64::MAX;
@@ -130,7 +130,7 @@ impl Joiner {
     }
 
     /// Removes a component, or all, and adds the lines that were not logged yet.
-    pub(crate) fn end(&mut self, component: Option<u32>, lines: &mut Vec<Line>) {
+    pub(crate) fn end(&mut self, component: Option<u32>, lines: &mut Vec<LogLine>) {
         let ends = |id: u32| component.is_none_or(|c| c == id);
         for (_, speaker) in self.speakers.iter_mut().filter(|(id, _)| ends(**id)) {
             for ((level, text), site) in &mut speaker.sites {
@@ -181,7 +181,7 @@ impl Site {
     }
 
     /// Returns the line for all messages since the last one.
-    fn flush(&mut self, level: u8, speaker: &str, text: &str) -> Line {
+    fn flush(&mut self, level: u8, speaker: &str, text: &str) -> LogLine {
         let mut line = worded(speaker, text, &self.latest);
         if !matches!(self.latest, Said::Count(_)) {
             line += &match self.count {
@@ -197,7 +197,7 @@ impl Site {
         self.last = self.last.saturating_add(SECOND_NS);
         self.count = 0;
         self.named = Some(Vec::new());
-        Line { component: speaker.to_owned(), level, text: line }
+        LogLine { component: speaker.to_owned(), level, text: line }
     }
 
     /// Formats the other numbers of the joined messages, if they are few.
@@ -339,7 +339,7 @@ mod tests {
         joiner.end(Some(1), &mut lines);
         assert_eq!(
             lines,
-            [Line {
+            [LogLine {
                 component: "two".into(),
                 level: 1,
                 text: "two: late (the last of 2 more)".into()

@@ -2,7 +2,7 @@
 
 use crate::{
     graph::{Graph, Ix},
-    messages::join::{Joiner, Line, Said, kind_of},
+    messages::join::{Joiner, LogLine, Said, kind_of},
     messages::mailbox::{Message, Spoken, Voice},
     name::Name,
     realtime::shared::Shared,
@@ -133,7 +133,7 @@ impl Log {
         self.log(lines);
     }
 
-    fn log(&mut self, lines: Vec<Line>) {
+    fn log(&mut self, lines: Vec<LogLine>) {
         for line in lines {
             let (text, component) = (line.text, line.component.as_str());
             match line.level {

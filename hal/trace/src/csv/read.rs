@@ -1,6 +1,6 @@
 //! Reader for CSV files of Ferrule and of other programs.
 
-use crate::{Flaw, Place, Reading, TimeBase, Trace};
+use crate::{Flaw, Position, Reading, TimeBase, Trace};
 use ::csv::{ByteRecord, ErrorKind, ReaderBuilder};
 use hal_protocol::{Type, Value};
 
@@ -9,7 +9,7 @@ use hal_protocol::{Type, Value};
 pub fn read(bytes: &[u8]) -> Reading {
     let mut reading = Reading::default();
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        reading.flaw = Some((Place::File, Flaw::Empty));
+        reading.flaw = Some((Position::File, Flaw::Empty));
         return reading;
     }
     let mut table = Table::of(bytes);
@@ -41,7 +41,7 @@ struct Table<'a> {
     unit: f64,
 }
 
-type Stop = (Place, Flaw);
+type Stop = (Position, Flaw);
 
 impl<'a> Table<'a> {
     fn of(bytes: &'a [u8]) -> Self {
@@ -86,7 +86,7 @@ impl<'a> Table<'a> {
             .from_reader(self.bytes);
         let mut row = ByteRecord::new();
         loop {
-            let line = Place::Line(reader.position().line() + self.skipped);
+            let line = Position::Line(reader.position().line() + self.skipped);
             match reader.read_byte_record(&mut row) {
                 Ok(false) => return Ok(()),
                 Ok(true) => each(&row).map_err(|flaw| (line, flaw))?,
@@ -110,14 +110,14 @@ impl<'a> Table<'a> {
             }
             Ok(())
         })?;
-        let at = Place::Line(1 + self.skipped);
+        let at = Position::Line(1 + self.skipped);
         let names = head.iter().map(|cell| core::str::from_utf8(cell).map(str::trim));
         let names: Result<Vec<&str>, _> = names.collect();
-        let no_csv = |_| (Place::File, Flaw::Foreign { wanted: "CSV" });
+        let no_csv = |_| (Position::File, Flaw::Foreign { wanted: "CSV" });
         let names = names.map_err(no_csv)?;
         let Some((time, names)) = names.split_first() else { return Ok(()) };
         if names.is_empty() && self.bytes.contains(&0) {
-            return Err((Place::File, Flaw::Foreign { wanted: "CSV" }));
+            return Err((Position::File, Flaw::Foreign { wanted: "CSV" }));
         }
         let unit = unit(time);
         let Some(unit) = unit else {
@@ -145,7 +145,7 @@ impl<'a> Table<'a> {
                 // The last value may be incomplete.
                 *trace = trace.between(i64::MIN, last);
             }
-            return Err((Place::Line(lines + self.skipped), Flaw::Truncated));
+            return Err((Position::Line(lines + self.skipped), Flaw::Truncated));
         }
         Ok(())
     }
@@ -338,7 +338,7 @@ mod tests {
         let text = "\u{feff}; made elsewhere\n# at noon\nTime [us];a;b;c;d\n0;0;1,5;;-1\n0,5;1;2;8;007\n1e1;0;x;9;3";
         let got = read(text.as_bytes());
         let (place, flaw) = got.flaw.unwrap();
-        assert_eq!((place, flaw.to_string()), (Place::Line(6), "'b' cannot be 'x'".to_owned()));
+        assert_eq!((place, flaw.to_string()), (Position::Line(6), "'b' cannot be 'x'".to_owned()));
         let t = got.trace;
         assert_eq!(t.times().iter().collect::<Vec<_>>(), [0, 500, 10_000]);
         let got = read(text.replace('x', "nan").as_bytes());
@@ -388,7 +388,7 @@ mod tests {
             (b"t,x\ninf,1\n", "2: 'time' cannot be 'inf'"),
         ] {
             let (place, flaw) = read(text).flaw.unwrap();
-            let line = if let Place::Line(n) = place { format!("{n}: ") } else { String::new() };
+            let line = if let Position::Line(n) = place { format!("{n}: ") } else { String::new() };
             let got = format!("{line}{flaw}");
             assert!(got.starts_with(want), "{got}");
         }

@@ -9,14 +9,14 @@ const PAIRS: usize = 4_000_000;
 
 /// A parsed line of a drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Line {
+struct WaveLine {
     name: String,
     first: String,
     /// Time of each change in microseconds, and the change in words.
     changes: Vec<(f64, String)>,
 }
 
-impl Line {
+impl WaveLine {
     fn read(text: &str) -> Option<Self> {
         let (name, rest) = text.split_once("  ")?;
         let (name, rest) = (name.to_owned(), rest.trim());
@@ -53,16 +53,16 @@ impl Line {
 /// edge moved, and by how much. Returns an empty list if both drawings are equal.
 #[must_use]
 pub fn differences(expected: &str, found: &str) -> Vec<String> {
-    let lines = |text: &str| -> Vec<Result<Line, String>> {
+    let lines = |text: &str| -> Vec<Result<WaveLine, String>> {
         let lines = text.lines().filter(|l| !l.trim().is_empty() && !l.starts_with('#'));
-        lines.map(|l| Line::read(l).ok_or_else(|| l.to_owned())).collect()
+        lines.map(|l| WaveLine::read(l).ok_or_else(|| l.to_owned())).collect()
     };
     let (expected, found) = (lines(expected), lines(found));
     let mut said = Vec::new();
     let unread = expected.iter().filter_map(|l| l.as_ref().err());
     said.extend(unread.map(|l| format!("this line of what was kept is not a waveform: {l}")));
-    let old: Vec<&Line> = expected.iter().flatten().collect();
-    let new: Vec<&Line> = found.iter().flatten().collect();
+    let old: Vec<&WaveLine> = expected.iter().flatten().collect();
+    let new: Vec<&WaveLine> = found.iter().flatten().collect();
     let ends = (shift::last(&old), shift::last(&new));
     if let Some(shift) = Shift::of(&old, &new, ends).filter(|_| said.is_empty()) {
         return vec![shift.told("everything")];
@@ -90,7 +90,7 @@ enum Pair<'l> {
     New(&'l (f64, String)),
 }
 
-fn moved(old: &Line, new: &Line, said: &mut Vec<String>) {
+fn moved(old: &WaveLine, new: &WaveLine, said: &mut Vec<String>) {
     let name = &old.name;
     if old.first != new.first {
         let level = |text: &str| match text {

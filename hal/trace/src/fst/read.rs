@@ -6,7 +6,7 @@ use super::{
     bytes::{Bytes, gzip, lz4, zlib},
     hierarchy::{Size, Var, hierarchy},
 };
-use crate::{Flaw, Place, Reading, TimeBase, Trace};
+use crate::{Flaw, Position, Reading, TimeBase, Trace};
 use hal_protocol::{Type, Value};
 
 /// Length of the header block, with which every file begins.
@@ -17,7 +17,7 @@ const HEAD: u64 = 329;
 pub fn read(bytes: &[u8]) -> Reading {
     let mut reading = Reading::default();
     if bytes.is_empty() {
-        reading.flaw = Some((Place::File, Flaw::Empty));
+        reading.flaw = Some((Position::File, Flaw::Empty));
         return reading;
     }
     let mut file = File::default();
@@ -27,12 +27,12 @@ pub fn read(bytes: &[u8]) -> Reading {
         reading.flaw = reading.flaw.or(Some(stop));
     }
     if !is_fst && !matches!(reading.flaw, Some((_, Flaw::Empty))) {
-        reading.flaw = Some((Place::File, Flaw::Foreign { wanted: "FST" }));
+        reading.flaw = Some((Position::File, Flaw::Foreign { wanted: "FST" }));
     }
     reading
 }
 
-type Stop = (Place, Flaw);
+type Stop = (Position, Flaw);
 
 /// A block of the file: kind, position, contents.
 #[derive(Debug)]
@@ -56,7 +56,7 @@ impl File {
         let mut input = Bytes::new(bytes);
         while !input.is_empty() {
             let at = (bytes.len() - input.rest().len()) as u64;
-            let stop = |flaw| (Place::Byte(at), flaw);
+            let stop = |flaw| (Position::Byte(at), flaw);
             let kind = input.byte().map_err(stop)?;
             let length = input.number().map_err(stop)?;
             if kind == 0 && length == HEAD {
@@ -107,7 +107,7 @@ impl File {
         let mut names = None;
         let mut at_last = 0;
         for piece in &pieces {
-            let stop = |flaw| (Place::Byte(piece.at), flaw);
+            let stop = |flaw| (Position::Byte(piece.at), flaw);
             at_last = piece.at;
             match piece.kind {
                 3 => sizes = Some(geometry(&piece.bytes).map_err(stop)?),
@@ -119,7 +119,7 @@ impl File {
             }
         }
         let (Some(sizes), Some((vars, notes))) = (sizes, names) else {
-            return Err((Place::Byte(at_last), Flaw::Truncated));
+            return Err((Position::Byte(at_last), Flaw::Truncated));
         };
         let sizes = Sizes { sizes, is_big_endian: self.is_big_endian };
         let notes_of_ours = notes.as_ref();
@@ -127,7 +127,7 @@ impl File {
         let ours = notes_of_ours.map(|n| (n.first == Some(0), n.samples));
         let mut filler = Filler { channels, is_first: true, ours };
         for piece in &pieces {
-            let stop = |flaw| (Place::Byte(piece.at), flaw);
+            let stop = |flaw| (Position::Byte(piece.at), flaw);
             let is_second = match piece.kind {
                 8 => true,
                 1 | 5 => false,
@@ -146,7 +146,7 @@ impl File {
             }
             if got != notes.samples {
                 let flaw = Flaw::Short { got, said: notes.samples };
-                return Err((Place::Byte(at_last), flaw));
+                return Err((Position::Byte(at_last), flaw));
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Reader for JSON traces. Samples are added one by one, so that those before a flaw are kept.
 
 use super::FORMAT;
-use crate::{Flaw, Place, Reading, TimeBase, Trace};
+use crate::{Flaw, Position, Reading, TimeBase, Trace};
 use hal_protocol::{Type, Value};
 use serde::{
     Deserialize,
@@ -12,16 +12,16 @@ use serde::{
 #[must_use]
 pub fn read(bytes: &[u8]) -> Reading {
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        let flaw = Some((Place::File, Flaw::Empty));
+        let flaw = Some((Position::File, Flaw::Empty));
         return Reading { flaw, ..Reading::default() };
     }
     let mut file = File::default();
     let mut json = serde_json::Deserializer::from_slice(bytes);
     let done = file.deserialize(&mut json).and_then(|()| json.end());
     let flaw = done.err().map(|e| {
-        let line = Place::Line(u64::try_from(e.line()).unwrap_or(0).max(1));
+        let line = Position::Line(u64::try_from(e.line()).unwrap_or(0).max(1));
         if !file.is_ours {
-            return (Place::File, Flaw::Foreign { wanted: "JSON trace" });
+            return (Position::File, Flaw::Foreign { wanted: "JSON trace" });
         }
         if e.is_eof() {
             return (line, Flaw::Truncated);
@@ -237,7 +237,7 @@ mod tests {
             ("HEAD\"gaps\": []}", "3: there are no 'samples'"),
         ] {
             let (place, flaw) = read(text.replace("HEAD", head).as_bytes()).flaw.unwrap();
-            let line = if let Place::Line(n) = place { format!("{n}: ") } else { String::new() };
+            let line = if let Position::Line(n) = place { format!("{n}: ") } else { String::new() };
             assert_eq!(format!("{line}{flaw}"), want, "{text}");
         }
     }

@@ -135,7 +135,7 @@ mod tests {
     fn what_is_wrong_after_them_keeps_its_line() {
         let head = "$var logic 1 ! x $end\n$var int\n32 \" y $end\n$enddefinitions $end\n#1\n1?\n";
         let (place, flaw) = read(head.as_bytes()).flaw.unwrap();
-        assert_eq!(place, crate::Place::Line(6));
+        assert_eq!(place, crate::Position::Line(6));
         assert_eq!(flaw.to_string(), "a value for '?', which is not declared");
     }
 }

@@ -1,7 +1,7 @@
 //! Reader for VCD files of Ferrule and of other programs.
 
 use super::kinds::known;
-use crate::{Flaw, Place, Reading, TimeBase, Trace};
+use crate::{Flaw, Position, Reading, TimeBase, Trace};
 use hal_protocol::{Type, Value};
 use std::collections::BTreeMap;
 use vcd::{Command, IdCode, ParseError, ParseErrorKind, Parser, TimescaleUnit, VarType};
@@ -12,7 +12,7 @@ use vcd::{Command, IdCode, ParseError, ParseErrorKind, Parser, TimescaleUnit, Va
 pub fn read(bytes: &[u8]) -> Reading {
     let mut reader = Reader::default();
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        let flaw = Some((Place::File, Flaw::Empty));
+        let flaw = Some((Position::File, Flaw::Empty));
         return Reading { flaw, ..Reading::default() };
     }
     let (skipped, bytes) = after_preamble(bytes);
@@ -27,8 +27,8 @@ pub fn read(bytes: &[u8]) -> Reading {
     let flaw = reader.all(&mut parser).err().map(|flaw| {
         let begun = reader.is_vcd;
         let flaw = if begun { flaw } else { Flaw::Foreign { wanted: "VCD" } };
-        let line = Place::Line((skipped + parser.line()).min(lines));
-        let place = if begun { line } else { Place::File };
+        let line = Position::Line((skipped + parser.line()).min(lines));
+        let place = if begun { line } else { Position::File };
         (place, flaw)
     });
     let mut trace = reader.trace;
@@ -344,7 +344,10 @@ mod tests {
         let got = read(text.as_bytes());
         assert_eq!(got.trace.find("x"), Some(0));
         let (place, flaw) = got.flaw.unwrap();
-        assert_eq!((place, flaw.to_string()), (Place::Line(5), "time goes from 1 to 0".to_owned()));
+        assert_eq!(
+            (place, flaw.to_string()),
+            (Position::Line(5), "time goes from 1 to 0".to_owned())
+        );
     }
 
     #[test]
@@ -398,8 +401,8 @@ mod tests {
         ] {
             let (place, flaw) = read(text.replace("HEAD", head).as_bytes()).flaw.unwrap();
             let got = match place {
-                Place::Line(line) => format!("line {line}: {flaw}"),
-                Place::File | Place::Byte(_) => flaw.to_string(),
+                Position::Line(line) => format!("line {line}: {flaw}"),
+                Position::File | Position::Byte(_) => flaw.to_string(),
             };
             assert_eq!(got, want, "{text}");
         }

@@ -5,8 +5,8 @@
 //! waits until the reader's next cycle; the delay depends on the moment.
 
 use super::{
-    machine::{Flow, Machine},
-    row::{Lists, Row},
+    by_index::{ByIndex, Lists},
+    flow_graph::{Flow, FlowGraph},
 };
 use core::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -67,9 +67,9 @@ pub(crate) struct Found<T> {
 /// A machine with an order for each thread.
 #[derive(Debug)]
 pub(crate) struct Timed<'m> {
-    machine: &'m Machine,
+    machine: &'m FlowGraph,
     /// Position of each function in its thread.
-    place: Row<usize>,
+    place: ByIndex<usize>,
     waits: Vec<Wait>,
     /// Flows that leave each function.
     gives: Lists,
@@ -77,9 +77,9 @@ pub(crate) struct Timed<'m> {
 
 impl<'m> Timed<'m> {
     /// Computes the delays for threads that run their functions in these orders.
-    pub(crate) fn new(machine: &'m Machine, orders: &[Vec<usize>]) -> Self {
+    pub(crate) fn new(machine: &'m FlowGraph, orders: &[Vec<usize>]) -> Self {
         let n = machine.functs.len();
-        let mut place = Row::of(n, 0);
+        let mut place = ByIndex::of(n, 0);
         for order in orders {
             order.iter().enumerate().for_each(|(at, f)| place.set(*f, at));
         }
@@ -150,7 +150,7 @@ impl<'m> Timed<'m> {
         let circle = circles(n, flows);
         let (mut steps, mut more) = (0, false);
         let mut seen: BTreeMap<Vec<usize>, Chain> = BTreeMap::new();
-        let mut covered = Row::of(flows.len(), false);
+        let mut covered = ByIndex::of(flows.len(), false);
         for (i, flow) in flows.iter().enumerate() {
             if covered.at(i) || circle.at(flow.from) != circle.at(flow.to) {
                 continue;
@@ -215,8 +215,8 @@ impl<'m> Timed<'m> {
         let n = self.machine.functs.len();
         let ways: Vec<&Flow> = self.machine.flows.iter().filter(|f| f.is_one_way()).collect();
         let (mut fed, mut gives, mut heard) =
-            (Row::of(n, false), Row::of(n, false), Row::of(n, false));
-        let mut taken = Row::of(n, false);
+            (ByIndex::of(n, false), ByIndex::of(n, false), ByIndex::of(n, false));
+        let mut taken = ByIndex::of(n, false);
         for flow in &ways {
             taken.set(flow.to, true);
             heard.set(flow.from, true);
@@ -282,7 +282,7 @@ impl<'m> Timed<'m> {
         // In depth-first order, a flow that leads back to a function on the current path closes a
         // loop.
         let n = self.machine.functs.len();
-        let (mut state, mut done) = (Row::of(n, 0_u8), Vec::new());
+        let (mut state, mut done) = (ByIndex::of(n, 0_u8), Vec::new());
         let mut kept: Vec<usize> = Vec::new();
         let mut stack = vec![(from, 0)];
         state.set(from, 1);
@@ -352,7 +352,7 @@ impl<'m> Timed<'m> {
 
 /// Returns the delay of a value between two functions. Threads that are due at the same moment run
 /// in the order of their numbers, and all threads start at the same moment.
-fn wait(machine: &Machine, place: &Row<usize>, flow: &Flow) -> Wait {
+fn wait(machine: &FlowGraph, place: &ByIndex<usize>, flow: &Flow) -> Wait {
     let (a, b) = (machine.thread_of(flow.from), machine.thread_of(flow.to));
     let period = machine.period(b);
     if a == b {
@@ -379,11 +379,11 @@ const fn common(mut a: u64, mut b: u64) -> u64 {
 
 /// Returns the number of the loop to which each function belongs. A function outside all loops has
 /// its own number.
-fn circles(n: usize, flows: &[Flow]) -> Row<usize> {
+fn circles(n: usize, flows: &[Flow]) -> ByIndex<usize> {
     let number = |i: usize| u32::try_from(i).unwrap_or(u32::MAX);
     let pairs = flows.iter().map(|f| (number(f.from), number(f.to)));
     let g: petgraph::graph::DiGraph<(), ()> = petgraph::graph::DiGraph::from_edges(pairs);
-    let mut circle = Row::of(n, usize::MAX);
+    let mut circle = ByIndex::of(n, usize::MAX);
     (0..n).for_each(|i| circle.set(i, n + i));
     for (number, members) in petgraph::algo::kosaraju_scc(&g).iter().enumerate() {
         members.iter().for_each(|m| circle.set(m.index(), number));

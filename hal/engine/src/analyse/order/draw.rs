@@ -1,6 +1,6 @@
-//! Construction of a [`Machine`] from the graph: functions, threads and flows.
+//! Construction of a [`FlowGraph`] from the graph: functions, threads and flows.
 
-use super::machine::{By, Flow, Funct, Machine, Thread};
+use super::flow_graph::{By, Flow, FlowGraph, Funct, Thread};
 use crate::graph::{Edge, Graph, Ix};
 use hal_protocol::{Direction, Type};
 use petgraph::{
@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// ring instead of each with each.
 const MAX_PAIRS: usize = 4096;
 
-impl Machine {
+impl FlowGraph {
     /// Returns the functions in threads and their flows.
     pub(crate) fn of(graph: &Graph) -> Self {
         let mut machine = Self::default();
@@ -159,7 +159,7 @@ fn between(pairs: &mut Vec<(usize, usize, By)>, from: &[usize], to: &[usize], by
 /// Returns the pairs whose order must not change. An unknown function may read and write every pin
 /// of its component. Every function that shares a signal with that component therefore stays on the
 /// same side of it.
-fn fixed(graph: &Graph, machine: &Machine, known: &BTreeMap<Ix, usize>) -> Vec<(usize, usize)> {
+fn fixed(graph: &Graph, machine: &FlowGraph, known: &BTreeMap<Ix, usize>) -> Vec<(usize, usize)> {
     let mut strange: BTreeMap<Ix, BTreeSet<usize>> = BTreeMap::new();
     for (i, f) in machine.functs.iter().enumerate().filter(|(_, f)| f.unknown) {
         strange.entry(f.owner.unwrap_or(f.ix)).or_default().insert(i);

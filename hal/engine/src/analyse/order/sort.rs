@@ -4,7 +4,7 @@
 //! smaller number". If values flow in a loop, the order must cut it somewhere: where the fewest
 //! values become late, or where the user has cut it if that costs no more.
 
-use super::row::{Lists, Row};
+use super::by_index::{ByIndex, Lists};
 use core::cmp::Reverse;
 use petgraph::{algo::kosaraju_scc, graph::DiGraph};
 use std::collections::{BTreeMap, BinaryHeap};
@@ -20,7 +20,7 @@ const IMPROVED: usize = 1000;
 pub(crate) type Arc = (usize, usize, u64);
 
 /// Returns the cost of an order: the total weight of the flows that go backwards in it.
-pub(crate) fn cost(places: &Row<usize>, arcs: &[Arc]) -> u64 {
+pub(crate) fn cost(places: &ByIndex<usize>, arcs: &[Arc]) -> u64 {
     let late = arcs.iter().filter(|(a, b, _)| places.at(*a) > places.at(*b));
     late.fold(0, |sum, (_, _, weight)| sum.saturating_add(*weight))
 }
@@ -29,14 +29,14 @@ pub(crate) fn cost(places: &Row<usize>, arcs: &[Arc]) -> u64 {
 /// numbers, unless another costs less.
 pub(crate) fn sorted(n: usize, arcs: &[Arc]) -> Vec<usize> {
     let user: Vec<usize> = (0..n).collect();
-    let before = cost(&Row::places(&user, n), arcs);
+    let before = cost(&ByIndex::places(&user, n), arcs);
     if before == 0 {
         return user;
     }
     let kept = without_circles(n, arcs);
     let orders = [pulled(n, &kept), pushed(n, &kept)];
     let better = orders.into_iter().min_by_key(|order| n - standing(order).len());
-    better.filter(|order| cost(&Row::places(order, n), arcs) < before).unwrap_or(user)
+    better.filter(|order| cost(&ByIndex::places(order, n), arcs) < before).unwrap_or(user)
 }
 
 /// Returns the longest increasing subsequence of an order: the functions that need not move.
@@ -69,7 +69,7 @@ fn without_circles(n: usize, arcs: &[Arc]) -> Vec<(usize, usize)> {
         g.add_node(());
     }
     // Position of each function within its loop, and the number of that loop.
-    let (mut place, mut circle) = (Row::of(n, 0), Row::of(n, 0));
+    let (mut place, mut circle) = (ByIndex::of(n, 0), ByIndex::of(n, 0));
     let circles = kosaraju_scc(&g);
     for (number, members) in circles.iter().enumerate() {
         members.iter().for_each(|m| circle.set(m.index(), number));
@@ -107,16 +107,16 @@ fn opened(members: &[usize], arcs: &[Arc]) -> Vec<usize> {
         }
     }
     // Among equal costs, the first order wins, which is the user's.
-    let best = orders.into_iter().min_by_key(|order| cost(&Row::places(order, n), &arcs));
+    let best = orders.into_iter().min_by_key(|order| cost(&ByIndex::places(order, n), &arcs));
     best.unwrap_or_default().into_iter().filter_map(|i| members.get(i)).copied().collect()
 }
 
 /// Returns the optimal order, by dynamic programming over the sets of functions that come first.
 fn exact(n: usize, arcs: &[Arc]) -> Vec<usize> {
-    let mut weight = Row::of(n * n, 0_u64);
+    let mut weight = ByIndex::of(n * n, 0_u64);
     arcs.iter().for_each(|(a, b, w)| weight.set(a * n + b, weight.at(a * n + b) + w));
     let sets = 1_usize << n;
-    let (mut least, mut last) = (Row::of(sets, u64::MAX), Row::of(sets, 0_usize));
+    let (mut least, mut last) = (ByIndex::of(sets, u64::MAX), ByIndex::of(sets, 0_usize));
     least.set(0, 0);
     for set in 0..sets {
         for i in (0..n).filter(|i| set & (1 << i) == 0) {
@@ -149,7 +149,7 @@ fn greedy(n: usize, arcs: &[Arc]) -> Vec<usize> {
     let sum = |list: &[usize]| -> i128 {
         list.iter().filter_map(|i| arcs.get(*i)).map(|a| i128::from(a.2)).sum()
     };
-    let (mut out, mut into) = (Row::of(n, 0_i128), Row::of(n, 0_i128));
+    let (mut out, mut into) = (ByIndex::of(n, 0_i128), ByIndex::of(n, 0_i128));
     for i in 0..n {
         out.set(i, sum(gives.at(i)));
         into.set(i, sum(takes.at(i)));
@@ -162,7 +162,7 @@ fn greedy(n: usize, arcs: &[Arc]) -> Vec<usize> {
     };
     let mut heap: BinaryHeap<Reverse<((u8, i128), usize)>> =
         (0..n).map(|i| Reverse((key(out.at(i), into.at(i)), i))).collect();
-    let mut gone = Row::of(n, false);
+    let mut gone = ByIndex::of(n, false);
     let (mut first, mut last) = (Vec::new(), Vec::new());
     while let Some(Reverse((k, i))) = heap.pop() {
         if gone.at(i) || k != key(out.at(i), into.at(i)) {
@@ -196,7 +196,7 @@ fn improved(mut order: Vec<usize>, arcs: &[Arc]) -> Vec<usize> {
     for _ in 0..4 {
         let mut helped = false;
         for i in 0..n {
-            let place = Row::places(&order, n);
+            let place = ByIndex::places(&order, n);
             let at = place.at(i);
             // Change of the cost when `i` moves past each function to which it gives values or from
             // which it takes them.
@@ -252,7 +252,7 @@ fn pushed(n: usize, arcs: &[(usize, usize)]) -> Vec<usize> {
 /// Returns all functions, each after those in its list.
 fn after(all: impl Iterator<Item = usize>, n: usize, lists: &Lists) -> Vec<usize> {
     let mut order = Vec::with_capacity(n);
-    let mut seen = Row::of(n, false);
+    let mut seen = ByIndex::of(n, false);
     let mut stack: Vec<(usize, usize)> = Vec::new();
     for root in all {
         if !seen.at(root) {

@@ -4,14 +4,14 @@ mod loops;
 mod many;
 
 use super::{
-    By, Flow, Machine, Study, Timed,
-    machine::{Funct, Thread},
+    By, Flow, FlowGraph, Study, Timed,
+    flow_graph::{Funct, Thread},
 };
 use crate::graph::Ix;
 use std::fmt::Write;
 
 struct Drawn {
-    machine: Machine,
+    machine: FlowGraph,
     names: Vec<String>,
     signals: Vec<String>,
 }
@@ -20,7 +20,7 @@ struct Drawn {
 /// component c. A flow by `~` is hidden and one by `<>signal` goes in both directions. `a|b` is a
 /// pair whose order must not change.
 fn draw(text: &str) -> Drawn {
-    let mut d = Drawn { machine: Machine::default(), names: Vec::new(), signals: Vec::new() };
+    let mut d = Drawn { machine: FlowGraph::default(), names: Vec::new(), signals: Vec::new() };
     let mut owners: Vec<String> = Vec::new();
     for line in text.lines().map(str::trim).filter(|l| !l.is_empty()) {
         if let Some((head, functs)) = line.split_once(':') {

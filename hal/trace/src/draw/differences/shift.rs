@@ -1,6 +1,6 @@
 //! Waveforms that moved as a whole. At the ends of the window, edges leave it or come into it.
 
-use super::{Line, rounded};
+use super::{WaveLine, rounded};
 
 /// A shift of several edges by the same time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,8 +17,8 @@ pub(super) struct Shift {
 impl Shift {
     /// Finds the shift that turns all old lines into the new ones with the same names. `ends` are the times that the
     /// old and the new drawing reach at least.
-    pub(super) fn of(old: &[&Line], new: &[&Line], ends: (f64, f64)) -> Option<Self> {
-        let pairs: Vec<(&Line, &Line)> = old
+    pub(super) fn of(old: &[&WaveLine], new: &[&WaveLine], ends: (f64, f64)) -> Option<Self> {
+        let pairs: Vec<(&WaveLine, &WaveLine)> = old
             .iter()
             .map(|line| Some((*line, *new.iter().find(|l| l.name == line.name)?)))
             .collect::<Option<_>>()?;
@@ -40,7 +40,11 @@ impl Shift {
     }
 
     /// Adds a line, if this shift explains all of its changes.
-    fn and(self, (old, new): (&Line, &Line), (old_end, new_end): (f64, f64)) -> Option<Self> {
+    fn and(
+        self,
+        (old, new): (&WaveLine, &WaveLine),
+        (old_end, new_end): (f64, f64),
+    ) -> Option<Self> {
         let (a, b) = (&old.changes, &new.changes);
         // Edges that left the window at its start, or came into it there.
         let (gone, early) = if self.by < 0.0 {
@@ -89,7 +93,7 @@ impl Shift {
 const NEAR: usize = 8;
 
 /// Returns the time of the last change of all lines.
-pub(super) fn last(lines: &[&Line]) -> f64 {
+pub(super) fn last(lines: &[&WaveLine]) -> f64 {
     let times = lines.iter().filter_map(|l| l.changes.last()).map(|c| c.0);
     times.fold(0.0, f64::max)
 }

@@ -1,11 +1,11 @@
 //! Large machines and random ones.
 
-use super::{By, Flow, Funct, Ix, Machine, Study, Thread, Timed};
+use super::{By, Flow, FlowGraph, Funct, Ix, Study, Thread, Timed};
 
 #[test]
 fn ten_thousand_functions() {
     let n = 10_000;
-    let mut machine = Machine::default();
+    let mut machine = FlowGraph::default();
     let order: Vec<usize> = (0..n).collect();
     for i in 0..n {
         machine.functs.push(Funct {
@@ -52,7 +52,7 @@ fn random_machines() {
     for round in 0..300 {
         let n = 2 + next(30);
         let threads = 1 + next(3);
-        let mut machine = Machine::default();
+        let mut machine = FlowGraph::default();
         for t in 0..threads {
             let period = 50 * (1 + next(5)) as u64 * (t as u64 + 1);
             machine.threads.push(Thread { ix: Ix::new(t), period, order: Vec::new() });

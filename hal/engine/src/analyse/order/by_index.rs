@@ -2,9 +2,9 @@
 
 /// A value for each index.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Row<T>(Vec<T>);
+pub(crate) struct ByIndex<T>(Vec<T>);
 
-impl<T: Copy + Default> Row<T> {
+impl<T: Copy + Default> ByIndex<T> {
     /// Returns a row of `n` equal values.
     pub(crate) fn of(n: usize, value: T) -> Self {
         Self(vec![value; n])
@@ -23,7 +23,7 @@ impl<T: Copy + Default> Row<T> {
     }
 }
 
-impl Row<usize> {
+impl ByIndex<usize> {
     /// Returns the position of each number in `order`. Numbers are below `n`.
     pub(crate) fn places(order: &[usize], n: usize) -> Self {
         let mut row = Self::of(n, 0);

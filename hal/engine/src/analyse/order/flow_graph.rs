@@ -5,7 +5,7 @@ use petgraph::stable_graph::EdgeIndex;
 
 /// Functions in threads, and the flows between them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Machine {
+pub(crate) struct FlowGraph {
     /// Threads in the order in which they run when several are due at the same moment.
     pub(crate) threads: Vec<Thread>,
     /// Functions that a thread runs in each cycle.
@@ -84,7 +84,7 @@ impl Flow {
     }
 }
 
-impl Machine {
+impl FlowGraph {
     /// Returns the period of a thread, in nanoseconds.
     pub(crate) fn period(&self, thread: usize) -> u64 {
         self.threads.get(thread).map_or(1, |t| t.period)
