@@ -20,7 +20,7 @@ use crate::{
     error::loading::Loading,
     graph::Ix,
     load::args::{Args, Declared, Instances},
-    load::code::Keep,
+    load::code::LoadHandle,
     load::create::Creating,
     load::loader::Found,
     name::Name,
@@ -94,7 +94,7 @@ impl Engine {
         args: Args,
     ) -> Result<(), Error> {
         let id = self.model.graph().component(component).map_or(0, |c| c.id);
-        let keep = Keep::new(id, self.runtime.shared().clone(), found.library.clone());
+        let keep = LoadHandle::new(id, self.runtime.shared().clone(), found.library.clone());
         self.log.listen_to(id, keep.voice().clone());
         let base = module.replace('_', "-");
         let once = found.is_once();

@@ -214,3 +214,42 @@ fn the_map_of_tests_names_every_folder() {
         assert!(known, "tests/README.md: the map has no `{name}/`");
     }
 }
+
+/// Folders to which the paths of the walks in `hal/README.md` are relative.
+const WALKED: &[&str] =
+    &["halcmd/src", "hal/protocol/src", "hal/engine/src", "hal/component/src", "components/drivers"];
+
+#[test]
+fn the_walks_lead_through_files_and_names_that_exist() {
+    let page = fs::read_to_string(root().join("hal/README.md")).unwrap();
+    let walks = page.split_once("## The path of a value").unwrap().1;
+    let walks = walks.split_once("### What the structure measures").unwrap().0;
+    let (mut steps, mut names) = (0, 0);
+    for line in walks.lines() {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let [_, number, files, action, _] = cells.as_slice() else { continue };
+        if number.parse::<u32>().is_err() {
+            continue;
+        }
+        steps += 1;
+        let mut code = String::new();
+        for path in quoted(files).chain(quoted(action).filter(|name| name.ends_with(".rs"))) {
+            let all = WALKED.iter().map(|folder| root().join(folder).join(path));
+            let found: Vec<PathBuf> = all.filter(|file| file.is_file()).collect();
+            assert_eq!(found.len(), 1, "step {number}: files for `{path}`: {found:?}");
+            code.extend(found.iter().map(|file| fs::read_to_string(file).unwrap()));
+        }
+        for name in quoted(action).filter(|name| !name.ends_with(".rs")) {
+            let word = name.rsplit("::").next().unwrap();
+            let mut words = code.split(|c: char| !c.is_alphanumeric() && c != '_');
+            assert!(words.any(|w| w == word), "step {number}: its files have no `{name}`");
+            names += 1;
+        }
+    }
+    assert!(steps == 20 && names > 10, "{steps} steps, {names} names");
+}
+
+/// Returns the words between backticks.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}

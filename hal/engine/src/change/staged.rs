@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A thing that is removed after the transaction has been carried out.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Going {
+pub(crate) enum PendingRemoval {
     /// A signal that has lost its name.
     Signal(Ix),
     /// A component that has lost its name.
@@ -26,7 +26,7 @@ pub(crate) enum Going {
     },
 }
 
-impl Going {
+impl PendingRemoval {
     /// Returns the component, if it is one.
     pub(crate) const fn component(&self) -> Option<Ix> {
         match *self {
@@ -60,7 +60,7 @@ pub(crate) struct Before {
 pub(crate) struct Staged {
     dry: bool,
     stores: Vec<Store>,
-    going: Vec<Going>,
+    pending_removal: Vec<PendingRemoval>,
     begins: Vec<Ix>,
     parting: BTreeSet<u64>,
     starts: bool,
@@ -101,8 +101,8 @@ impl Staged {
     }
 
     /// Removes a thing at the end of the transaction.
-    pub(crate) fn remove(&mut self, going: Going) {
-        self.going.push(going);
+    pub(crate) fn remove(&mut self, removal: PendingRemoval) {
+        self.pending_removal.push(removal);
     }
 
     /// Runs new threads from the end of the transaction on.
@@ -165,7 +165,7 @@ impl Staged {
 
     /// Returns whether something is removed at the end.
     pub(crate) const fn removes(&self) -> bool {
-        !self.going.is_empty()
+        !self.pending_removal.is_empty()
     }
 
     /// Returns whether this probe ends with the transaction.
@@ -174,8 +174,8 @@ impl Staged {
     }
 
     /// Returns what is removed at the end.
-    pub(crate) fn going(&self) -> &[Going] {
-        &self.going
+    pub(crate) fn pending_removal(&self) -> &[PendingRemoval] {
+        &self.pending_removal
     }
 
     /// Returns the threads whose functions change.
@@ -227,8 +227,8 @@ impl Staged {
     }
 
     /// Takes the things to be removed.
-    pub(crate) fn take_going(&mut self) -> Vec<Going> {
-        core::mem::take(&mut self.going)
+    pub(crate) fn take_going(&mut self) -> Vec<PendingRemoval> {
+        core::mem::take(&mut self.pending_removal)
     }
 
     /// Takes the log: the steps, the functions of changed threads, and the state from before.
@@ -269,12 +269,12 @@ mod tests {
         let fresh = BTreeSet::from([new.0.addr().get(), own.0.addr().get(), other.0.addr().get()]);
         let stores = vec![
             Store::Put { cell: own, bits: 1 },
-            Store::Bring { slot: new, cell: other },
-            Store::Keep { cell: signal, slot: shown },
+            Store::CopyIn { slot: new, cell: other },
+            Store::CopyOut { cell: signal, slot: shown },
             Store::Put { cell: other, bits: 2 },
-            Store::Bring { slot: new, cell: signal },
+            Store::CopyIn { slot: new, cell: signal },
             Store::Put { cell: own, bits: 3 },
-            Store::Aim { slot: new, distance: 8 },
+            Store::Relink { slot: new, distance: 8 },
             Store::Put { cell: other, bits: 4 },
         ];
         let (early, late) = split(stores, |place| fresh.contains(&place));

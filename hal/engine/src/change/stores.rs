@@ -35,28 +35,28 @@ pub(crate) enum Store {
         bits: u64,
     },
     /// Copies a pin's own value into its future signal.
-    Bring {
+    CopyIn {
         /// The slot whose own cell is read.
         slot: Ptr<Slot>,
         /// The cell that is written.
         cell: Ptr<Cell>,
     },
     /// Copies a signal's value into a pin's own cell.
-    Keep {
+    CopyOut {
         /// The cell that is read.
         cell: Ptr<Cell>,
         /// The slot whose own cell is written.
         slot: Ptr<Slot>,
     },
     /// Updates the pointer through which foreign code reaches its pin's value.
-    Point {
+    SetForeign {
         /// The pointer in the component's memory.
         pointer: Pointer,
         /// The pin's new cell.
         cell: Ptr<Cell>,
     },
     /// Points a pin at another cell.
-    Aim {
+    Relink {
         /// The pin's slot.
         slot: Ptr<Slot>,
         /// Distance from the slot to its new cell.
@@ -73,8 +73,8 @@ impl Store {
         pointer: Option<Pointer>,
         cell: Ptr<Cell>,
     ) -> impl Iterator<Item = Self> {
-        let aim = Self::Aim { slot: Ptr(slot), distance };
-        let point = pointer.map(|pointer| Self::Point { pointer, cell });
+        let aim = Self::Relink { slot: Ptr(slot), distance };
+        let point = pointer.map(|pointer| Self::SetForeign { pointer, cell });
         [Some(aim), point].into_iter().flatten()
     }
 }
@@ -95,27 +95,27 @@ pub(crate) struct Change {
 
 impl Store {
     /// Carries out the store.
-    pub(crate) fn carry_out(&self) {
+    pub(crate) fn apply(&self) {
         match *self {
             Self::Put { cell, bits } => {
                 // SAFETY: a live cell of the arena.
                 unsafe { cell.0.as_ref() }.store(bits);
             }
             Self::PutOwn { place, ty, bits } => own::store(place.0, ty, bits),
-            Self::Bring { slot, cell } => {
+            Self::CopyIn { slot, cell } => {
                 // SAFETY: a live slot of the arena.
                 let bits = unsafe { slot.0.as_ref() }.own().load();
                 // SAFETY: a live cell of the arena.
                 unsafe { cell.0.as_ref() }.store(bits);
             }
-            Self::Keep { cell, slot } => {
+            Self::CopyOut { cell, slot } => {
                 // SAFETY: a live cell of the arena.
                 let bits = unsafe { cell.0.as_ref() }.load();
                 // SAFETY: a live slot of the arena.
                 unsafe { slot.0.as_ref() }.own().store(bits);
             }
-            Self::Point { pointer, cell } => point(pointer, cell),
-            Self::Aim { slot, distance } => {
+            Self::SetForeign { pointer, cell } => point(pointer, cell),
+            Self::Relink { slot, distance } => {
                 // SAFETY: a live slot of the arena.
                 unsafe { slot.0.as_ref() }.aim(distance);
             }
@@ -128,11 +128,11 @@ impl Store {
         match *self {
             Self::Put { cell, .. } => [at(cell); 2],
             Self::PutOwn { place, .. } => [place.0.addr().get(); 2],
-            Self::Bring { slot, cell } | Self::Keep { cell, slot } => {
+            Self::CopyIn { slot, cell } | Self::CopyOut { cell, slot } => {
                 [at(own_cell(slot)), at(cell)]
             }
-            Self::Point { pointer, .. } => [pointer.0.addr().get(); 2],
-            Self::Aim { slot, .. } => [slot.0.addr().get(); 2],
+            Self::SetForeign { pointer, .. } => [pointer.0.addr().get(); 2],
+            Self::Relink { slot, .. } => [slot.0.addr().get(); 2],
         }
     }
 }
@@ -146,8 +146,8 @@ impl Change {
 
     /// Carries out every store, then replaces the lists. Allocates and frees nothing: the caller
     /// keeps the old lists.
-    pub(crate) fn carry_out(&self) {
-        self.stores.iter().for_each(Store::carry_out);
+    pub(crate) fn apply(&self) {
+        self.stores.iter().for_each(Store::apply);
         for (thread, list) in &self.lists {
             thread.list.store(list.clone());
         }

@@ -4,7 +4,7 @@
 
 use crate::{
     Engine, Error,
-    change::staged::Going,
+    change::staged::PendingRemoval,
     change::stores::{Change, Store},
     change::undo::Undo,
     graph::Ix,
@@ -22,7 +22,7 @@ pub(crate) struct Taken {
 
 impl Engine {
     /// Runs an edit as a transaction: it takes effect completely or not at all.
-    pub(crate) fn whole(
+    pub(crate) fn transact(
         &mut self,
         edit: impl FnOnce(&mut Self) -> Result<(), Error>,
     ) -> Result<Taken, Error> {
@@ -44,7 +44,7 @@ impl Engine {
         let mut at = 0;
         let mut refused = false;
         let stood = self.model.visit(None);
-        let done = self.whole(|e| {
+        let done = self.transact(|e| {
             if dry {
                 e.model.staged_mut().only_check();
             }
@@ -160,8 +160,8 @@ impl Engine {
         if !self.runtime.is_trial() {
             self.workers.start()?;
         }
-        early.iter().for_each(Store::carry_out);
-        self.runtime.carry_out(&change)?;
+        early.iter().for_each(Store::apply);
+        self.runtime.commit(&change)?;
         if !self.runtime.is_trial() {
             self.workers.release();
         }
@@ -176,7 +176,8 @@ impl Engine {
     /// Keeps the workers of components that are about to be unloaded from further steps. If one of
     /// them does not return, nothing is unloaded.
     fn hold_workers(&self) -> Result<(), Error> {
-        let leaving = self.model.staged().going().iter().filter_map(Going::component);
+        let leaving =
+            self.model.staged().pending_removal().iter().filter_map(PendingRemoval::component);
         let leaving: Vec<Ix> = leaving.collect();
         if self.workers.is_empty() || leaving.is_empty() {
             return Ok(());
@@ -199,13 +200,13 @@ impl Engine {
         if done.starts() {
             self.run_threads();
         }
-        let (going, parting) = (done.take_going(), done.take_parting());
+        let (pending_removal, parting) = (done.take_going(), done.take_parting());
         let (_log, _orders, before) = done.into_log();
         self.model.keep(before);
-        if !going.is_empty() {
-            self.model.has_left(going.iter().filter_map(Going::component));
+        if !pending_removal.is_empty() {
+            self.model.has_left(pending_removal.iter().filter_map(PendingRemoval::component));
             self.have_parted(parting);
-            going.iter().for_each(|going| self.release(*going));
+            pending_removal.iter().for_each(|removal| self.release(*removal));
             self.reap();
             if !self.runtime.is_virtual() && self.runtime.is_running() {
                 // Before the memory of removed things is reused.
@@ -221,10 +222,13 @@ impl Engine {
     /// is kept until it ends.
     fn roll_back(&mut self) {
         let mut staged = self.model.take_staged();
-        let going = staged.take_going();
+        let pending_removal = staged.take_going();
         let (log, orders, before) = staged.into_log();
         let Some(before) = before else { return };
-        going.iter().filter_map(Going::component).for_each(|ix| self.workers.resume(ix));
+        pending_removal
+            .iter()
+            .filter_map(PendingRemoval::component)
+            .for_each(|ix| self.workers.resume(ix));
         let mut clean = true;
         self.model.empty(&orders);
         for step in log.into_iter().rev() {

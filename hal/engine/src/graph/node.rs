@@ -8,7 +8,7 @@ use crate::{
     graph::ptr::Pointer,
     graph::ptr::Ptr,
     load::args::Declared,
-    load::code::{Code, Keep},
+    load::code::{Code, LoadHandle},
     name::Name,
     realtime::account::Account,
     realtime::thread::Thread,
@@ -94,7 +94,7 @@ pub(crate) struct Foreign {
     pub(crate) prefix: Box<str>,
     pub(crate) file: Box<str>,
     pub(crate) doc: Box<str>,
-    pub(crate) keep: Arc<Keep>,
+    pub(crate) keep: Arc<LoadHandle>,
 }
 
 /// A command that a component offers.

@@ -2,7 +2,7 @@
 
 use crate::{
     Error,
-    change::staged::Going,
+    change::staged::PendingRemoval,
     change::undo::Undo,
     graph::model::Model,
     graph::names::Index,
@@ -91,7 +91,7 @@ impl Model {
         for ix in owned.into_iter().chain([component]) {
             self.unname_node(ix);
         }
-        self.staged.remove(Going::Component { ix: component, stop });
+        self.staged.remove(PendingRemoval::Component { ix: component, stop });
     }
 
     /// Removes a node's names.
@@ -123,10 +123,10 @@ impl Model {
     /// Returns the nodes that are removed at the end of the transaction.
     pub(crate) fn removed_nodes(&self) -> Vec<Ix> {
         let mut nodes = Vec::new();
-        for going in self.staged.going() {
-            match *going {
-                Going::Signal(ix) => nodes.push(ix),
-                Going::Component { ix, .. } => nodes.extend(self.all_owned(ix)),
+        for pending_removal in self.staged.pending_removal() {
+            match *pending_removal {
+                PendingRemoval::Signal(ix) => nodes.push(ix),
+                PendingRemoval::Component { ix, .. } => nodes.extend(self.all_owned(ix)),
             }
         }
         nodes

@@ -2,7 +2,7 @@
 
 use crate::{
     Error,
-    change::staged::Going,
+    change::staged::PendingRemoval,
     change::stores::Store,
     change::undo::Undo,
     graph::arena::Arena,
@@ -50,7 +50,7 @@ impl Model {
             let name = s.name.clone();
             self.unname(Index::Signals, &name, ix);
         }
-        self.staged.remove(Going::Signal(ix));
+        self.staged.remove(PendingRemoval::Signal(ix));
         Ok(())
     }
 
@@ -128,7 +128,7 @@ impl Model {
                 s.writers == 0 && s.bidirs == 0 && (p.direction != Direction::In || s.readers == 0);
             let cell = s.cell;
             if first && s.ty != Type::Port {
-                self.staged.store(Store::Bring { slot: Ptr(slot), cell });
+                self.staged.store(Store::CopyIn { slot: Ptr(slot), cell });
             }
             let distance = Arena::distance(slot, cell.0);
             self.staged.stores(Store::aimed(slot, distance, p.pointer(), cell));
@@ -156,7 +156,7 @@ impl Model {
             self.staged.store(if signal.ty == Type::Port {
                 Store::Put { cell: own_cell(Ptr(slot)), bits: 0 }
             } else {
-                Store::Keep { cell: signal.cell, slot: Ptr(slot) }
+                Store::CopyOut { cell: signal.cell, slot: Ptr(slot) }
             });
             let (cell, pointer) = (own_cell(Ptr(slot)), item.and_then(crate::graph::Item::pointer));
             self.staged.stores(Store::aimed(slot, Slot::OWN, pointer, cell));

@@ -21,7 +21,7 @@ pub(crate) enum Library {
 
 /// A load of a component: the record through which its code calls the engine, and its library.
 #[derive(Debug)]
-pub(crate) struct Keep {
+pub(crate) struct LoadHandle {
     calls: CallHost,
     component: u32,
     voice: Arc<Voice>,
@@ -33,11 +33,11 @@ pub(crate) struct Keep {
 }
 
 // SAFETY: `calls` is immutable and points at this same record.
-unsafe impl Send for Keep {}
+unsafe impl Send for LoadHandle {}
 // SAFETY: as for `Send`.
-unsafe impl Sync for Keep {}
+unsafe impl Sync for LoadHandle {}
 
-impl Keep {
+impl LoadHandle {
     pub(crate) fn new(component: u32, shared: Arc<Shared>, library: Arc<Library>) -> Arc<Self> {
         let flags = if shared.is_virtual() { host_flags::VIRTUAL } else { 0 };
         Arc::new_cyclic(|me: &std::sync::Weak<Self>| Self {
@@ -77,9 +77,9 @@ impl Keep {
     }
 }
 
-fn keep<'k>(ctx: *const c_void) -> &'k Keep {
-    // SAFETY: the context of a record made by `Keep::new`, alive while its code can run.
-    unsafe { &*ctx.cast::<Keep>() }
+fn keep<'k>(ctx: *const c_void) -> &'k LoadHandle {
+    // SAFETY: the context of a record made by `LoadHandle::new`, alive while its code can run.
+    unsafe { &*ctx.cast::<LoadHandle>() }
 }
 
 /// Realtime. Sends a message of a component to the mailbox.
@@ -167,7 +167,7 @@ pub(crate) struct Code<R> {
     pub(crate) run: R,
     pub(crate) state: *mut c_void,
     free: Option<Free>,
-    keep: Option<Arc<Keep>>,
+    keep: Option<Arc<LoadHandle>>,
 }
 
 // SAFETY: the contract lets a state move between threads; one runs it at a time.
@@ -181,7 +181,7 @@ impl<R> Code<R> {
         run: R,
         state: *mut c_void,
         free: Option<Free>,
-        keep: Arc<Keep>,
+        keep: Arc<LoadHandle>,
     ) -> Self {
         Self { run, state, free, keep: Some(keep) }
     }

@@ -6,7 +6,7 @@ use crate::{
     graph::new_item::NewItem,
     graph::{Command, Edge, Funct, Ix, Service},
     load::args::{Args, Declared},
-    load::code::{Code, Keep},
+    load::code::{Code, LoadHandle},
     load::earlier,
     name::Name,
     observe::ring::SharedRing,
@@ -28,7 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) struct Creating<'e> {
     pub(crate) engine: &'e mut Engine,
     pub(crate) component: Ix,
-    pub(crate) keep: Arc<Keep>,
+    pub(crate) keep: Arc<LoadHandle>,
     pub(crate) args: Args,
     /// The error of a refused declaration.
     pub(crate) refused: Option<Error>,
@@ -46,7 +46,7 @@ impl<'e> Creating<'e> {
     pub(crate) const fn new(
         engine: &'e mut Engine,
         component: Ix,
-        keep: Arc<Keep>,
+        keep: Arc<LoadHandle>,
         args: Args,
     ) -> Self {
         Self {
@@ -132,7 +132,7 @@ impl<'e> Creating<'e> {
             _ => None,
         };
         let (Some(ty), Some(direction)) = (ty, direction) else {
-            return Err(self.odd("an item has no known type or direction"));
+            return Err(self.malformed("an item has no known type or direction"));
         };
         let (name, old) = (self.text(spec.name)?, self.text(spec.old_name)?);
         let doc = self.text(spec.doc)?;
@@ -164,7 +164,7 @@ impl<'e> Creating<'e> {
         Ok((ix, slot))
     }
 
-    fn odd(&self, why: &str) -> Error {
+    fn malformed(&self, why: &str) -> Error {
         let name =
             self.engine.model.graph().component(self.component).map_or("", |c| c.name.as_str());
         Error::InitFailed { name: name.into(), why: why.into(), code: Status::EINVAL.0 }
@@ -172,11 +172,11 @@ impl<'e> Creating<'e> {
 
     fn text<'t>(&self, s: Str) -> Result<&'t str, Error> {
         // SAFETY: the component's strings live across its call.
-        unsafe { s.get() }.ok_or_else(|| self.odd("a text is not UTF-8"))
+        unsafe { s.get() }.ok_or_else(|| self.malformed("a text is not UTF-8"))
     }
 
     pub(crate) fn funct(&mut self, spec: &FunctSpec) -> Result<(), Error> {
-        let Some(run) = spec.run else { return Err(self.odd("a function has no code")) };
+        let Some(run) = spec.run else { return Err(self.malformed("a function has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("function", self.text(spec.name)?)?;
         if self.engine.model.graph().funct_named(name.as_str()).is_some() {
@@ -221,11 +221,11 @@ impl<'e> Creating<'e> {
     }
 
     pub(crate) fn task(&mut self, spec: &TaskSpec) -> Result<(), Error> {
-        let Some(run) = spec.run else { return Err(self.odd("a task has no code")) };
+        let Some(run) = spec.run else { return Err(self.malformed("a task has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("task", self.text(spec.name)?)?;
         if spec.period_ns <= 0 {
-            return Err(self.odd("a task has no period"));
+            return Err(self.malformed("a task has no period"));
         }
         let due = self.engine.runtime.now();
         let owner =
@@ -237,14 +237,14 @@ impl<'e> Creating<'e> {
     }
 
     pub(crate) fn worker(&mut self, spec: &WorkerSpec) -> Result<(), Error> {
-        let Some(run) = spec.run else { return Err(self.odd("a worker has no code")) };
+        let Some(run) = spec.run else { return Err(self.malformed("a worker has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("worker", self.text(spec.name)?)?;
         if self.engine.workers.has(&name) {
             return Err(Error::Duplicate { what: "worker", name: name.as_str().into() });
         }
         if spec.period_ns <= 0 || spec.items == 0 {
-            return Err(self.odd("a worker has no period, or no items in a step"));
+            return Err(self.malformed("a worker has no period, or no items in a step"));
         }
         let doc = self.text(spec.doc)?.into();
         let Some(c) = self.engine.model.graph().component(self.component) else { return Ok(()) };
@@ -268,17 +268,17 @@ impl<'e> Creating<'e> {
         }
         let doc = self.text(spec.doc)?;
         let Some(c) = self.engine.model.graph().component(self.component) else {
-            return Err(self.odd("a snapshot has no component"));
+            return Err(self.malformed("a snapshot has no component"));
         };
         let snapshot = Snapshot::new((self.component, &c.name), &name, doc, spec)
-            .map_err(|why| self.odd(&why))?;
+            .map_err(|why| self.malformed(&why))?;
         let made = snapshot.made();
         self.engine.snapshots.add(name, snapshot);
         Ok(made)
     }
 
     pub(crate) fn command(&mut self, spec: &CommandSpec) -> Result<(), Error> {
-        let Some(run) = spec.run else { return Err(self.odd("a command has no code")) };
+        let Some(run) = spec.run else { return Err(self.malformed("a command has no code")) };
         let code = Code::new(run, spec.state, spec.free, self.keep.clone());
         let name = Name::parse("command", self.text(spec.name)?)?;
         if self.engine.model.graph().commands.contains_key(&name) {
@@ -288,7 +288,7 @@ impl<'e> Creating<'e> {
         for i in 0..spec.args.len() {
             // SAFETY: the component's static list.
             let declared = unsafe { spec.args.get(i) }.and_then(|a| Declared::copy(&a));
-            args.push(declared.ok_or_else(|| self.odd("an argument is not well declared"))?);
+            args.push(declared.ok_or_else(|| self.malformed("an argument is not well declared"))?);
         }
         let doc = self.text(spec.doc)?.into();
         let owner = self.engine.model.graph().component(self.component);
@@ -304,7 +304,7 @@ impl<'e> Creating<'e> {
         if self.engine.model.rings().contains_key(&name) {
             return Err(Error::Duplicate { what: "stream", name: name.as_str().into() });
         }
-        let ring = SharedRing::new(self.component, spec).map_err(|why| self.odd(&why))?;
+        let ring = SharedRing::new(self.component, spec).map_err(|why| self.malformed(&why))?;
         let made = ring.made();
         self.engine.model.new_ring(name, ring);
         Ok(made)

@@ -7,7 +7,7 @@ use crate::{
     graph::ptr::Ptr,
     graph::{Component, Edge, Foreign, Ix},
     load::args::Args,
-    load::code::Keep,
+    load::code::LoadHandle,
     load::create::Creating,
     load::loader::ForeignFound,
     name::Name,
@@ -79,7 +79,7 @@ impl Engine {
         found: &ForeignFound,
     ) -> Result<(), Error> {
         let id = self.model.graph().component(component).map_or(0, |c| c.id);
-        let keep = Keep::new(id, self.runtime.shared().clone(), found.library.clone());
+        let keep = LoadHandle::new(id, self.runtime.shared().clone(), found.library.clone());
         self.log.listen_to(id, keep.voice().clone());
         let path = found.file.display().to_string();
         if let Some(c) = self.model.component_mut(component) {

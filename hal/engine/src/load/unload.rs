@@ -2,7 +2,7 @@
 
 use crate::{
     Engine, Error,
-    change::staged::Going,
+    change::staged::PendingRemoval,
     change::stores::Change,
     ends::{self, Doing, What},
     graph::Ix,
@@ -12,10 +12,10 @@ use crate::{
 
 impl Engine {
     /// Frees a thing that has been removed from threads, signals and names.
-    pub(crate) fn release(&mut self, going: Going) {
-        match going {
-            Going::Signal(ix) => self.model.forget_signal(ix),
-            Going::Component { ix, stop } => {
+    pub(crate) fn release(&mut self, pending_removal: PendingRemoval) {
+        match pending_removal {
+            PendingRemoval::Signal(ix) => self.model.forget_signal(ix),
+            PendingRemoval::Component { ix, stop } => {
                 let threads = self.end_own_threads(ix);
                 if stop {
                     // A failed stop action does not keep the component loaded.
@@ -61,7 +61,7 @@ impl Engine {
         if self.model.graph().component(component).is_none() {
             return;
         }
-        let removed = self.whole(|engine| {
+        let removed = self.transact(|engine| {
             engine.model.detach(component, false);
             Ok(())
         });
@@ -76,7 +76,7 @@ impl Engine {
         let threads = self.model.graph().threads.values();
         let threads = threads.filter_map(|ix| self.model.graph().thread(*ix));
         let lists = threads.map(|t| (t.thread.clone(), Arc::default())).collect();
-        if let Err(e) = self.runtime.carry_out(&Change { stores: Vec::new(), lists }) {
+        if let Err(e) = self.runtime.commit(&Change { stores: Vec::new(), lists }) {
             self.notice(e.to_string());
         }
         self.reap();

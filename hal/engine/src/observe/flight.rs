@@ -185,7 +185,7 @@ impl Engine {
         let probe = Arc::new(Probe::changes(sources, last, room));
         // The first sample reports every value, so nothing is missed between the old probe and the
         // new one.
-        probe.tell_all();
+        probe.resync();
         let watching = Watching {
             probe: probe.clone(),
             at: At::Moments,
@@ -273,7 +273,7 @@ impl Engine {
                 // Recorded values are out of date, so all are reported again.
                 flight.lost.1 = probe.lost();
                 flight.lost_at = self.runtime.now();
-                probe.tell_all();
+                probe.resync();
             }
             flight.probe = Some((id, probe, columns));
         }

@@ -159,7 +159,7 @@ impl Probe {
     }
 
     /// Control side: makes the next reading report every value, changed or not.
-    pub(crate) fn tell_all(&self) {
+    pub(crate) fn resync(&self) {
         if let Sink::Changes { all, .. } = &self.sink {
             all.store(true, Ordering::Relaxed);
         }

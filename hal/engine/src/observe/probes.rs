@@ -30,7 +30,7 @@ pub(crate) struct Probes {
     all: BTreeMap<u64, Watching>,
     next: u64,
     /// The probes that read at instants.
-    moments: Vec<Arc<Probe>>,
+    idle_probes: Vec<Arc<Probe>>,
     /// The probes for which the virtual clock waits.
     lossless: Vec<Arc<Probe>>,
 }
@@ -55,8 +55,8 @@ impl Probes {
     }
 
     /// Returns the probes that read at instants.
-    pub(crate) fn moments(&self) -> &[Arc<Probe>] {
-        &self.moments
+    pub(crate) fn idle_probes(&self) -> &[Arc<Probe>] {
+        &self.idle_probes
     }
 
     /// Adds a probe in place of another, if there is one. Returns its number and the other.
@@ -93,12 +93,12 @@ impl Probes {
         self.all.iter().filter(|(_, w)| watches(w)).map(|(id, w)| (*id, w.at)).collect()
     }
 
-    /// Adds the probes of a thread to its functions, but for those that part. `moments` says that
+    /// Adds the probes of a thread to its functions, but for those that part. `idle_probes` says that
     /// the thread also reads at instants.
     pub(super) fn add_to(
         &self,
         thread: Ix,
-        moments: bool,
+        idle_probes: bool,
         parts: impl Fn(u64) -> bool,
         list: List,
     ) -> List {
@@ -106,7 +106,7 @@ impl Probes {
         let of = |at: At| staying.clone().filter(move |w| w.1.at == at).map(|w| w.1.probe.clone());
         List {
             probes: of(At::Thread(thread)).collect(),
-            moments: if moments { of(At::Moments).collect() } else { Vec::new() },
+            idle_probes: if idle_probes { of(At::Moments).collect() } else { Vec::new() },
             ..list
         }
     }
@@ -115,8 +115,8 @@ impl Probes {
         let chosen = |wanted: &dyn Fn(&&Watching) -> bool| {
             self.all.values().filter(wanted).map(|w| w.probe.clone()).collect()
         };
-        let moments = chosen(&|w| w.at == At::Moments);
+        let idle_probes = chosen(&|w| w.at == At::Moments);
         let lossless = chosen(&|w| w.lossless);
-        (self.moments, self.lossless) = (moments, lossless);
+        (self.idle_probes, self.lossless) = (idle_probes, lossless);
     }
 }

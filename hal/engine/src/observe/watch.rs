@@ -66,7 +66,7 @@ impl Engine {
             return Ok(());
         };
         let list = Arc::new(self.list_of(ix));
-        self.runtime.carry_out(&Change { stores: Vec::new(), lists: vec![(thread, list)] })
+        self.runtime.commit(&Change { stores: Vec::new(), lists: vec![(thread, list)] })
     }
 
     /// Returns the thread that reads at instants: on the real clock, the fastest.
@@ -83,8 +83,9 @@ impl Engine {
     /// Moves the probes to the fastest thread if that has changed.
     pub(crate) fn follow_fastest(&mut self) -> Result<(), Error> {
         let Some(ix) = self.moments_thread() else { return Ok(()) };
-        let has = self.model.graph().thread(ix).map_or(0, |t| t.thread.list.load().moments.len());
-        if has == self.observers.probes.moments().len() {
+        let has =
+            self.model.graph().thread(ix).map_or(0, |t| t.thread.list.load().idle_probes.len());
+        if has == self.observers.probes.idle_probes().len() {
             Ok(())
         } else {
             self.renew_probes(At::Moments)
@@ -94,9 +95,9 @@ impl Engine {
     /// Returns the list that a thread has to run: its functions and probes, without those that end
     /// with the staged changes.
     pub(crate) fn list_of(&self, thread: Ix) -> List {
-        let moments = self.moments_thread() == Some(thread);
+        let idle_probes = self.moments_thread() == Some(thread);
         let parts = |id| self.model.staged().parts(id);
-        self.observers.probes.add_to(thread, moments, parts, self.model.list_of(thread))
+        self.observers.probes.add_to(thread, idle_probes, parts, self.model.list_of(thread))
     }
 
     /// Marks every probe for removal that watches one of these nodes or runs in one of these
@@ -117,7 +118,7 @@ impl Engine {
     /// On the real clock, reads the values from the control side while no cycle runs.
     pub(crate) fn look_while_stopped(&self, now: i64) {
         if self.runtime.is_quiet() && !self.runtime.is_running() {
-            self.observers.probes.moments().iter().for_each(|p| p.look(now));
+            self.observers.probes.idle_probes().iter().for_each(|p| p.look(now));
         }
     }
 

@@ -47,7 +47,7 @@ pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) 
                 t.cycle(shared, next);
             }
         }
-        probes.moments().iter().for_each(|p| p.look(next));
+        probes.idle_probes().iter().for_each(|p| p.look(next));
         if shared.fault.get().is_some() {
             return;
         }
@@ -69,7 +69,7 @@ fn boundary(shared: &Shared, me: &Thread, threads: &[Arc<Thread>]) {
         // Read again instead of using `threads`: a thread may have been added since.
         let inside = |t: &Arc<Thread>| t.id != me.id && t.gate.is_inside();
         let others_inside = || shared.threads.load().iter().any(inside);
-        shared.boundary.take(others_inside, crate::change::stores::Change::carry_out);
+        shared.boundary.take(others_inside, crate::change::stores::Change::apply);
     }
 }
 

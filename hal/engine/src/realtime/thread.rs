@@ -62,7 +62,7 @@ pub(crate) struct List {
     /// Probes that read after each cycle.
     pub(crate) probes: Vec<Arc<Probe>>,
     /// Probes that read even when no function runs: those of the fastest thread, on the real clock.
-    pub(crate) moments: Vec<Arc<Probe>>,
+    pub(crate) idle_probes: Vec<Arc<Probe>>,
 }
 
 /// Number of wake-up latency bins: up to 1 µs, 2 µs, 4 µs, … and more.
@@ -168,7 +168,7 @@ impl Thread {
             unsafe { Slot::cell(self.beat.0.as_ptr()) }.store(n);
             list.probes.iter().for_each(|p| p.look(time));
         }
-        list.moments.iter().for_each(|p| p.look(time));
+        list.idle_probes.iter().for_each(|p| p.look(time));
         drop(list);
         end_cycle();
         self.gate.leave();

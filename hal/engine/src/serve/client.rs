@@ -13,7 +13,7 @@ use std::{
 
 /// The condition that a client waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Waits {
+pub(crate) enum WaitState {
     No,
     /// Until this monotonic wall-clock time, in nanoseconds.
     Wall(i64),
@@ -42,15 +42,15 @@ pub(crate) struct Client {
     pub(crate) pins: Vec<Ix>,
     pub(crate) poll_ns: i64,
     /// Machine time by which the next poll is due.
-    pub(crate) owes: Option<i64>,
+    pub(crate) poll_due: Option<i64>,
     /// Time that the virtual clock has waited for that poll.
     pub(crate) hold: Hold,
     /// Values that the client writes when that poll is due.
     pub(crate) writes: Vec<(Ix, u64)>,
     /// The page through which the client exchanges its values.
     pub(crate) page: Option<Shared>,
-    pub(crate) waits: Waits,
-    pub(crate) flows: bool,
+    pub(crate) waits: WaitState,
+    pub(crate) advances_clock: bool,
     pub(crate) gone: bool,
     /// True if the client sends nothing more.
     ended: bool,
@@ -74,12 +74,12 @@ impl Client {
             pid: 0,
             pins: Vec::new(),
             poll_ns: 0,
-            owes: None,
+            poll_due: None,
             hold: Hold::NONE,
             writes: Vec::new(),
             page: None,
-            waits: Waits::No,
-            flows: false,
+            waits: WaitState::No,
+            advances_clock: false,
             gone: false,
             ended: false,
             hung: false,
@@ -101,7 +101,7 @@ impl Client {
 
     /// Returns whether the client's next request may be executed now.
     pub(crate) fn is_served(&self) -> bool {
-        self.waits == Waits::No && !self.has_output() && !self.closing && !self.gone
+        self.waits == WaitState::No && !self.has_output() && !self.closing && !self.gone
     }
 
     pub(crate) fn read(&mut self) {
@@ -156,7 +156,7 @@ impl Client {
     /// when it has hung up during a wait.
     pub(crate) fn part(&mut self) {
         let answered = self.is_served() && !self.has_line();
-        self.gone |= self.ended && answered || self.hung && self.waits != Waits::No;
+        self.gone |= self.ended && answered || self.hung && self.waits != WaitState::No;
     }
 
     pub(crate) fn answer(&mut self, reply: Result<Reply, Failure>) {

@@ -3,7 +3,7 @@
 use crate::{
     Engine, Error, os,
     realtime::shared::MAX_TIME_NS,
-    serve::client::{Client, Waits},
+    serve::client::{Client, WaitState},
     serve::session,
 };
 use hal_protocol::{Class, Reply, Request, TicketInfo};
@@ -14,7 +14,7 @@ pub(crate) enum Answer {
     /// Given at once.
     Now(Reply),
     /// Given when a wait is over; true if the virtual clock runs meanwhile.
-    After(Waits, bool),
+    After(WaitState, bool),
 }
 
 impl Engine {
@@ -46,11 +46,11 @@ impl Engine {
 
     /// Handles a request that is answered after a wait.
     fn wait(&mut self, request: &Request) -> Result<Answer, Error> {
-        let wall = |ms: u32| Waits::Wall(os::monotonic_ns() + i64::from(ms) * 1_000_000);
+        let wall = |ms: u32| WaitState::Wall(os::monotonic_ns() + i64::from(ms) * 1_000_000);
         Ok(match *request {
-            Request::Run { ns } => Answer::After(Waits::Time(self.run_end(ns)?), false),
+            Request::Run { ns } => Answer::After(WaitState::Time(self.run_end(ns)?), false),
             Request::Ticket { id, wait } => match self.result(id)? {
-                TicketInfo::Pending if wait => Answer::After(Waits::Ticket(id), false),
+                TicketInfo::Pending if wait => Answer::After(WaitState::Ticket(id), false),
                 info => Answer::Now(Reply::Ticket(info)),
             },
             Request::Idle { ms, flow } => Answer::After(wall(ms), flow && !self.options.hold),
@@ -190,7 +190,7 @@ mod tests {
                 Err(e) => assert_ne!(said(e), unknown, "{shown}"),
             }
             // A line of a script that is not an edit is refused as a whole.
-            let staged = engine.whole(|e| e.stage(&request)).err().map(said);
+            let staged = engine.transact(|e| e.stage(&request)).err().map(said);
             let refused = staged.is_some_and(|text| text.contains("does not change the graph"));
             assert_eq!(refused, class != Class::Edit, "{shown}");
         }

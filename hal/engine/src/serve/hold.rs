@@ -29,12 +29,12 @@ impl Hold {
 mod tests {
     use super::{GAP_NS, Hold};
 
-    const PATIENCE_NS: i64 = 10_000_000_000;
+    const TIMEOUT_NS: i64 = 10_000_000_000;
 
     /// Returns the number of checks, each `step_ns` after the one before, until a hold outlasts its time.
     fn checks(step_ns: i64) -> Option<i64> {
         let mut hold = Hold::NONE;
-        (1..=1000).find(|n| hold.outlasts(PATIENCE_NS, n * step_ns))
+        (1..=1000).find(|n| hold.outlasts(TIMEOUT_NS, n * step_ns))
     }
 
     #[test]
@@ -43,20 +43,20 @@ mod tests {
         assert_eq!(checks(GAP_NS), Some(12));
         assert_eq!(checks(GAP_NS / 10), Some(102));
         let mut hold = Hold::NONE;
-        assert!(!hold.outlasts(PATIENCE_NS, i64::MAX - 1), "however late the first check is");
+        assert!(!hold.outlasts(TIMEOUT_NS, i64::MAX - 1), "however late the first check is");
     }
 
     /// In between, nothing needed the clock to move.
     #[test]
     fn checks_that_are_far_apart_do_not_add_up() {
         assert_eq!(checks(GAP_NS + 1), None);
-        assert_eq!(checks(100 * PATIENCE_NS), None);
+        assert_eq!(checks(100 * TIMEOUT_NS), None);
         // What was counted before is kept.
         let mut hold = Hold::NONE;
         let mut now = 0;
         let mut after = |ns| {
             now += ns;
-            hold.outlasts(PATIENCE_NS, now)
+            hold.outlasts(TIMEOUT_NS, now)
         };
         assert!((0..=10).all(|_| !after(GAP_NS)));
         assert!(!after(60 * GAP_NS));

@@ -4,7 +4,7 @@ use crate::{
     Engine, Error,
     graph::{Graph, Ix},
     os,
-    serve::client::{Client, Waits},
+    serve::client::{Client, WaitState},
     serve::hold::Hold,
     serve::server::Server,
     serve::session::put_writes,
@@ -30,17 +30,17 @@ pub(crate) fn period(poll_ns: u64) -> Result<i64, Error> {
 /// Returns whether a client waits for the end of a command.
 pub(crate) fn waits_for_ticket(engine: &Engine) -> bool {
     let clients = engine.clients.server.iter().flat_map(|s| &s.clients);
-    clients.into_iter().any(|c| matches!(c.waits, Waits::Ticket(_)))
+    clients.into_iter().any(|c| matches!(c.waits, WaitState::Ticket(_)))
 }
 
 /// Returns the time of the next poll that is due, in machine time.
 pub(crate) fn next_poll(engine: &Engine) -> i64 {
     let clients = engine.clients.server.iter().flat_map(|s| &s.clients);
     let times = clients.filter_map(|c| match c.waits {
-        Waits::Poll(t) | Waits::Time(t) => Some(t),
+        WaitState::Poll(t) | WaitState::Time(t) => Some(t),
         // The program must have polled by then.
-        Waits::No => c.owes,
-        Waits::Wall(_) | Waits::Ticket(_) => None,
+        WaitState::No => c.poll_due,
+        WaitState::Wall(_) | WaitState::Ticket(_) => None,
     });
     times.min().unwrap_or(i64::MAX)
 }
@@ -50,16 +50,16 @@ pub(crate) fn next_poll(engine: &Engine) -> i64 {
 pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
     let (now, wall) = (engine.runtime.now(), os::monotonic_ns());
     let patience_ns = engine.clients.patience_ns;
-    let (mut owes, mut late) = (false, Vec::new());
+    let (mut poll_due, mut late) = (false, Vec::new());
     for c in engine.clients.server.iter_mut().flat_map(|s| &mut s.clients) {
-        if c.waits != Waits::No || c.owes.is_none_or(|t| t > now) {
+        if c.waits != WaitState::No || c.poll_due.is_none_or(|t| t > now) {
             continue;
         }
         if c.hold.outlasts(patience_ns, wall) {
-            (c.owes, c.hold) = (None, Hold::NONE);
+            (c.poll_due, c.hold) = (None, Hold::NONE);
             late.push((c.component, c.pid));
         } else {
-            owes = true;
+            poll_due = true;
         }
     }
     for (component, pid) in late {
@@ -72,14 +72,14 @@ pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
             seconds(patience_ns)
         ));
     }
-    owes
+    poll_due
 }
 
 /// Returns whether no program still has a poll due at this machine time or before.
 pub(crate) fn has_polled(engine: &mut Engine) -> bool {
     let now = engine.runtime.now();
     let clients = engine.clients.server.iter().flat_map(|s| &s.clients);
-    let is_due = |c: &Client| matches!(c.waits, Waits::Poll(t) if t <= now);
+    let is_due = |c: &Client| matches!(c.waits, WaitState::Poll(t) if t <= now);
     let has_polled = !clients.into_iter().any(is_due) && !owes_poll(engine);
     if has_polled {
         engine.take_pages();
@@ -90,9 +90,9 @@ pub(crate) fn has_polled(engine: &mut Engine) -> bool {
 /// Returns the machine time up to which clients' waits let the virtual clock move.
 pub(crate) fn clients_target(server: &Server) -> i64 {
     let targets = server.clients.iter().filter_map(|c| match c.waits {
-        Waits::Time(t) => Some(t),
-        Waits::Ticket(_) => Some(i64::MAX),
-        Waits::Wall(_) if c.flows => Some(i64::MAX),
+        WaitState::Time(t) => Some(t),
+        WaitState::Ticket(_) => Some(i64::MAX),
+        WaitState::Wall(_) if c.advances_clock => Some(i64::MAX),
         _ => None,
     });
     targets.max().unwrap_or(i64::MIN)
@@ -101,7 +101,7 @@ pub(crate) fn clients_target(server: &Server) -> i64 {
 /// Returns the machine time at which the next pending poll is to be answered.
 pub(crate) fn next_poll_of(server: &Server) -> i64 {
     let times = server.clients.iter().filter_map(|c| match c.waits {
-        Waits::Poll(t) => Some(t),
+        WaitState::Poll(t) => Some(t),
         _ => None,
     });
     times.min().unwrap_or(i64::MAX)
@@ -111,11 +111,11 @@ pub(crate) fn next_poll_of(server: &Server) -> i64 {
 pub(crate) fn settle(engine: &mut Engine, c: &mut Client) {
     let now = engine.runtime.now();
     let reply = match c.waits {
-        Waits::Wall(t) if os::monotonic_ns() >= t => Ok(Reply::Done),
-        Waits::Time(t) if now >= t => Ok(Reply::Done),
-        Waits::Poll(t) if now >= t => {
+        WaitState::Wall(t) if os::monotonic_ns() >= t => Ok(Reply::Done),
+        WaitState::Time(t) if now >= t => Ok(Reply::Done),
+        WaitState::Poll(t) if now >= t => {
             put_writes(engine, c);
-            c.owes = Some(now.saturating_add(c.poll_after()));
+            c.poll_due = Some(now.saturating_add(c.poll_after()));
             if c.page.is_some() {
                 c.take_page(engine);
                 c.publish_page(engine);
@@ -124,14 +124,14 @@ pub(crate) fn settle(engine: &mut Engine, c: &mut Client) {
                 Ok(values(engine, c))
             }
         }
-        Waits::Ticket(id) => match engine.result(id) {
+        WaitState::Ticket(id) => match engine.result(id) {
             Ok(TicketInfo::Pending) if engine.runtime.fault().is_none() => return,
             other => other.map(Reply::Ticket).map_err(Failure::from),
         },
-        Waits::No | Waits::Wall(_) | Waits::Time(_) | Waits::Poll(_) => return,
+        WaitState::No | WaitState::Wall(_) | WaitState::Time(_) | WaitState::Poll(_) => return,
     };
-    c.waits = Waits::No;
-    c.flows = false;
+    c.waits = WaitState::No;
+    c.advances_clock = false;
     c.answer(reply);
 }
 

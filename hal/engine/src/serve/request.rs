@@ -6,7 +6,7 @@ use crate::{
     load::args::Args,
     name::Name,
     os,
-    serve::client::Waits,
+    serve::client::WaitState,
     serve::clients::Program,
     serve::dispatch::{Answer, misplaced},
     sync::Ordering,
@@ -20,7 +20,7 @@ impl Engine {
             // One after the other, each as a transaction: together they may be too many stores.
             Request::UnloadAll => {
                 while let Some(name) = self.model.newest() {
-                    self.whole(|e| e.model.unload(name.as_str()))?;
+                    self.transact(|e| e.model.unload(name.as_str()))?;
                 }
             }
             Request::DeleteSignal { name: None } => {
@@ -30,11 +30,11 @@ impl Engine {
                     return Err(Error::NoSignals);
                 }
                 for name in names {
-                    self.whole(|e| e.model.delete_signal(name.as_str()))?;
+                    self.transact(|e| e.model.delete_signal(name.as_str()))?;
                 }
             }
             edit => {
-                self.whole(|e| e.stage(edit))?;
+                self.transact(|e| e.stage(edit))?;
             }
         }
         Ok(Reply::Done)
@@ -269,7 +269,7 @@ impl Link for Engine {
                 self.hear();
                 reply
             }
-            Answer::After(Waits::Time(end), _) => {
+            Answer::After(WaitState::Time(end), _) => {
                 let before = core::mem::replace(&mut self.clients.target, end);
                 while self.runtime.now() < end && !self.is_ending() {
                     self.pump(1);
@@ -278,14 +278,16 @@ impl Link for Engine {
                 self.clients.target = before;
                 Reply::Done
             }
-            Answer::After(Waits::Ticket(id), _) => Reply::Ticket(self.wait_for_ticket(id)?),
-            Answer::After(Waits::Wall(end), flow) => {
+            Answer::After(WaitState::Ticket(id), _) => Reply::Ticket(self.wait_for_ticket(id)?),
+            Answer::After(WaitState::Wall(end), flow) => {
                 self.clients.waits_for = awaited;
                 self.idle(end, flow);
                 self.clients.waits_for = None;
                 Reply::Done
             }
-            Answer::After(Waits::No | Waits::Poll(_), _) => return Err(Error::NotAMember.into()),
+            Answer::After(WaitState::No | WaitState::Poll(_), _) => {
+                return Err(Error::NotAMember.into());
+            }
         })
     }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     Error, ends, os,
-    serve::client::{Client, Waits},
+    serve::client::{Client, WaitState},
 };
 use hal_protocol::{Folder, FolderError, Place, peer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -48,7 +48,7 @@ impl Server {
             if c.is_served() && c.has_line() {
                 ms = 0;
             }
-            if let Waits::Wall(t) = c.waits {
+            if let WaitState::Wall(t) = c.waits {
                 let left = i32::try_from((t - now) / 1_000_000 + 1).unwrap_or(i32::MAX);
                 ms = ms.min(left.max(0));
             }

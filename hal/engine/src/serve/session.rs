@@ -7,7 +7,7 @@ use crate::{
     graph::new_item::NewItem,
     name::Name,
     os,
-    serve::client::{Client, Waits},
+    serve::client::{Client, WaitState},
     serve::dispatch::{Answer, misplaced},
     serve::hold::Hold,
     serve::pins::{Shared, publish_after, take_before},
@@ -54,11 +54,11 @@ fn execute(
     engine.model.resume(before);
     match done {
         Ok(Answer::Now(reply)) => Some(Ok(reply)),
-        Ok(Answer::After(waits, flows)) => {
-            if matches!(waits, Waits::Time(_) | Waits::Ticket(_)) {
+        Ok(Answer::After(waits, advances_clock)) => {
+            if matches!(waits, WaitState::Time(_) | WaitState::Ticket(_)) {
                 has_started(engine, c);
             }
-            (c.waits, c.flows) = (waits, flows);
+            (c.waits, c.advances_clock) = (waits, advances_clock);
             None
         }
         Err(e) => Some(Err(e.into())),
@@ -104,9 +104,9 @@ fn poll(engine: &Engine, c: &mut Client, writes: &[(u32, Value)]) -> Result<Answ
         put_writes(engine, c);
     }
     let now = engine.runtime.now();
-    let due = c.owes.take().unwrap_or(now.saturating_add(c.poll_ns));
+    let due = c.poll_due.take().unwrap_or(now.saturating_add(c.poll_ns));
     c.hold = Hold::NONE;
-    Ok(Answer::After(Waits::Poll(due.max(now)), false))
+    Ok(Answer::After(WaitState::Poll(due.max(now)), false))
 }
 
 /// Sleeps until machine time has passed. A program with a page then owes its next sleep at once:
@@ -117,8 +117,8 @@ fn sleep(engine: &Engine, c: &mut Client, ns: u64) -> Result<Answer, Error> {
         let why = format!("a program cannot sleep for {ns} ns; expected at most {MAX_SLEEP_NS} ns");
         Error::Protocol { why: why.into() }
     })?;
-    (c.owes, c.hold) = (None, Hold::NONE);
-    Ok(Answer::After(Waits::Poll(engine.runtime.now().saturating_add(ns)), false))
+    (c.poll_due, c.hold) = (None, Hold::NONE);
+    Ok(Answer::After(WaitState::Poll(engine.runtime.now().saturating_add(ns)), false))
 }
 
 /// Creates the page through which a program exchanges the values of its pins.
@@ -174,7 +174,7 @@ fn join(engine: &mut Engine, c: &mut Client, name: &str, poll_ns: u64) -> Result
     }
     c.pins.clear();
     c.writes.clear();
-    (c.owes, c.poll_ns, c.page) = (None, 0, None);
+    (c.poll_due, c.poll_ns, c.page) = (None, 0, None);
     c.component = Some(engine.model.new_component(name, Some(c.pid), None, false)?);
     c.poll_ns = poll_ns;
     Ok(Reply::Done)
@@ -225,7 +225,7 @@ fn ready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     }
     has_started(engine, c);
     if c.poll_ns > 0 {
-        c.owes = Some(engine.runtime.now().saturating_add(c.poll_after()));
+        c.poll_due = Some(engine.runtime.now().saturating_add(c.poll_after()));
     }
     Ok(Reply::Done)
 }
@@ -235,14 +235,14 @@ fn unready(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     if let Some(me) = engine.model.component_mut(ix) {
         me.state = ComponentState::Initializing;
     }
-    (c.owes, c.hold) = (None, Hold::NONE);
+    (c.poll_due, c.hold) = (None, Hold::NONE);
     Ok(Reply::Done)
 }
 
 /// Removes the component of a program that stays connected.
 fn remove(engine: &mut Engine, c: &mut Client) -> Result<Reply, Error> {
     let ix = member(engine, c)?;
-    (c.owes, c.hold, c.page, c.component) = (None, Hold::NONE, None, None);
+    (c.poll_due, c.hold, c.page, c.component) = (None, Hold::NONE, None, None);
     c.pins.clear();
     c.writes.clear();
     engine.model.has_left([ix]);
@@ -261,23 +261,29 @@ pub(crate) fn put_writes(engine: &Engine, c: &mut Client) {
 
 /// Checks the writes of a poll, and that this client may poll at all.
 fn checked(engine: &Engine, c: &Client, writes: &[(u32, Value)]) -> Result<Vec<(Ix, u64)>, Error> {
-    let odd = |why: &str| Error::Protocol { why: why.into() };
+    let malformed = |why: &str| Error::Protocol { why: why.into() };
     member(engine, c)?;
     let mut all = Vec::new();
     for (which, value) in writes {
-        let ix = c.pins.get(*which as usize).ok_or_else(|| odd("this client has no such pin"))?;
-        let item =
-            engine.model.graph().item(*ix).ok_or_else(|| odd("this client has no such pin"))?;
+        let ix =
+            c.pins.get(*which as usize).ok_or_else(|| malformed("this client has no such pin"))?;
+        let item = engine
+            .model
+            .graph()
+            .item(*ix)
+            .ok_or_else(|| malformed("this client has no such pin"))?;
         if item.ty != value.ty() || item.ty == Type::Port {
-            return Err(odd("the value's type does not match its pin"));
+            return Err(malformed("the value's type does not match its pin"));
         }
         if matches!(item.direction, Direction::In | Direction::Rw) {
-            return Err(odd("a program does not write its own input"));
+            return Err(malformed("a program does not write its own input"));
         }
         all.push((*ix, value.bits()));
     }
     if c.poll_ns == 0 {
-        return Err(odd("this program has joined without a period for its polls (poll_ns is 0)"));
+        return Err(malformed(
+            "this program has joined without a period for its polls (poll_ns is 0)",
+        ));
     }
     Ok(all)
 }
@@ -330,7 +336,7 @@ pub(crate) fn forget_left(engine: &mut Engine) {
         // A few pins at a time: within the limit of stores, so that running threads need not stop.
         let pins: Vec<Ix> = engine.model.graph().owned(ix);
         let unlinked = pins.chunks(MAX_STORES / 2).try_for_each(|some| {
-            let unlinked = engine.whole(|e| {
+            let unlinked = engine.transact(|e| {
                 e.model.unlink_all(some);
                 Ok(())
             });

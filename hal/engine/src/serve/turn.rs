@@ -2,7 +2,7 @@
 
 use crate::{
     Engine,
-    serve::client::{Client, Waits},
+    serve::client::{Client, WaitState},
     serve::pins::{exchange_due, next_exchange},
     serve::polls::{clients_target, next_poll_of, settle},
     serve::server::wait_only,
@@ -23,7 +23,7 @@ pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
         let due = engine.runtime.next_task().min(next_poll_of(&server));
         let due = due.min(next_exchange(&server.clients)) - engine.runtime.now();
         ms = ms.min(i32::try_from(due / 1_000_000 + 1).unwrap_or(i32::MAX).max(0));
-        if server.clients.iter().any(|c| matches!(c.waits, Waits::Ticket(_))) {
+        if server.clients.iter().any(|c| matches!(c.waits, WaitState::Ticket(_))) {
             ms = ms.min(1);
         }
         if engine.observers.is_recording() || engine.observers.is_flight_on() {

@@ -14,12 +14,12 @@ use crate::{
 /// Changes.
 impl Runtime {
     /// Carries out a change: directly if no cycle can see a part of it, otherwise at a boundary.
-    pub(crate) fn carry_out(&mut self, change: &Change) -> Result<(), Error> {
+    pub(crate) fn commit(&mut self, change: &Change) -> Result<(), Error> {
         if change.stores.is_empty() && change.lists.is_empty() {
             return Ok(());
         }
         if change.is_atomic() {
-            change.carry_out();
+            change.apply();
             return Ok(());
         }
         let running = self.is_running() && !self.is_virtual();
@@ -28,7 +28,7 @@ impl Runtime {
             self.at_boundary(change)?;
         } else {
             self.settle()?;
-            change.carry_out();
+            change.apply();
         }
         self.retired.extend(old.into_iter().map(Retired::List));
         Ok(())
