@@ -91,7 +91,7 @@ const COMMON_NAMES: &[(&str, usize)] = &[
     ("Error", 10),
     ("Id", 16),
     ("Kind", 14),
-    ("Pins", 28),
+    ("Pins", 30),
     ("Run", 10),
     ("State", 12),
     ("Step", 11),
@@ -216,8 +216,13 @@ fn the_map_of_tests_names_every_folder() {
 }
 
 /// Folders to which the paths of the walks in `hal/README.md` are relative.
-const WALKED: &[&str] =
-    &["halcmd/src", "hal/protocol/src", "hal/engine/src", "hal/component/src", "components/drivers"];
+const WALKED: &[&str] = &[
+    "halcmd/src",
+    "hal/protocol/src",
+    "hal/engine/src",
+    "hal/component/src",
+    "components/drivers",
+];
 
 #[test]
 fn the_walks_lead_through_files_and_names_that_exist() {
