@@ -49,7 +49,7 @@ impl Realtime {
         let mut found = Self {
             scheduling: Scheduling::Timeline,
             cpu: None,
-            words: "virtual clock: all threads in one place".to_owned(),
+            words: "virtual time: all threads in one place".to_owned(),
             locking: Locking::Nothing,
             notes: Vec::new(),
             overruns: Overruns::default(),
