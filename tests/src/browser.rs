@@ -141,13 +141,9 @@ impl Browser {
         self.act(&[to, json!({ "type": "pointerDown", "button": 0 })]);
     }
 
-    /// Presses an element for a moment. A finger of the driver makes no click: on a phone a script clicks.
+    /// Presses an element for a moment.
     pub fn click(&self, selector: &str) {
-        if self.pointer == "touch" {
-            self.run(&format!("document.querySelector({}).click()", quoted(selector)));
-        } else {
-            self.hold(selector, 20);
-        }
+        self.hold(selector, 20);
     }
 
     /// Types a text into an element; a file chooser takes paths.

@@ -1,10 +1,7 @@
-//! The operator's page: a whole job by buttons, by touch and by keys, and the ends of jogs.
+//! The operator's page: a whole job by buttons and by keys, and the ends of jogs.
 
 use super::stand::{HOLD, Stand};
-use hal_tests::{
-    browser::{DESKTOP, PHONE, Screen},
-    scratch::until,
-};
+use hal_tests::{browser::DESKTOP, scratch::until};
 
 /// A program with two tools and moves of some seconds.
 const PART: &str = "\
@@ -37,17 +34,10 @@ fn open(stand: &Stand, name: &str, text: &str) {
     b.until(&format!("document.querySelector('.file').textContent === '{name}'"));
 }
 
-/// Shows a group of cards on a phone.
-fn group(stand: &Stand, screen: Screen, name: &str) {
-    if screen.is_phone {
-        stand.browser.click(&format!("nav [data-group={name}]"));
-    }
-}
-
-fn runs_a_job(screen: Screen, name: &str) {
-    let Some(stand) = Stand::start(screen) else { return };
+#[test]
+fn a_desk_runs_a_job() {
+    let Some(stand) = Stand::start(DESKTOP) else { return };
     let b = &stand.browser;
-    group(&stand, screen, "move");
     stand.ready();
 
     // A short touch moves nothing; a hold moves until the release.
@@ -58,20 +48,17 @@ fn runs_a_job(screen: Screen, name: &str) {
     stand.tap(".jog-X-plus");
     assert_eq!(x(), 0.0, "a short touch");
     stand.jog(".jog-X-plus", 0, 2.0);
-    stand.picture(&format!("{name}-jog"));
+    stand.picture("job-jog");
     b.release();
     until("the jog has ended", || stand.printer.halcmd("getp motion.in-position").trim() == "TRUE");
 
-    group(&stand, screen, "job");
     open(&stand, "part.ngc", PART);
-    group(&stand, screen, "view");
-    stand.picture(&format!("{name}-path"));
-    group(&stand, screen, "job");
+    stand.picture("job-path");
     b.hold("#run-start", HOLD);
 
     // The change of tool: the job waits until a person confirms.
     b.until("!document.querySelector('#tool-prompt').hidden");
-    stand.picture(&format!("{name}-tool"));
+    stand.picture("job-tool");
     b.hold("#tool-changed", HOLD);
     b.until("document.querySelector('#tool-prompt').hidden");
 
@@ -84,7 +71,7 @@ fn runs_a_job(screen: Screen, name: &str) {
     b.click("#run-pause");
     b.until("!document.querySelector('#run-resume').hidden");
     until("motion rests", || stand.printer.number("getp motion.current-vel") == 0.0);
-    stand.picture(&format!("{name}-paused"));
+    stand.picture("job-paused");
     b.hold("#run-resume", HOLD);
     b.until("document.querySelector('#run-resume').hidden");
 
@@ -99,18 +86,8 @@ fn runs_a_job(screen: Screen, name: &str) {
     b.until("!document.querySelector('#run-stop').disabled");
     b.click("#run-stop");
     until("the job is aborted", || stand.printer.halcmd("task.status").contains("jobs=2 failed=1"));
-    stand.picture(&format!("{name}-stopped"));
+    stand.picture("job-stopped");
     assert_eq!(b.errors(), Vec::<String>::new());
-}
-
-#[test]
-fn a_desk_runs_a_job() {
-    runs_a_job(DESKTOP, "job-desktop");
-}
-
-#[test]
-fn a_phone_runs_a_job() {
-    runs_a_job(PHONE, "job-phone");
 }
 
 #[test]
