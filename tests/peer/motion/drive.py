@@ -50,7 +50,7 @@ with open("samples", "w") as samples:
         command.program_open(os.path.abspath(program))
         mark(number)
         command.auto(linuxcnc.AUTO_RUN, 0)
-        time.sleep(0.3)
+        wait("the start", lambda: status.interp_state != linuxcnc.INTERP_IDLE)
         wait(program, at_rest)
         time.sleep(0.3)
         mark(0)

@@ -22,9 +22,6 @@ pub(crate) fn record(order: &Order, letters: Letters) -> MotionCommand {
         Order::Resume => new(kind::RESUME),
         Order::Step => new(kind::STEP),
         Order::Move(ref m) => of_move(m, letters),
-        Order::SplinePoint { at, weight } => {
-            MotionCommand { control: at, weight, ..new(kind::SPLINE_POINT) }
-        }
         Order::Spindle { spindle, speed } => MotionCommand {
             index: spindle.into(),
             speed,
@@ -75,7 +72,6 @@ fn of_move(m: &Move, letters: Letters) -> MotionCommand {
         Shape::Arc { .. } => kind::ARC,
         Shape::Probe { .. } => kind::PROBE,
         Shape::Tap { .. } => kind::TAP,
-        Shape::Spline { .. } => kind::SPLINE,
     });
     (out.pose, out.letters, out.line) = (m.to, letters, m.line);
     (out.speed_kind, out.speed) = match m.speed {
@@ -99,7 +95,6 @@ fn of_move(m: &Move, letters: Letters) -> MotionCommand {
             out.flags = if away { flag::AWAY } else { 0 } | if must { 0 } else { flag::OPTIONAL };
         }
         Shape::Tap { retract_scale } => out.scale = retract_scale,
-        Shape::Spline { order } => out.count = order,
     }
     if let Some(pitch) = m.pitch {
         (out.index, out.pitch) = (pitch.spindle.into(), pitch.travel);

@@ -1,5 +1,7 @@
 //! From canonical calls to the steps of a job, in machine coordinates and units.
 
+mod spline;
+
 use crate::outside::{FileAction, FileKind, Move, Order, PathEnd, Pitch, Shape, Speed};
 use hal_gcode::{
     Call, Settings, State,
@@ -164,14 +166,9 @@ impl Converter {
                 }
             }
             Call::NurbsFeed { order, points, end } => {
-                for point in points {
-                    let at = self.machine(Position { x: point.x, y: point.y, ..end });
-                    let [x, y, z, ..] = at;
-                    let (at, weight) = ([x, y, z], point.weight);
-                    out.push(Action::Path(Order::SplinePoint { at, weight }));
+                if !self.spline((order, &points), end, line, out) {
+                    out.push(refuse("a curve has too few control points"));
                 }
-                let order = self.to(end, Shape::Spline { order }, false, line);
-                out.push(Action::Path(order));
             }
             Call::StraightProbe { end, away, must_trip } => {
                 let shape = Shape::Probe { away, must: must_trip };

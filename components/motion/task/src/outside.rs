@@ -55,10 +55,6 @@ pub(crate) enum Shape {
     Tap {
         retract_scale: f64,
     },
-    /// A spline of this order over the control points before it.
-    Spline {
-        order: u32,
-    },
 }
 
 /// A move to a pose in machine coordinates and units.
@@ -86,11 +82,6 @@ pub(crate) enum Order {
     Resume,
     Step,
     Move(Move),
-    /// A control point of the next spline, with its weight.
-    SplinePoint {
-        at: [f64; 3],
-        weight: f64,
-    },
     /// Turns per minute, negative in reverse.
     Spindle {
         spindle: u8,

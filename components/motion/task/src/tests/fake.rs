@@ -26,7 +26,6 @@ impl Outside for Fake {
                     Shape::Arc { .. } => "arc",
                     Shape::Probe { .. } => "probe",
                     Shape::Tap { .. } => "tap",
-                    Shape::Spline { .. } => "spline",
                 };
                 format!("{}: {kind} {x} {y} {z}", m.line)
             }
