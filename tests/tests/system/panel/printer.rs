@@ -132,6 +132,8 @@ impl Session {
         socket.send(&json!({ "type": "hello", "key": key }));
         let hello = socket.receive().unwrap();
         assert_eq!(hello["type"], "hello", "{hello}");
+        // The panel knows of the permission after its first exchange with the engine.
+        socket.wait(|m| m["panel"]["allow_motion"] == true).unwrap();
         socket
     }
 }
