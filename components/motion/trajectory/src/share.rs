@@ -153,6 +153,11 @@ impl Publisher {
                 break;
             }
             filter = filter.max(3.0 * f64::from(cell.samples) * period);
+            // A long cell brakes at its end only.
+            let unbraked = (cell.unbraked() - gone) / cell.speed;
+            if unbraked > 0.0 {
+                free = time + unbraked;
+            }
             time += (cell.length - gone) / cell.speed;
             gone = 0.0;
             // Where only the limits of this cell and the next one hold, nothing brakes for the end yet.

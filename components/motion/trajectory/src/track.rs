@@ -68,6 +68,17 @@ impl Cell {
         self.rest - self.fade * self.reach(self.end)
     }
 
+    /// Returns the length from the start over which full speed is below the curve of highest speeds; 0 if the curve is lower
+    /// at the start already.
+    pub(crate) fn unbraked(&self) -> f64 {
+        let full = self.speed * self.speed;
+        if self.reach(self.end) < full {
+            return 0.0;
+        }
+        let way = (full - self.end) / (2.0 * self.braking());
+        if way > 0.0 { (self.length - way).max(0.0) } else { self.length }
+    }
+
     /// Returns the deceleration of reverse motion along the cell on the way to `begin`.
     pub(crate) fn braking_back(&self) -> f64 {
         self.rest - self.fade * self.reach(self.begin)

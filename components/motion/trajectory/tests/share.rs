@@ -92,6 +92,48 @@ fn a_planner_that_stops_for_seconds_causes_an_ordinary_stop() {
     }
 }
 
+/// A line of eight seconds, published up to its blend with the next one, which waits: at every moment the time ahead is no
+/// longer than the follower then goes on without braking, and shorter by the reserve for the filter and little else.
+#[test]
+fn the_time_ahead_counts_a_long_line_up_to_its_braking_point() {
+    // Under a limit of jerk, the blend is published once a third line is known.
+    for (jerk, blend, count) in [(f64::INFINITY, 0.002, 2), (1e5, 0.1, 3), (1e4, 2.0, 3)] {
+        let limits = Limits { velocity: 200.0, acceleration: 1750.0, jerk };
+        let machine = Machine { max_override: 1.2, ..Machine::uniform(limits) };
+        let period = machine.period;
+        let mut planner = Planner::new(machine, Trivial, Pose::ZERO).unwrap();
+        let (mut publisher, reader) = share(64, 16);
+        // Nearly straight, so that the follower first brakes for the end of what is published.
+        let ends = [[400.0, 0.0, 0.0], [800.0, 16.0, 0.0], [1200.0, 0.0, 0.0]];
+        for (line, end) in (1..).zip(ends).take(count) {
+            let shape = Shape::Line { end: Pose::from_xyz(end) };
+            let mode = hal_trajectory::Mode::Blend(blend);
+            planner.push(&Move { shape, feed: 50.0, mode, line }).unwrap();
+        }
+        publisher.publish(&mut planner);
+        let mut follower = Follower::new(period, Pose::ZERO);
+        let mut told = Vec::new();
+        let mut highest = 0.0;
+        while follower.speed() >= 0.99 * highest {
+            highest = follower.speed().max(highest);
+            told.push(publisher.time_ahead(follower.input(&reader), period, 1e9));
+            follower.step(&reader, machine.max_override, false);
+            assert!(told.len() < 20_000, "it never brakes");
+        }
+        let filter = (0..).map_while(|k| reader.cell(k)).map(|c| c.samples).max().unwrap();
+        let reserve = 3.0 * period * f64::from(filter);
+        let mut left = 0.0;
+        for told in told.iter().rev() {
+            left += period;
+            assert!(*told <= left, "jerk {jerk}: {told} s promised, {left} s come");
+            // It accelerates for less than 0.1 s beyond what the filter takes.
+            assert!(*told + reserve > left - reserve - 0.1, "jerk {jerk}: {told} s of {left} s");
+        }
+        assert!(left > 6.0 && told[0] > 6.0, "{left} s, {} s", told[0]);
+        assert!(publisher.time_ahead((0, 0.0), period, 0.5) >= 0.5, "counted as far as asked");
+    }
+}
+
 /// Two threads that run as they like: the motion is inside its limits and reaches the end.
 #[test]
 fn two_threads_agree() {
