@@ -15,7 +15,7 @@ use crate::{
     curve::Curve,
     moves::Mode,
     pose::{Group, Pose},
-    segment::{Segment, Tolerances},
+    segment::{Segment, Tolerances, larger},
 };
 
 /// Largest number of lines that are joined at once.
@@ -155,7 +155,7 @@ impl Join {
         let bend = (b - a) * (2.0 / (x + y));
         // A chord has the direction of the curve at its middle.
         let tangent = if at_end { b + bend * (0.5 * y) } else { a - bend * (0.5 * x) };
-        let tangent = tangent * (1.0 / tangent.norm(main));
+        let tangent = unit(&tangent, main)?;
         Some([tangent, bend - tangent * bend.dot(&tangent, main)])
     }
 
@@ -166,7 +166,7 @@ impl Join {
         let ((a, x), (b, y)) = (chord(before)?, chord(after)?);
         let main = self.lines.first()?.main;
         let mean = (a * y + b * x) * (1.0 / (x + y));
-        let tangent = mean * (1.0 / mean.norm(main));
+        let tangent = unit(&mean, main)?;
         let bend = (b - a) * (2.0 / (x + y));
         Some([tangent, bend - tangent * bend.dot(&tangent, main)])
     }
@@ -283,11 +283,11 @@ fn part(
     for (k, d) in points.iter().enumerate() {
         let along = d.dot(&u, line.main);
         let x = a - begin + third * float(k) + along;
-        before = before.max(-x);
-        after = after.max(x - line.length);
+        before = larger(before, -x);
+        after = larger(after, x - line.length);
         let across = *d - u * along;
         for (o, group) in off.iter_mut().zip(Group::ALL) {
-            *o = o.max(across.norm(group));
+            *o = larger(*o, across.norm(group));
         }
     }
     let mut worst: f64 = 0.0;
@@ -298,9 +298,9 @@ fn part(
                 Some(n) if past <= n.length => (slope(n) - u).norm(group),
                 _ => u.norm(group),
             };
-            more = more.max(past * by);
+            more = larger(more, past * by);
         }
-        worst = worst.max((o + more) / tolerances.of(group));
+        worst = larger(worst, (o + more) / tolerances.of(group));
     }
     worst
 }
@@ -356,6 +356,12 @@ fn chord(lines: &[Segment]) -> Option<(Pose, f64)> {
     let length: f64 = lines.iter().map(|l| l.length).sum();
     let by = last.curve.pose(last.length) - first.curve.pose(0.0);
     Some((by * (1.0 / length), length))
+}
+
+/// Returns the direction; `None` if there is none, as where lines lead as far back as forward.
+fn unit(by: &Pose, main: Group) -> Option<Pose> {
+    let per = 1.0 / by.norm(main);
+    per.is_finite().then(|| *by * per)
 }
 
 /// Returns the derivative of a line.

@@ -46,6 +46,18 @@ impl Tolerances {
 
     /// Returns the largest ratio of a displacement to the tolerance of its group.
     pub(crate) fn ratio(&self, by: &Pose) -> f64 {
-        Group::ALL.iter().map(|g| by.norm(*g) / self.of(*g)).fold(0.0, f64::max)
+        Group::ALL.iter().map(|g| by.norm(*g) / self.of(*g)).fold(0.0, larger)
+    }
+}
+
+/// Returns the larger of two ratios. One that is not a number counts as infinity, so that nothing is inside a tolerance
+/// because it cannot be compared.
+pub(crate) const fn larger(a: f64, b: f64) -> f64 {
+    if b <= a {
+        a
+    } else if a < b {
+        b
+    } else {
+        f64::INFINITY
     }
 }

@@ -254,12 +254,9 @@ impl Law {
         let good = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
             let slack = 1.0 + 1e-12;
             // The sum of the shares of acceleration is linear in v², so rest and full speed suffice.
-            if a1 * v > l.velocity * slack
-                || a1 * a > l.acceleration * slack
-                || a2 * v * v + a1 * top > l.acceleration * slack
-            {
-                return false;
-            }
+            let below = a1 * v <= l.velocity * slack
+                && a1 * a <= l.acceleration * slack
+                && a2 * v * v + a1 * top <= l.acceleration * slack;
             // The jerk at the share x of full speed is cubic·x³ + linear·x + a1·a/time.
             let linear = 3.0 * a2 * v * a;
             let cubic = a3 * v * v * v - 3.0 * a2 * v * (a - top);
@@ -269,7 +266,7 @@ impl Law {
             } else {
                 cubic + linear
             };
-            !l.jerk.is_finite() || peak + a1 * a / time <= l.jerk * slack
+            below && (!l.jerk.is_finite() || peak + a1 * a / time <= l.jerk * slack)
         };
         rows(&self.axes, &bounds.first.0, &bounds.second.0, &bounds.third.0).all(good)
             && joints.is_none_or(|j| rows(&self.joints, &j.first, &j.second, &j.third).all(good))

@@ -1,9 +1,9 @@
 //! The deviation of joined lines, bounded again.
 //!
-//! A point of a piece of a curve is a mean of the piece's Bernstein points. The same mean of any places on a line, one for
-//! each Bernstein point, is a place on that line. So the largest ratio between a Bernstein point and the place on the
-//! line that is nearest to it bounds the distance of the whole piece from the line, in all groups at the same place. The
-//! plan compares equal path coordinates instead, and takes off the part along the line.
+//! A point of a piece of a curve is a weighted mean of the piece's Bernstein points. With each Bernstein point goes the
+//! nearest place on a line; the mean of these places, with the same weights, is on the line too. So the distance of the
+//! piece from the line, in all groups at the same place, is at most the largest of the distances of the Bernstein points.
+//! The plan compares equal path coordinates instead, and takes off the part along the line.
 
 use crate::{
     curve::Curve,
@@ -36,11 +36,13 @@ impl Joined<'_> {
     }
 
     /// Bounds the shares of the tolerance that the ends use, as far as a blend reaches: half of the first and last piece.
+    /// Every point is known to be inside, so a bound above 1 is only a coarse one.
     pub(crate) fn ends(&self) -> [f64; 2] {
         let half = 0.5 * self.spacing;
         let pieces = f64::from(u32::try_from(self.curves.len()).unwrap_or(u32::MAX));
         let last = self.spacing * pieces - half;
-        [(0.0, half), (last, f64::INFINITY)].map(|(a, b)| self.largest(a, b, SMALL, HALVINGS[1]))
+        [(0.0, half), (last, f64::INFINITY)]
+            .map(|(a, b)| self.largest(a, b, SMALL, HALVINGS[1]).min(1.0))
     }
 
     /// Bounds the ratio of distance to tolerance between two path coordinates. A piece is halved while its bound is above

@@ -1,6 +1,7 @@
 use super::*;
 use crate::{
     blend::{Joint, joint},
+    join::Join,
     machine::{Limits, Machine},
     moves::{Mode, straight},
     pose::Group,
@@ -76,6 +77,67 @@ fn a_spline_that_misses_a_corner_is_rejected() {
     let [first, last] =
         Joined { curves: &curves, spacing: 1.0, lines: &lines, tolerances: &TOLERANCES }.ends();
     assert!((0.4..0.5).contains(&first) && last < 1e-9, "{first} {last}");
+}
+
+/// Numbers that are none pass no rule: of joined lines, of a blend, of a cell, without a limit of jerk too.
+#[test]
+fn what_is_no_number_is_rejected() {
+    let lines = [line([0.0, 0.0], [1.0, 0.0]), line([1.0, 0.0], [2.0, 0.0])];
+    for bad in [f64::NAN, f64::INFINITY] {
+        let broken = piece(1.0, [0.0, 0.0, bad, 0.0]);
+        let (allowed, certificate) = joined(&[piece(0.0, [0.0; 4]), broken], &lines);
+        assert!(!allowed && certificate.rejections == 1, "{bad}");
+        let mut certificate = Certificate::default();
+        let blend = Blend { curve: broken, half: 0.5 };
+        assert!(!certificate.allows(&blend, &lines[0], &lines[1], &TOLERANCES), "{bad}");
+        for jerk in [1e5, f64::INFINITY] {
+            let mut certificate = Certificate::default();
+            let mut cell = raw(1.0, 0.0);
+            certificate.judge(&law(jerk), &broken, None, &mut cell);
+            assert!(certificate.rejections == 1 && cell.allowed.speed < 1e-9, "{bad} {jerk}");
+        }
+    }
+}
+
+/// Round a polygon with sixteen corners, at the same height, the eight lines on either side of any corner lead back to
+/// where they came from: together they have no direction there. The run becomes a spline all the same.
+#[test]
+fn directions_that_cancel_give_no_derivatives() {
+    // Exact in binary, so that opposite corners are.
+    let round = |x: f64| (x * 1024.0).round() / 1024.0;
+    let corner = |k: u32| {
+        let (sin, cos) = libm::sincos(core::f64::consts::PI / 8.0 * f64::from(k % 8));
+        let sign = if (k / 8).is_multiple_of(2) { 0.25 } else { -0.25 };
+        [sign * round(cos), sign * round(sin)]
+    };
+    let mut join = Join::default();
+    for k in 0..64 {
+        join.push(&line(corner(k), corner(k + 1)));
+    }
+    let mut certificate = Certificate::default();
+    let out = join.flush(true, &TOLERANCES, &mut certificate);
+    assert_eq!(certificate.rejections, 0);
+    assert!(out.iter().all(|s| matches!(s.curve, Curve::Poly { .. })), "lines stay lines");
+    for segment in &out {
+        assert!(segment.curve.pose(0.5 * segment.length).is_usable(), "{segment:?}");
+    }
+}
+
+/// A bound of the share that an end uses, coarser than the one that allowed the spline, leaves no tolerance below zero.
+#[test]
+fn ends_use_no_more_than_the_tolerance() {
+    // Largest at 3/16, where the coarse bound of 1/8 to 1/4 is above it.
+    let (high, k, at) = (0.009_999, 0.01, 0.1875);
+    let curves = [piece(0.0, [high - k * at * at, 2.0 * k * at, -k, 0.0]), piece(1.0, [0.0; 4])];
+    let lines = [line([0.0, 0.0], [1.0, 0.0]), line([1.0, 0.0], [2.0, 0.0])];
+    assert!(joined(&curves, &lines).0);
+    let [first, last] =
+        Joined { curves: &curves, spacing: 1.0, lines: &lines, tolerances: &TOLERANCES }.ends();
+    assert!((0.99..=1.0).contains(&first) && last < 1e-9, "{first} {last}");
+    // With nothing left, the joint at such an end is a stop.
+    let none = Tolerances { linear: 0.0, angular: 0.0 };
+    let end = Segment { curve: curves[0], length: 1.0, ..lines[0] };
+    assert_eq!(joint(&end, &lines[1], 0.5, &none, true), Joint::Stop);
 }
 
 fn law(jerk: f64) -> Law {
