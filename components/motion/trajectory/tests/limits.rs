@@ -136,12 +136,15 @@ fn many(seeds: core::ops::Range<u64>, count: usize) -> Sum {
     );
     assert_eq!((sum.bad, sum.rejected), (0, 0));
     assert!(sum.events < 96, "a period was cut short");
+    // About one in 25; none would be left if splines were refused.
+    assert!(50 * sum.splines > sum.segments, "{} splines", sum.splines);
     sum
 }
 
 #[test]
 fn random_programs_keep_every_limit() {
-    many(0..231, 40);
+    let sum = many(0..231, 40);
+    assert!(sum.refused.is_empty(), "{:?}", sum.refused);
 }
 
 /// A program that fails, here by a speed that it is not to reach, is shrunk to a move or two and printed with its seed.

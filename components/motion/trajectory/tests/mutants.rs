@@ -2,6 +2,7 @@
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "tests")]
 
 use std::{
+    collections::BTreeSet,
     fs,
     path::{Path, PathBuf},
     process::Command,
@@ -234,17 +235,27 @@ fn each_mistake_fails_its_test() {
         command.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
         command.output().unwrap()
     };
+    let run = |[program, test]: [&str; 2]| {
+        let words: &[&str] = if program == LIB { &["--lib"] } else { &["--test", program] };
+        let built = cargo(&[words, &["--no-run"]].concat());
+        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+        let done = cargo(&[words, &[test]].concat());
+        (done.status.success(), String::from_utf8_lossy(&done.stdout).into_owned())
+    };
+    // Without a mistake, every test is there and passes.
+    let tests: BTreeSet<_> = MUTANTS.iter().map(|m| m.fails).collect();
+    for test in tests {
+        let (passes, said) = run(test);
+        assert!(passes && !said.contains(" 0 passed"), "{test:?} without a mistake: {said}");
+        println!("no mistake: {}::{}: passes", test[0], test[1]);
+    }
     let mut missed = Vec::new();
     for mutant in &MUTANTS {
         let path = root.join("components/motion/trajectory/src").join(mutant.file);
         let right = fs::read_to_string(&path).unwrap();
         fs::write(&path, mutated(mutant)).unwrap();
         let [program, test] = mutant.fails;
-        let words: &[&str] = if program == LIB { &["--lib"] } else { &["--test", program] };
-        let built = cargo(&[words, &["--no-run"]].concat());
-        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        let done = cargo(&[words, &[test]].concat());
-        let caught = !done.status.success();
+        let caught = !run(mutant.fails).0;
         println!(
             "{}: {program}::{test}: {}",
             mutant.mistake,

@@ -44,7 +44,7 @@ impl PathWatch {
             [(0, false), (1, false), (self.reach, false), (self.reach, true), (FAR, true)];
         let mut ratio = f64::INFINITY;
         for (reach, exact) in searches {
-            ratio = ratio.min(self.least(pose, near, reach, exact));
+            ratio = ratio.min(self.least(pose, near, reach, exact, 1.0));
             if ratio <= 1.0 {
                 break;
             }
@@ -65,10 +65,10 @@ impl PathWatch {
         &self.worst
     }
 
-    /// Returns the ratio of distance to tolerance: the least one over the shapes within `reach` of `near`; infinity if the
-    /// pose is not finite.
+    /// Returns the ratio of distance to tolerance: the least one over the shapes within `reach` of `near`, below 1 too;
+    /// infinity if the pose is not finite. Beside an arc in more than XYZ it may be larger than the true one.
     pub fn ratio(&self, pose: &[f64; AXES], near: usize, reach: usize) -> f64 {
-        self.least(pose, near, reach, true)
+        self.least(pose, near, reach, true, 0.0)
     }
 
     /// Returns the number of cycles in which the pose was too far from the path.
@@ -77,7 +77,15 @@ impl PathWatch {
     }
 
     /// Least ratio of distance to tolerance over the shapes within `reach` of `near`; infinity if the pose is not finite.
-    fn least(&self, pose: &[f64; AXES], near: usize, reach: usize, exact: bool) -> f64 {
+    /// The search along a spline ends at `enough`.
+    fn least(
+        &self,
+        pose: &[f64; AXES],
+        near: usize,
+        reach: usize,
+        exact: bool,
+        enough: f64,
+    ) -> f64 {
         let first = near.saturating_sub(reach);
         let count = near.saturating_add(reach).saturating_add(1).saturating_sub(first);
         let mut least = f64::INFINITY;
@@ -86,7 +94,7 @@ impl PathWatch {
         }
         for (shape, tolerance) in self.shapes.iter().skip(first).take(count) {
             let error = 4.0 * ROUNDINGS * f64::EPSILON * self.size;
-            let ratio = shape.ratio(pose, exact, |[xyz, abc, uvw]| {
+            let ratio = shape.ratio(pose, exact, enough, |[xyz, abc, uvw]| {
                 let over = |d: f64, limit: f64| if d <= error { 0.0 } else { (d - error) / limit };
                 over(xyz, tolerance.linear)
                     .max(over(uvw, tolerance.linear))

@@ -57,12 +57,13 @@ impl Shape {
     /// Returns the least value of `weigh` over the points of the shape, which receives the distances in XYZ, ABC and UVW
     /// and must not fall when one of them rises. On a line the least value is exact if `exact` is true; else, and on an
     /// arc, it is the value at the nearest point (on an arc, of every turn), an upper bound. On a spline it is the first
-    /// value up to 1, else the least, of those between samples: between all of them if `exact` is true, else beside those
-    /// that are nearer than their neighbours.
+    /// value up to `enough`, else the least, of those between samples: between all of them if `exact` is true, else beside
+    /// those that are nearer than their neighbours.
     pub(crate) fn ratio(
         &self,
         pose: &[f64; AXES],
         exact: bool,
+        enough: f64,
         weigh: impl Fn([f64; 3]) -> f64,
     ) -> f64 {
         let at = |t: f64| weigh(distances(&self.at(t), pose));
@@ -70,9 +71,8 @@ impl Shape {
             let mut value = f64::INFINITY;
             let sampled = |sample: &[f64; AXES]| weigh(distances(sample, pose));
             spline.near(exact, sampled, |low, high| {
-                // A place inside the tolerance suffices.
-                if value > 1.0 {
-                    value = value.min(least(low, high, 32, 1.0, at));
+                if value > enough {
+                    value = value.min(least(low, high, 32, enough, at));
                 }
             });
             return value;

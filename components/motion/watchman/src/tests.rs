@@ -285,6 +285,15 @@ fn a_nurbs_circle_is_judged_as_a_circle() {
             assert!(good, "{r} {found}");
         }
     }
+    // Asked for the least ratio, the judge does not stop at the first one inside the tolerance.
+    let watch = PathWatch::new(shapes.into(), 10.0, 1);
+    for k in 0..100 {
+        let (sin, cos) = libm::sincos(0.1 * f64::from(k));
+        for (r, least) in [(4.0, 0.0), (4.03, 0.3), (3.91, 0.9)] {
+            let found = watch.ratio(&pose(r * cos, r * sin, 0.0), 0, 1);
+            assert!((found - least).abs() < 1e-6, "{r} {found}");
+        }
+    }
 }
 
 /// Deliberate faults of a judge, each of which the tests above must notice.
