@@ -51,13 +51,7 @@ impl State {
         if self.inputs.jog_stop_immediate && !before.jog_stop_immediate {
             self.halt_jogs("stopped by motion.jog-stop-immediate");
         }
-        self.feed.net = self.net_feed(pins);
-        let scale = self.feed.scale;
-        self.feed.retract = match pins.general.feed_inhibit.get() {
-            true => 0.0,
-            false if scale > 0.0 => scale,
-            false => 1.0,
-        };
+        self.read_feed(pins);
     }
 
     fn halt_jogs(&mut self, why: &'static str) {
@@ -67,12 +61,11 @@ impl State {
         self.count_hard_stop();
     }
 
-    fn net_feed(&mut self, pins: &Pins) -> f64 {
+    /// Computes the factors of the feed.
+    fn read_feed(&mut self, pins: &Pins) {
         let g = &pins.general;
-        if g.feed_inhibit.get() || (self.feed.hold && g.feed_hold.get()) {
-            return 0.0;
-        }
         let mut scale = self.feed.scale;
+        self.feed.reverse = false;
         if self.feed.adaptive {
             let wanted = g.adaptive_feed.get();
             let most = self.traj.max_feed_override;
@@ -80,10 +73,14 @@ impl State {
             // NaN counts as zero.
             let wanted = if wanted.is_nan() { 0.0 } else { libm::fabs(wanted) };
             scale *= if wanted < most { wanted } else { most };
-        } else {
-            self.feed.reverse = false;
         }
-        scale
+        if scale > 0.0 {
+            self.feed.last = scale;
+        }
+        let is_inhibited = g.feed_inhibit.get();
+        let is_held = self.feed.hold && g.feed_hold.get();
+        self.feed.retract = if is_inhibited { 0.0 } else { self.feed.last };
+        self.feed.net = if is_inhibited || is_held { 0.0 } else { scale };
     }
 
     /// Switches to the kinematics type that the pin names, once nothing moves; the pose is then computed from the joints

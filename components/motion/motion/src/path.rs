@@ -103,6 +103,8 @@ pub(crate) struct Drive {
     pub(crate) scale: f64,
     /// Feed override of a retract during a hold; 0 where the retract holds too.
     pub(crate) retract: f64,
+    /// Highest speed of a retract.
+    pub(crate) retract_top: f64,
     /// True to run backwards.
     pub(crate) reverse: bool,
     /// Highest speed along the path.
@@ -222,10 +224,7 @@ impl Path {
     pub(crate) fn begin(&mut self, mut setup: PathSetup) {
         self.generation = self.generation.wrapping_add(1);
         setup.generation = self.generation;
-        let next = self.pending.iter().find_map(|p| match p.item {
-            Item::Move(order) => Some((p.id, order.sync)),
-            Item::Output(_) => None,
-        });
+        let next = self.next_move().map(|(id, order)| (id, order.sync));
         self.course = next.map_or(Course::Free, |(id, sync)| Course::of(id, sync));
         setup.is_bound = self.course != Course::Free;
         self.permit_retract();
@@ -255,9 +254,12 @@ impl Path {
         let session = self.session.as_mut()?;
         let is_paused = self.paused && !retracts;
         let mut holds = self.stop.is_some() || is_paused || !self.last.moving && !drive.may_begin;
-        let mut top = drive.top;
         let mut reverse = self.reverse != drive.reverse;
-        self.scale = if retracts { drive.retract } else { drive.scale };
+        let (scale, mut top) = match retracts {
+            true => (drive.retract, drive.retract_top),
+            false => (drive.scale, drive.top),
+        };
+        self.scale = scale;
         if let Some(pace) = drive.pace {
             // Overrides and holds wait until the spindle is free.
             (holds, reverse, self.scale) = (pace.waits, pace.velocity < 0.0, 1.0);
@@ -366,6 +368,7 @@ impl Path {
 
     pub(crate) const fn set_parked(&mut self, parked: Parked) {
         self.parked = parked;
+        self.retract = Retract::No;
     }
 
     pub(crate) const fn is_paused(&self) -> bool {

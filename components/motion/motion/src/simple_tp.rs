@@ -297,10 +297,9 @@ mod tests {
                 (vel, acc) = (one.vel, now);
                 assert!(-20.01 <= one.pos && one.pos <= 60.01);
             }
-            // What stays open at the end is less than the deadband.
             assert!(worst <= jerk * 1.0001 + 2.0, "{worst} of {jerk}");
             assert!(top <= 1350.0 * 1.0001 && worst > 0.9 * jerk.min(0.7e6), "{top} {worst}");
-            assert!(!one.active && fabs(one.pos - 10.0) < 1e-5, "{}", one.pos);
+            assert_eq!((one.active, one.pos), (false, 10.0));
         }
     }
 

@@ -56,7 +56,9 @@ pub(crate) struct Feed {
     pub(crate) reverse: bool,
     /// Product of all factors in this cycle.
     pub(crate) net: f64,
-    /// Factor of a retract from a thread, for which holds do not count.
+    /// Last product above 0 of override and adaptive feed.
+    pub(crate) last: f64,
+    /// Factor of a retract from a thread, for which holds do not count: `last`, or 0 while the feed is inhibited.
     pub(crate) retract: f64,
 }
 
@@ -140,7 +142,8 @@ impl State {
                 hold: true,
                 reverse: false,
                 net: 1.0,
-                retract: 1.0,
+                last: 0.0,
+                retract: 0.0,
             },
             path,
             probe: ProbeResult::default(),

@@ -17,6 +17,7 @@ mod page;
 mod path;
 mod pin;
 mod random;
+mod retract;
 mod segments;
 mod service;
 mod snapshot;

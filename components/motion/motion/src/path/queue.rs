@@ -3,6 +3,7 @@
 use super::{
     AT_REST, KNOWN, Known, Live, Path, Pending, QUEUE_LEN, Stop,
     order::{Item, Kind, Order, PathMove, comes_after},
+    retract::Retract,
     spindle::{Course, Tracker},
     sweep::Sweep,
 };
@@ -164,7 +165,8 @@ impl Path {
             if let Item::Move(order) = next.item {
                 // A thread that has ended does not go on: another one begins at the index.
                 let is_over = self.sent == 0 && self.is_bound();
-                if is_over || Course::of(next.id, order.sync) != self.course {
+                let is_alone = matches!(self.retract, Retract::Of(id) if id != next.id);
+                if is_over || is_alone || Course::of(next.id, order.sync) != self.course {
                     return self.end_course();
                 }
                 let order = Order::Move { generation: self.generation, id: next.id, order };
@@ -182,7 +184,8 @@ impl Path {
             if self.live == Live::Follows && !self.last.moving {
                 self.begin_anew();
             }
-        } else if !self.is_finishing && self.course != Course::Free {
+        } else if !self.is_finishing && (self.course != Course::Free || self.retract != Retract::No)
+        {
             let order = Order::Finish { generation: self.generation };
             self.is_finishing = self.hand.orders.push(order).is_ok();
         }

@@ -1,11 +1,12 @@
 //! Realtime. A hold in a thread: the tool leaves the workpiece before the axes rest.
 //!
 //! A hold cannot stop a thread, and the end of the thread is no place to rest, because the tool would rub there while the
-//! spindle turns. The move that follows the thread in the program therefore goes on, and the hold takes effect as it ends.
+//! spindle turns. The move that follows the thread in the program therefore goes on to its end, and the axes rest there.
+//! A retract that something else stops is dropped: the hold then takes effect, and only its end moves the axes again.
 
 use super::{
     Drive, Path,
-    order::{Item, Kind},
+    order::{Item, Kind, PathMove},
     spindle::Course,
 };
 
@@ -15,7 +16,7 @@ pub(super) enum Retract {
     No,
     /// A hold waits for the end of a thread.
     Due,
-    /// The move with this number goes on.
+    /// The move with this number goes on, on a path of its own.
     Of(u32),
 }
 
@@ -28,25 +29,39 @@ impl Path {
             // A move that is not in the queue as the thread ends is no retract.
             _ if !is_held || self.is_idle() => Retract::No,
             _ if is_threading && self.is_bound() => Retract::Due,
-            Retract::Of(id) if self.last.line != 0 && self.last.line != id => Retract::No,
+            Retract::Of(id) if !self.goes_back_out(id, drive) => Retract::No,
             other => other,
         };
         matches!(self.retract, Retract::Of(_))
     }
 
+    /// Returns whether the retract with this number is not over, and nothing but the hold stops it.
+    fn goes_back_out(&self, id: u32, drive: &Drive) -> bool {
+        let is_next = self.next_move().is_some_and(|(next, _)| next == id);
+        // Before its first cycle, the path has no line.
+        let rests = !self.last.moving && (self.last.line != 0 || !drive.may_begin);
+        let stands = drive.retract == 0.0 || drive.retract_top == 0.0;
+        is_next && !rests && !stands && self.stop.is_none() && self.reverse == drive.reverse
+    }
+
     /// Permits the first move of a path that begins behind a thread.
     pub(super) fn permit_retract(&mut self) {
-        let first = self.pending.iter().find_map(|p| match p.item {
-            Item::Move(order) => Some((p.id, order.kind)),
-            Item::Output(_) => None,
-        });
+        let first = self.next_move().map(|(id, order)| (id, order.kind));
         self.retract = match (self.retract, first) {
-            (Retract::Due | Retract::Of(_), Some((id, kind)))
+            (Retract::Due, Some((id, kind)))
                 if self.course == Course::Free && kind != Kind::Probe =>
             {
                 Retract::Of(id)
             }
             _ => Retract::No,
         };
+    }
+
+    /// Returns the first move that has not ended, and its number.
+    pub(super) fn next_move(&self) -> Option<(u32, &PathMove)> {
+        self.pending.iter().find_map(|p| match &p.item {
+            Item::Move(order) => Some((p.id, order)),
+            Item::Output(_) => None,
+        })
     }
 }

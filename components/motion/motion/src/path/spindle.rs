@@ -303,10 +303,14 @@ impl Path {
         !matches!(self.tracker.stage, Stage::Ready)
     }
 
-    /// Returns the feed per turn of the current move.
+    /// Returns the feed per turn of the current move, or of the first one.
     fn per_turn(&self) -> Option<Sync> {
-        let current = self.known(self.last.line)?;
-        current.sync.filter(|s| s.follows == Follows::Speed)
+        // Before its first cycle, a path has no line.
+        let line = match self.last.line {
+            0 => self.next_move()?.0,
+            line => line,
+        };
+        self.known(line)?.sync.filter(|s| s.follows == Follows::Speed)
     }
 }
 
@@ -331,12 +335,12 @@ impl State {
         None
     }
 
-    /// Returns the highest speed along the path: that of the machine, or of a feed per turn.
-    pub(crate) fn top_speed(&self) -> f64 {
+    /// Returns the highest speed along the path: that of the machine, or of a feed per turn with this override.
+    pub(crate) fn top_speed(&self, scale: f64) -> f64 {
         let top = self.traj.max_velocity;
         let Some(sync) = self.path.per_turn() else { return top };
         let turns = self.spindles.get(sync.spindle).map_or(0.0, |s| fabs(s.inputs.speed));
-        let speed = sync.pitch * turns * self.feed.net;
+        let speed = sync.pitch * turns * scale;
         // NaN stands still.
         if speed < top {
             speed

@@ -142,7 +142,6 @@ fn corners_are_blended_within_their_tolerance() {
     assert!(times[2] < times[1] && times[1] < times[0], "{times:?}");
 }
 
-/// Q of G64: short lines are joined within the larger of both tolerances.
 /// A program that pauses its moves while enough of them wait does not slow the axes down, in a bend that takes all of
 /// the acceleration either.
 #[test]
@@ -174,6 +173,7 @@ fn moves_that_come_in_batches_are_one_path() {
     assert!(slowest > 70.0, "{slowest}");
 }
 
+/// Q of G64: short lines are joined within the larger of both tolerances.
 #[test]
 fn a_cam_tolerance_widens_a_small_tolerance() {
     let mut cycles = Vec::new();
