@@ -61,6 +61,8 @@ pub struct DryRun {
     effects: Effects,
     found: Option<Box<Found>>,
     refused: Option<Refusal>,
+    /// The state before the place of a refusal in the middle of a series.
+    refused_state: Option<Box<State>>,
     /// Lines that are still searched behind the place.
     rest: u64,
 }
@@ -79,6 +81,7 @@ impl DryRun {
             effects,
             found: None,
             refused: None,
+            refused_state: None,
             rest: 0,
         }
     }
@@ -114,6 +117,11 @@ impl DryRun {
     pub fn into_interpreter(mut self, found: &Found) -> Interpreter {
         self.program.interpreter.state = found.state.clone();
         self.program.interpreter
+    }
+
+    /// Takes the state before the place of a refusal in the middle of a series.
+    pub const fn take_refused_state(&mut self) -> Option<Box<State>> {
+        self.refused_state.take()
     }
 
     fn result(&mut self) -> Result<Option<Found>, Refusal> {
@@ -177,6 +185,7 @@ impl DryRun {
         }
         if let Some(of) = middle {
             let place = self.place(here);
+            self.refused_state = Some(Box::new(state.clone()));
             self.refused = Some(Refusal::Middle { place, of, from: self.good.clone(), next: None });
             self.rest = NEXT_LINES;
             return;

@@ -47,10 +47,10 @@ impl Spindle {
         if from == tool && tool != UNKNOWN { self } else { Self::Changing { from, to: tool } }
     }
 
-    /// Returns the record after the changer, which was asked for the tool `to`, states the tool `is`. A change to another
-    /// tool stays open: a person must say which tool is there.
-    pub const fn changed(self, to: i32, is: i32) -> Self {
-        if is == to { Self::Holds(is) } else { self }
+    /// Returns the record after the changer, which was asked for the tool `to`, states the tool `is`; `None` if it is
+    /// another one. The change then stays open: a person must say which tool is there.
+    pub fn changed(to: i32, is: i32) -> Option<Self> {
+        (is == to).then_some(Self::Holds(is))
     }
 
     fn text(self) -> String {

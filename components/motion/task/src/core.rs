@@ -337,6 +337,11 @@ impl Core {
         self.job.is_some() || self.ending.is_some() || self.checking.is_before_start()
     }
 
+    /// Returns whether something is in execution or waits; between two lines of MDI that wait, nothing is in execution.
+    pub(crate) fn has_work(&self) -> bool {
+        self.is_busy() || !self.mdi.is_empty()
+    }
+
     /// Returns the state of the interpreter.
     pub(crate) fn interpreting(&self) -> Interpreting {
         match &self.job {

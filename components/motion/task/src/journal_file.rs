@@ -31,6 +31,8 @@ struct Open {
     store: SyncSender<()>,
     /// Every record but places.
     kept: String,
+    /// The last place.
+    place: String,
 }
 
 impl JournalFile {
@@ -48,7 +50,7 @@ impl JournalFile {
         let line = record.line();
         let result = match (record, &mut self.open) {
             (Record::Begin(_), _) => {
-                begin(&path, line, "", MAX_LEN).map(|open| self.open = Some(open))
+                begin(&path, line, String::new(), MAX_LEN).map(|open| self.open = Some(open))
             }
             (_, Some(open)) => open.add(&path, record, &line, (MAX_PLACES, MAX_LEN)),
             (_, None) => Ok(()),
@@ -89,15 +91,15 @@ impl Open {
         line: &str,
         bounds: (u64, u64),
     ) -> io::Result<()> {
-        let is_place = matches!(record, Record::At(_));
-        if !is_place {
+        if matches!(record, Record::At(_)) {
+            line.clone_into(&mut self.place);
+        } else {
             self.kept.push_str(line);
         }
         let kept = self.kept.len() as u64;
         if self.file.bytes().saturating_sub(kept) > bounds.0 {
-            // The file system replaces the name behind the content, so that a loss of power leaves one of the two.
-            let last = if is_place { line } else { "" };
-            *self = begin(path, core::mem::take(&mut self.kept), last, bounds.1)?;
+            let (kept, place) = (&mut self.kept, &mut self.place);
+            *self = begin(path, core::mem::take(kept), core::mem::take(place), bounds.1)?;
             return Ok(());
         }
         if self.file.bytes() + line.len() as u64 > bounds.1 {
@@ -111,7 +113,7 @@ impl Open {
 }
 
 /// Replaces the file by one with these records and a place, and starts the thread that stores what follows.
-fn begin(path: &Path, kept: String, place: &str, bound: u64) -> io::Result<Open> {
+fn begin(path: &Path, kept: String, place: String, bound: u64) -> io::Result<Open> {
     if (kept.len() + place.len()) as u64 > bound {
         return Err(too_long());
     }
@@ -126,7 +128,7 @@ fn begin(path: &Path, kept: String, place: &str, bound: u64) -> io::Result<Open>
             stored.sync_data().unwrap_or_default();
         }
     })?;
-    Ok(Open { file, store, kept })
+    Ok(Open { file, store, kept, place })
 }
 
 fn too_long() -> io::Error {
@@ -145,7 +147,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("hal-journal-{}", std::process::id()));
         std::fs::write(&path, "old").unwrap();
         let (store, _due) = sync_channel(1);
-        let open = Open { file: full, store, kept: String::new() };
+        let open = Open { file: full, store, kept: String::new(), place: String::new() };
         let mut journal = JournalFile { path: Some(path.clone()), open: Some(open) };
         let at = At { number: 1, line: 1, pose: [0.0; 9], homed: true, tool: 0 };
         let why = journal.write(&Record::At(at.clone())).unwrap_err();
@@ -164,7 +166,7 @@ mod tests {
         std::fs::create_dir_all(&path).unwrap();
         let full = Growing::create(Path::new("/dev/full")).unwrap();
         let (store, _due) = sync_channel(1);
-        let open = Open { file: full, store, kept: String::new() };
+        let open = Open { file: full, store, kept: String::new(), place: String::new() };
         let mut journal = JournalFile { path: Some(path.clone()), open: Some(open) };
         let why = journal.write(&Record::Complete).unwrap_err();
         std::fs::remove_dir(&path).unwrap();
@@ -181,7 +183,7 @@ mod tests {
     fn a_long_job_has_a_short_journal_with_its_last_place() {
         let path = std::env::temp_dir().join(format!("hal-journal-long-{}", std::process::id()));
         let first = Record::File("job.ngc".into(), 7).line();
-        let mut open = begin(&path, first.clone(), "", 10_000).unwrap();
+        let mut open = begin(&path, first.clone(), String::new(), 10_000).unwrap();
         let place =
             |number| Record::At(At { number, line: 1, pose: [0.0; 9], homed: true, tool: 0 });
         let answer = Record::Answer(hal_gcode::Answer::Input(1.0));
@@ -197,6 +199,13 @@ mod tests {
             assert_eq!(answers, number / 100 + 1, "every answer is kept");
             assert!(text.starts_with(&first) && text.contains(&place(number).line()), "{number}");
         }
+        // An answer, too, has the file written again.
+        let last = place(1000);
+        open.add(&path, &last, &last.line(), (u64::MAX, u64::MAX)).unwrap();
+        open.add(&path, &answer, &answer.line(), (0, 10_000)).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text.lines().filter(|line| line.contains("At")).count(), 1, "{text}");
+        assert!(text.contains(&last.line()), "{text}");
         let why =
             (0..1000).find_map(|_| open.add(&path, &answer, &answer.line(), (1000, 10_000)).err());
         std::fs::remove_file(&path).unwrap();

@@ -14,10 +14,11 @@ pub(crate) struct Pins {
 
 impl Pins {
     pub(crate) fn make(b: &mut Builder<'_>) -> Result<Self, Error> {
-        let job = "TRUE while a job is in progress, also while it is paused.";
+        let job = "TRUE while a job is in progress, also while it is paused, and while lines of MDI wait.";
+        let abort = "A rising edge aborts, as the command does. The task samples it: hold it until task.job is FALSE.";
         Ok(Self {
             job: b.item("task.job", job, false)?,
-            abort: b.item("task.abort", "A rising edge aborts, as the command does.", false)?,
+            abort: b.item("task.abort", abort, false)?,
             was: false,
         })
     }

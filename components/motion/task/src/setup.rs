@@ -6,13 +6,13 @@ use crate::{
     worker::Files,
 };
 use hal_gcode::{axis::AxisMask, state::modal::MAX_SPINDLES};
-use hal_ini::Entry;
+use hal_ini::{Entry, Ini};
 use hal_job::{
     Machine, World, machine,
     number::{number, wrong},
 };
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
@@ -51,6 +51,7 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
         spindle: machine.spindle_file.clone(),
         journal: ini.as_deref().map(|ini| journal(&machine, ini)),
         codes: machine.codes.clone(),
+        named: named(&machine),
         letters: Letters::from(machine.settings.axes.0),
     };
     let world = World { machine, hal: BTreeMap::new() };
@@ -61,6 +62,19 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
 fn journal(machine: &Machine, ini: &Path) -> PathBuf {
     let named = machine.ini.as_ref().and_then(|ini| ini.get("TASK", "JOURNAL"));
     named.map_or_else(|| ini.with_extension("journal"), |name| machine.folder.join(name.trim()))
+}
+
+/// Returns the files that the INI file includes, and whatever its values name, as a whole or as one of their words.
+fn named(machine: &Machine) -> Vec<PathBuf> {
+    let entries = machine.ini.iter().flat_map(Ini::entries);
+    let names: BTreeSet<&str> = entries
+        .flat_map(|entry| {
+            let words = entry.value.split([' ', '\t', ':', '=', ',', ';', '"', '\'']);
+            [entry.file.as_str(), entry.value.trim()].into_iter().chain(words)
+        })
+        .filter(|name| !name.is_empty())
+        .collect();
+    names.into_iter().map(|name| machine.folder.join(name)).collect()
 }
 
 fn rules(machine: &Machine) -> Result<Rules, String> {

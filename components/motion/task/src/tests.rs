@@ -173,6 +173,7 @@ impl Rig {
             safe_height: None,
         };
         machine.limits[2].1 = Some(80.0);
+        machine.limits[8].1 = Some(0.0);
         change(&mut machine, &mut rules);
         let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
         let mut rig = Self { core, fake: Fake::new(), tickets: 0, folder };

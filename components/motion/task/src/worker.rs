@@ -40,6 +40,8 @@ pub(crate) struct Files {
     pub(crate) spindle: Option<PathBuf>,
     pub(crate) journal: Option<PathBuf>,
     pub(crate) codes: Vec<PathBuf>,
+    /// Files that the INI file consists of or names.
+    pub(crate) named: Vec<PathBuf>,
     pub(crate) letters: Letters,
 }
 
@@ -115,7 +117,7 @@ impl Work for Worker {
         self.world.claim(&core);
         let done = core.step(&mut self.world, items);
         self.world.claim(&core);
-        self.pins.show(core.is_busy());
+        self.pins.show(core.has_work());
         let report = Report::of(&core, &self.world.status, &self.world.io.state());
         if let Some(operator) = &self.world.operator {
             operator.show(&operator_view(&core, &self.world.io.state()));

@@ -129,13 +129,17 @@ fn agrees(session: &mut Session<'_>, question: &str) -> bool {
 
 /// Returns whether a person at the terminal can be asked, and says what to do if none can.
 fn is_asked(session: &mut Session<'_>) -> bool {
-    let is_person = session.terminal.is_person() && rustix::termios::isatty(std::io::stdin());
-    if !is_person {
-        session.terminal.err(
-            "standard input is no terminal, so nobody can agree: --yes begins without a question\n",
-        );
-    }
-    is_person
+    let missing = if !rustix::termios::isatty(std::io::stdin()) {
+        "standard input"
+    } else if !session.terminal.is_person() {
+        "standard error, where the question would be,"
+    } else {
+        return true;
+    };
+    session.terminal.err(&format!(
+        "{missing} is no terminal, so nobody can agree: --yes begins without a question\n"
+    ));
+    false
 }
 
 /// Follows a program that a command begins, and tells how it ends.

@@ -45,7 +45,7 @@ pub(super) struct Before<'a> {
 /// Returns the steps from the machine's state to that of a line.
 ///
 /// # Errors
-/// The machine has no safe height, or a move of the entry is beyond its limits; all reasons.
+/// The machine has no safe height, or no upper limit of its quill, or a move of the entry is beyond its limits; all reasons.
 pub(super) fn entry(
     before: &Before<'_>,
     found: &Found,
@@ -62,14 +62,15 @@ pub(super) fn entry(
     let (state, now) = (&found.state, &before.state.modal);
     let target = place(machine, state, before.pose);
     let safe = plan.safe_height(rules, &target)?;
+    let back = plan.quill_back()?;
     plan.converter.restart(state, before.pose);
     plan.mode(state, before.state);
-    plan.up(safe, &target);
+    plan.up(safe, back);
     let tool = state.tool.number;
     let changes = before.io.tool != tool;
     if changes {
         plan.change(tool, state.modal.spindles.len());
-        plan.up(safe, &target);
+        plan.up(safe, back);
     }
     let [k_from, k_to] = [before.state, state].map(|s| s.frame.unit.to(machine.settings.unit));
     let (old, new) = (before.state.frame.tool.scaled(k_from), state.frame.tool.scaled(k_to));
@@ -149,6 +150,18 @@ impl Plan<'_> {
         Ok(heights.fold(f64::NEG_INFINITY, f64::max))
     }
 
+    /// Returns the upper end of the quill's travel, if the machine has a quill (W): elsewhere its tip is lower than Z says.
+    fn quill_back(&self) -> Result<Option<f64>, String> {
+        if !self.machine.settings.axes.has(Axis::W) {
+            return Ok(None);
+        }
+        let k = self.machine.settings.unit.millimetres();
+        let top = self.machine.limits.get(W).and_then(|(_, high)| *high);
+        let top = top.filter(|high| *high < ENDLESS).map(|high| high / k);
+        let why = "no height is safe: the quill W has no upper limit to which it is drawn back";
+        top.map(Some).ok_or_else(|| why.to_owned())
+    }
+
     fn add(&mut self, kind: &'static str, text: String, actions: Vec<Action>) {
         self.steps.push(EntryStep { kind, text, to: None, actions });
     }
@@ -190,14 +203,16 @@ impl Plan<'_> {
         self.straight(kind, text, to, Speed::Rapid);
     }
 
-    /// Goes up to the safe height, and draws a quill back that is farther out than at the target.
-    fn up(&mut self, safe: f64, target: &[f64; 9]) {
-        if self.machine.settings.axes.has(Axis::Z) {
-            self.travel("up", format!("up to Z{safe:.4}"), |at| {
-                at[Z] = safe.max(at[Z]);
-                at[W] = target[W].max(at[W]);
-            });
-        }
+    /// Goes up to the safe height, and draws the quill all the way back.
+    fn up(&mut self, safe: f64, back: Option<f64>) {
+        let has_z = self.machine.settings.axes.has(Axis::Z);
+        let z = has_z.then(|| format!("up to Z{safe:.4}"));
+        let w = back.map(|back| format!("quill back to W{back:.4}"));
+        let text: Vec<String> = z.into_iter().chain(w).collect();
+        self.travel("up", text.join(", "), |at| {
+            at[Z] = if has_z { safe.max(at[Z]) } else { at[Z] };
+            at[W] = back.map_or(at[W], |back| back.max(at[W]));
+        });
     }
 
     /// Changes the tool, with all spindles at rest, whatever they did before.

@@ -28,6 +28,8 @@ pub(super) struct Recovery {
     /// Files whose checksums are compared.
     checks: VecDeque<(Hashing, u64)>,
     pub(super) notes: Vec<String>,
+    /// The state before the place where the job broke off, if the start is before that place.
+    left: Option<Box<State>>,
 }
 
 impl Core {
@@ -76,7 +78,7 @@ impl Core {
             notes.push("the end of the journal was lost".to_owned());
         }
         let run = self.replay(&journal, Target::Number(number))?;
-        let recovery = Box::new(Recovery { journal, checks, notes });
+        let recovery = Box::new(Recovery { journal, checks, notes, left: None });
         let program = Opened { path, version };
         self.search_for(Search { run, program, ticket, recovery: Some(recovery) });
         Ok(())
@@ -110,9 +112,10 @@ impl Core {
     }
 
     /// Returns the search from the line before a series, if a place is in its middle.
-    pub(super) fn stepped_back(&self, search: Search, refusal: &Refusal) -> Option<Search> {
+    pub(super) fn stepped_back(&self, mut search: Search, refusal: &Refusal) -> Option<Search> {
         let Refusal::Middle { place, of, from: Some(from), .. } = refusal else { return None };
         let mut recovery = search.recovery?;
+        recovery.left = search.run.take_refused_state();
         recovery.notes.push(format!("{place} is in the middle of {of}: the start is at {from}"));
         let run = self.replay(&recovery.journal, Target::Number(from.number)).ok()?;
         Some(Search { run, recovery: Some(recovery), ..search })
@@ -122,6 +125,7 @@ impl Core {
     pub(super) fn check_offsets(&self, recovery: &Recovery, found: &Found) -> Result<(), String> {
         let begin = &recovery.journal.begin;
         let now = &self.interpreter.state.numbered;
+        let left = recovery.left.as_deref().unwrap_or(&found.state);
         let known = |state: &State, index| state.numbered.get(index);
         let file = self.world.machine.parameters.iter().flat_map(|(_, file)| &file.values);
         let numbers: BTreeSet<i32> = OFFSETS.chain(file.map(|(number, _)| *number)).collect();
@@ -129,15 +133,11 @@ impl Core {
         let mut reasons: Vec<String> = numbers
             .into_iter()
             .filter(|n| {
-                let was = [known(&begin.state, *n), known(&found.state, *n)];
+                let was = [known(&begin.state, *n), known(left, *n)];
                 !was.iter().any(|was| is_same(*was, now.get(*n)))
             })
             .map(|n| {
-                format!(
-                    "parameter #{n} is {} and was {} in the job",
-                    now.get(n),
-                    known(&found.state, n)
-                )
+                format!("parameter #{n} is {} and was {} in the job", now.get(n), known(left, n))
             })
             .collect();
         let numbers = begin.tools.tools.iter().chain(&self.world.machine.tools.tools);
@@ -146,7 +146,7 @@ impl Core {
         numbers.dedup();
         for number in numbers {
             let current = self.world.machine.tools.find(number);
-            let changed = found.state.changed_tools.get(&number);
+            let changed = left.changed_tools.get(&number);
             let was = [begin.tools.find(number), changed.or_else(|| begin.tools.find(number))];
             let is_same = was.iter().any(|was| match (was, current) {
                 (Some(was), Some(now)) => {

@@ -60,14 +60,14 @@ impl Core {
     /// Follows the end of a change. A change to another tool stays open: a person must say which tool is there.
     pub(super) fn changed_tool(&mut self, tool: i32, out: &mut impl Outside) -> Result<(), String> {
         let is = out.io().tool;
-        if is != tool {
+        let Some(record) = Spindle::changed(tool, is) else {
             self.held.seen = is;
             return Err(format!("the changer was asked for tool {tool} and states tool {is}"));
-        }
+        };
         if self.world.machine.settings.random_changer {
             self.swap_pockets(tool, out)?;
         }
-        self.record(self.held.record.changed(tool, is), out)
+        self.record(record, out)
     }
 
     /// Writes the tool that the operator states.

@@ -139,25 +139,34 @@ fn an_abort_in_the_entry_leaves_the_machine_as_it_was_before() {
 }
 
 #[test]
-fn a_quill_is_drawn_back_before_the_machine_goes_over_the_place() {
-    let mut rig = Rig::on_machine("G21\nG0 X1 W-5\nG0 X2\nG0 X3\nM2\n", |machine, _| {
-        machine.settings.axes = hal_gcode::axis::AxisMask(0b1_0000_0111);
-    });
-    // The quill is farther out than at the line, and then less far.
-    for (out, wanted) in [(-9.0, ["up -5", "over -5"]), (0.0, ["up 0", "over 0"])] {
+fn a_quill_is_drawn_all_the_way_back_before_the_machine_goes_over_the_place() {
+    let quill = |high: Option<f64>| {
+        Rig::on_machine("G21\nG0 X1 W-50\nG0 X2\nG0 X3\nM2\n", |machine, rules| {
+            machine.settings.axes = hal_gcode::axis::AxisMask(0b1_0000_0111);
+            machine.limits[8] = (Some(-60.0), high);
+            rules.safe_height = Some(5.0);
+        })
+    };
+    // The quill is where it is at the line, farther out, and back.
+    for out in [-50.0, -59.0, 0.0] {
+        let mut rig = quill(Some(2.0));
         rig.fake.motion.pose[8] = out;
         rig.pass(0.1);
-        proposed(&mut rig, 4);
+        let lines = proposed(&mut rig, 4);
+        let named = "up: up to Z5.0000, quill back to W2.0000";
+        assert!(lines.iter().any(|line| line.contains(named)), "{lines:#?}");
         let shown = rig.core.shown_start().unwrap();
         let json: serde_json::Value = serde_json::from_str(&shown.json).unwrap();
         let steps = json["entry"].as_array().unwrap().iter().filter(|step| !step["to"].is_null());
-        let moves: Vec<String> = steps
-            .map(|step| format!("{} {}", step["kind"].as_str().unwrap(), step["to"][8]))
-            .map(|step| step.replace(".0", ""))
-            .collect();
-        assert_eq!(moves[..2], wanted, "{moves:?}");
-        assert_eq!(moves[2..], ["down -5"], "{moves:?}");
+        let moves: Vec<_> =
+            steps.map(|s| (s["kind"].as_str().unwrap(), s["to"][8].as_f64().unwrap())).collect();
+        assert_eq!(moves, [("up", 2.0), ("over", 2.0), ("down", -50.0)]);
     }
+    // Without a limit nobody knows how far back it goes.
+    let mut rig = quill(None);
+    proposed(&mut rig, 4);
+    let why = rig.refused(Command::Confirm(1));
+    assert!(why.contains("the quill W has no upper limit"), "{why}");
 }
 
 #[test]

@@ -216,6 +216,30 @@ fn a_job_that_was_aborted_goes_on_from_its_journal() {
 }
 
 #[test]
+fn parameters_that_a_series_has_changed_are_those_of_the_place_and_not_of_the_line_before_it() {
+    let job =
+        "G21 F100\n#100=[#100+5]\nG0 Z5\nG81 X1 Y1 Z-1 R2\n#100=[#100+1]\nX#100\nX9\nG80\nM2\n";
+    let mut rig = machine(job);
+    let file = ParameterFile::parse("100 0\n");
+    rig.core.world.machine.parameters = Some((PathBuf::new(), file));
+    rig.send(Command::Run);
+    for _ in 0..1000 {
+        rig.pass(0.01);
+        if rig.core.line() >= 6 {
+            break;
+        }
+    }
+    rig.pass(0.15);
+    rig.good(Command::Abort);
+    rig.pass(0.2);
+    assert_eq!(rig.core.interpreter.state.numbered.get(100), 6.0);
+    let shown = rig.recovered().unwrap();
+    assert!(shown.iter().any(|row| row.contains("in the middle of a series")), "{shown:#?}");
+    let (found, _) = rig.core.proposed().unwrap();
+    assert_eq!(found.state.numbered.get(100), 5.0, "the start is before the series");
+}
+
+#[test]
 fn a_machine_that_is_not_as_the_job_left_it_is_refused_by_name() {
     type Change = fn(&mut Rig, &Path);
     let changes: [(Change, &str); 8] = [

@@ -1,22 +1,25 @@
 //! Files that programs write: `LOGOPEN`, `LOGAPPEND` and `PROBEOPEN`.
 //!
-//! A program comes from anywhere, so that it may name only files in the folders of the INI file and of the program, and
-//! none that the machine needs.
+//! A program comes from anywhere, so that it may name only files in the folders of the INI file and of the program, none
+//! that is hidden, and none that the machine needs.
 
 use crate::outside::{FileAction, FileKind};
 use hal_output::Growing;
 use std::{
     collections::BTreeMap,
     fs::{File, Metadata, OpenOptions},
-    io::{Error, Write},
+    io::{Error, ErrorKind, Write},
     os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
 };
 
 /// Largest file in bytes.
 const MAX_LEN: u64 = 1 << 30;
-/// Endings of files that a machine consists of.
-const ENDINGS: [&str; 4] = ["ini", "hal", "tcl", "py"];
+/// Endings of programs, and of files that a machine consists of.
+const ENDINGS: [&str; 19] = [
+    "ngc", "nc", "tap", "gcode", "ini", "inc", "hal", "tcl", "py", "sh", "so", "comp", "tbl",
+    "var", "spindle", "journal", "ui", "glade", "xml",
+];
 
 /// The open files of a program.
 #[derive(Debug, Default)]
@@ -27,7 +30,7 @@ pub(super) struct ProgramFiles(BTreeMap<FileKind, (PathBuf, Output)>);
 pub(super) struct Bounds<'a> {
     pub(super) ini: Option<&'a Path>,
     pub(super) program: Option<&'a Path>,
-    /// Files that the task itself writes.
+    /// Files that the task itself writes, and those that the INI file names.
     pub(super) own: &'a [&'a Path],
 }
 
@@ -72,7 +75,9 @@ impl Bounds<'_> {
     /// INI file, in the program's.
     fn path(&self, name: &str) -> Result<PathBuf, String> {
         let folder = |file: Option<&Path>| -> Option<PathBuf> {
-            std::path::absolute(file?).ok()?.parent()?.canonicalize().ok()
+            let folder = std::path::absolute(file?).ok()?.parent()?.canonicalize().ok()?;
+            // All files are below the root.
+            folder.parent().is_some().then_some(folder)
         };
         let folders = [folder(self.ini), folder(self.program)];
         let base = folders.iter().flatten().next().ok_or("there is no folder for it")?;
@@ -82,11 +87,22 @@ impl Bounds<'_> {
         let parent = parent.map_err(|e| hal_output::reason(&e))?;
         // A link leads elsewhere, whatever its name says.
         let path = parent.join(&file);
-        let path = path.canonicalize().unwrap_or(path);
-        if !folders.iter().flatten().any(|folder| path.starts_with(folder)) {
+        let path = match path.canonicalize() {
+            Ok(path) => path,
+            Err(e) if e.kind() != ErrorKind::NotFound => return Err(hal_output::reason(&e)),
+            Err(_) if path.symlink_metadata().is_ok() => {
+                return Err("a link to a file that is not there".to_owned());
+            }
+            Err(_) => path,
+        };
+        let below = || folders.iter().flatten().filter_map(|folder| path.strip_prefix(folder).ok());
+        if below().next().is_none() {
             let shown: Vec<_> = folders.iter().flatten().map(|f| f.display().to_string()).collect();
             let shown = shown.join(" or ");
             return Err(format!("outside the folders of the machine and its program: {shown}"));
+        }
+        if below().all(is_hidden) {
+            return Err("hidden: its name or that of a folder begins with a dot".to_owned());
         }
         let known = std::fs::metadata(&path).ok();
         if known.as_ref().is_some_and(|known| !known.is_file()) {
@@ -115,6 +131,11 @@ impl Bounds<'_> {
         });
         runs || is_named || is_own
     }
+}
+
+/// Returns whether a part of a path begins with a dot, as the files that shells and programs read on their own.
+fn is_hidden(path: &Path) -> bool {
+    path.iter().any(|part| part.as_encoded_bytes().starts_with(b"."))
 }
 
 impl Output {
@@ -237,11 +258,22 @@ mod tests {
         std::fs::set_permissions(&code, std::fs::Permissions::from_mode(0o755)).unwrap();
         std::os::unix::fs::symlink("/etc/hostname", place.at("jobs/link.txt")).unwrap();
         std::os::unix::fs::symlink(&ini, place.at("jobs/ini.txt")).unwrap();
-        let own = [&*journal];
+        // Links to files that are not there yet.
+        for (link, to) in
+            [("out.txt", place.at("elsewhere.txt")), ("in.txt", place.at("jobs/new.txt"))]
+        {
+            std::os::unix::fs::symlink(to, place.at("jobs").join(link)).unwrap();
+        }
+        std::fs::create_dir_all(place.at("jobs/.ssh")).unwrap();
+        std::os::unix::fs::symlink(place.at("jobs/.ssh"), place.at("jobs/keys")).unwrap();
+        std::fs::write(place.at("machine/screw.txt"), "kept").unwrap();
+        let screw = place.at("machine/screw.txt");
+        let own = [&*journal, &*screw];
         let bounds = Bounds { ini: Some(&ini), program: Some(&program), own: &own };
         let shown = |name: &str| place.at(name).display().to_string();
         let mut files = ProgramFiles::default();
         let (outside, machine) = ("outside the folders of the machine", "a file of the machine");
+        let (link, hidden) = ("a link to a file that is not there", "hidden: ");
         for (name, why) in [
             ("/dev/full", outside),
             ("../other.txt", outside),
@@ -255,6 +287,15 @@ mod tests {
             ("m.journal", machine),
             ("M101", machine),
             (&shown("jobs/ini.txt"), machine),
+            (&shown("jobs/out.txt"), link),
+            (&shown("jobs/in.txt"), link),
+            (&shown("jobs/.bashrc"), hidden),
+            (&shown("jobs/.ssh/authorized_keys"), hidden),
+            (&shown("jobs/keys/authorized_keys"), hidden),
+            (".bashrc", hidden),
+            ("screw.txt", machine),
+            ("../jobs/sub.NGC", machine),
+            ("other.tbl", machine),
             (&shown("jobs/job.ngc"), machine),
             ("../jobs/../machine/m.ini", machine),
             ("../machine", "not a file"),
@@ -267,11 +308,17 @@ mod tests {
         for file in [&ini, &program, &code] {
             assert_eq!(std::fs::read_to_string(file).unwrap(), "kept");
         }
-        for name in ["a.txt", "../jobs/b.txt", &shown("jobs/c.ngc")] {
+        assert_eq!(std::fs::read_to_string(&screw).unwrap(), "kept");
+        assert!(!place.at("elsewhere.txt").exists() && !place.at("jobs/new.txt").exists());
+        for name in ["a.txt", "../jobs/b.txt", &shown("jobs/c.csv")] {
             files.act(&log(name, false), bounds).unwrap();
         }
         assert!(place.at("machine/a.txt").exists() && place.at("jobs/b.txt").exists());
         let nowhere = Bounds { ini: None, program: None, own: &[] };
         assert!(files.act(&log("a.txt", false), nowhere).unwrap_err().contains("no folder"));
+        // A program in the root folder does not open the whole disk.
+        let root = Bounds { ini: Some(&ini), program: Some(Path::new("/job.ngc")), own: &[] };
+        let why = files.act(&log("/tmp/a.txt", false), root).unwrap_err();
+        assert!(why.contains(outside), "{why}");
     }
 }

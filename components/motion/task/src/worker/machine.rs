@@ -181,7 +181,7 @@ impl Machine {
 
     /// Keeps others from moving while a job runs; a paused one lets an operator jog.
     pub(super) fn claim(&mut self, core: &Core) {
-        let wanted = core.is_busy() && core.interpreting() != Interpreting::Paused;
+        let wanted = core.has_work() && core.interpreting() != Interpreting::Paused;
         if wanted != self.claimed
             && let Some(token) = self.token()
         {
@@ -324,7 +324,8 @@ impl Outside for Machine {
         let parameters = files.parameters.as_ref().map(|(path, _)| path);
         let own =
             [parameters, files.table.as_ref(), files.spindle.as_ref(), files.journal.as_ref()];
-        let own: Vec<&Path> = own.into_iter().flatten().map(PathBuf::as_path).collect();
+        let own = own.into_iter().flatten().chain(&files.named);
+        let own: Vec<&Path> = own.map(PathBuf::as_path).collect();
         self.program_files.act(action, Bounds { ini: files.ini.as_deref(), program, own: &own })
     }
 

@@ -127,7 +127,8 @@ impl World {
                 match end {
                     Some(End::Changed) => {
                         let Spindle::Changing { to, .. } = self.disk else { panic!("{self:?}") };
-                        next.disk = self.disk.changed(to, next.changer.spindle().number);
+                        let is = next.changer.spindle().number;
+                        next.disk = Spindle::changed(to, is).unwrap_or(self.disk);
                     }
                     Some(End::Failed(why)) => result = Err(why),
                     Some(End::Prepared) | None => {}

@@ -87,6 +87,7 @@ impl Proposal {
             "g92_offset": offset(frame.g92),
             "tool_offset": offset(frame.tool),
             "user_codes": effects.user_codes.known,
+            "more_user_codes": effects.user_codes.more,
             "notes": notes,
             "entry": steps,
             "not_ready": self.entry.as_ref().err(),
@@ -104,7 +105,7 @@ fn missing(effects: &Effects) -> Vec<String> {
         .map(|(code, line)| format!("M{code} of line {line} is not run again"))
         .collect();
     if codes.more {
-        out.push("nor are more user codes before the line".to_owned());
+        out.push("more user codes before the line are not run again".to_owned());
     }
     let files = [("log", &effects.log), ("probe", &effects.probe)];
     for (kind, name) in files.into_iter().filter_map(|(kind, n)| n.as_ref().map(|n| (kind, n))) {
