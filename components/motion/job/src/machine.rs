@@ -191,7 +191,8 @@ impl Machine {
         Ok(())
     }
 
-    /// Takes the travel of an axis from `[AXIS_X]`, or from `[AXIS_0]` of the old kind of file.
+    /// Takes the travel of an axis from `[AXIS_X]`, or from `[AXIS_0]` of the old kind of file. With trivial kinematics
+    /// that of its joint counts, too: the narrower one.
     fn axis(&mut self, ini: &Ini, axis: Axis, letters: &[Axis]) -> Result<(), String> {
         let letter = axis.letter().to_ascii_uppercase();
         let joint = letters.iter().position(|a| *a == axis);
@@ -201,7 +202,18 @@ impl Machine {
         };
         let k = if axis.is_rotary() { 1.0 } else { self.settings.unit.millimetres() };
         let value = |name: &str| number(ini, &section, name).map(|n| n.map(|n| n * k));
-        let limit = (value("MIN_LIMIT")?, value("MAX_LIMIT")?);
+        let mut limit = (value("MIN_LIMIT")?, value("MAX_LIMIT")?);
+        if self.kinematics.is_none() && !ini.is_old() {
+            let joints = letters.iter().enumerate().filter(|(_, a)| **a == axis);
+            for section in joints.map(|(n, _)| format!("JOINT_{n}")) {
+                let value = |name: &str| number(ini, &section, name).map(|n| n.map(|n| n * k));
+                let narrower = |a: Option<f64>, b: Option<f64>, pick: fn(f64, f64) -> f64| {
+                    a.zip(b).map(|(a, b)| pick(a, b)).or(a).or(b)
+                };
+                limit.0 = narrower(limit.0, value("MIN_LIMIT")?, f64::max);
+                limit.1 = narrower(limit.1, value("MAX_LIMIT")?, f64::min);
+            }
+        }
         if let Some(slot) = self.limits.get_mut(usize::from(axis.index())) {
             *slot = limit;
         }

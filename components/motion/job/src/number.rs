@@ -73,6 +73,14 @@ mod tests {
         }
         let machine = read("[AXIS_X]\nMIN_LIMIT = -10 to the left\nMAX_LIMIT =\n").ok().unwrap();
         assert_eq!(machine.limits[0], (Some(-10.0), None));
+        // With trivial kinematics, a joint's travel is that of its axis; the narrower one counts.
+        let joints = "[TRAJ]\nCOORDINATES = XYY\n[AXIS_Y]\nMAX_LIMIT = 50\n[JOINT_0]\nMIN_LIMIT = -1\nMAX_LIMIT = 2\n\
+            [JOINT_1]\nMAX_LIMIT = 60\n[JOINT_2]\nMIN_LIMIT = -3\nMAX_LIMIT = 40\n";
+        let machine = read(joints).ok().unwrap();
+        assert_eq!(machine.limits[..2], [(Some(-1.0), Some(2.0)), (Some(-3.0), Some(40.0))]);
+        let other = format!("[KINS]\nKINEMATICS = armkins\n{joints}");
+        let machine = read(&other).ok().unwrap();
+        assert_eq!(machine.limits[..2], [(None, None), (None, Some(50.0))]);
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -112,9 +112,11 @@ class command:
         self._send("task.open", "file=" + file)
 
     def auto(self, what, line=0):
-        """auto(AUTO_RUN, LINE) or auto(AUTO_PAUSE | AUTO_RESUME | AUTO_STEP | AUTO_REVERSE | AUTO_FORWARD)."""
+        """auto(AUTO_RUN) or auto(AUTO_PAUSE | AUTO_RESUME | AUTO_STEP | AUTO_REVERSE | AUTO_FORWARD)."""
         if what == AUTO_RUN:
-            self._send("task.run", *(["from=%d" % line] if line > 1 else []))
+            if line > 1:
+                raise ValueError("AUTO_RUN begins at the first line; task.run-from and task.confirm begin at another")
+            self._send("task.run")
             return
         commands = {AUTO_PAUSE: "task.pause", AUTO_RESUME: "task.resume", AUTO_STEP: "task.step",
                     AUTO_REVERSE: "motion.reverse", AUTO_FORWARD: "motion.forward"}
