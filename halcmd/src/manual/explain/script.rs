@@ -106,10 +106,11 @@ pub(super) const ROWS: &[Explanation] = &[
     },
     Explanation {
         code: Code::NotSupported,
-        means: "Ferrule does not do this: Tcl files, and TWOPASS.",
+        means: "Ferrule does not do this: Tcl files, TWOPASS, and other modules for homing or the \
+                trajectory planner.",
         matters: "halrun refuses the machine.",
         remedy: "Write the Tcl file as a .hal file; name each module in one loadrt line and take \
-                 TWOPASS out.",
+                 TWOPASS out; take HOMEMOD and TPMOD out.",
         wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nTWOPASS = on\n# <--\n\
                 HALFILE = m.hal\n",
         right: "net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\

@@ -10,6 +10,7 @@ use std::{ffi::OsString, path::Path};
 
 const TCL: &str = "write it as a .hal file";
 const TWOPASS: &str = "name each module in one loadrt line and take TWOPASS out";
+const BUILT_IN: &str = "homing and the trajectory planner are part of motmod: take the entry out";
 const BAR: &str = "write what it does into a subroutine and call that: O<name> CALL";
 const NO_LINE: &str = "write a line of MDI, or take the entry out";
 
@@ -18,6 +19,16 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
     if let Some(entry) = ini.all("HAL", "TWOPASS").find(|e| !e.value.is_empty()) {
         let what = format!("{}:{}: [HAL]TWOPASS", entry.file, entry.line).into();
         return Err(Error::NotYet { what, instead: TWOPASS });
+    }
+    for (section, name, usual) in [("EMCMOT", "HOMEMOD", "homemod"), ("TRAJ", "TPMOD", "tpmod")] {
+        for entry in ini.all(section, name) {
+            let module = entry.value.split_whitespace().next().unwrap_or(usual);
+            if module != usual {
+                let at = format!("{}:{}", entry.file, entry.line);
+                let what = format!("{at}: [{section}]{name} '{module}'").into();
+                return Err(Error::NotYet { what, instead: BUILT_IN });
+            }
+        }
     }
     for entry in ini.all("HAL", "HALFILE").chain(ini.all("HAL", "POSTGUI_HALFILE")) {
         let name = entry.value.split_whitespace().next().unwrap_or_default();
@@ -436,6 +447,8 @@ mod tests {
     fn what_cannot_be_done_is_refused_by_name() {
         for (text, want) in [
             ("[HAL]\nTWOPASS = on\n", "m.ini:2: [HAL]TWOPASS is not supported; "),
+            ("[EMCMOT]\nHOMEMOD = x y\n", "m.ini:2: [EMCMOT]HOMEMOD 'x' is not supported; "),
+            ("[TRAJ]\nTPMOD = mine\n", "m.ini:2: [TRAJ]TPMOD 'mine' is not supported; "),
             ("[HAL]\nHALFILE = a.tcl x y\n", "m.ini:2: Tcl file 'a.tcl' is not supported; "),
             ("[HAL]\nSTUCK_TIME = 5\n", "m.ini:2: [HAL]STUCK_TIME '5': it is a number and "),
             ("[HAL]\nPOSTGUI_HALFILE = b.tcl\n", "m.ini:2: Tcl file 'b.tcl' is not supported; "),
@@ -452,7 +465,12 @@ mod tests {
             let error = refuse(&ini).unwrap_err().whole();
             assert!(error.starts_with(want), "{error}");
         }
-        for good in ["[HAL]\nTWOPASS =\nHALFILE = a.hal\n", "[HALUI]\nMDI_COMMAND = a|b\n"] {
+        for good in [
+            "[HAL]\nTWOPASS =\nHALFILE = a.hal\n",
+            "[HALUI]\nMDI_COMMAND = a|b\n",
+            "[EMCMOT]\nHOMEMOD = homemod\n[TRAJ]\nTPMOD = tpmod\n",
+            "[EMCMOT]\nHOMEMOD =\n",
+        ] {
             assert_eq!(refuse(&Ini::parse("m", good.as_bytes()).unwrap()), Ok(()), "{good}");
         }
     }
