@@ -16,6 +16,7 @@ pub mod faults;
 pub mod foreign;
 pub mod fuzz;
 pub mod golden;
+mod guard;
 pub mod imports;
 pub mod judge;
 pub mod machine;

@@ -1,6 +1,6 @@
 //! A folder for each test: its programs run there, and no instance sees another one.
 
-use crate::programs::programs;
+use crate::{guard, programs::programs};
 use rustix::{
     process::{Pid, Signal},
     thread::nanosleep,
@@ -39,7 +39,7 @@ pub struct Output {
     pub status: Option<i32>,
 }
 
-/// A running program. It is killed if the test drops it.
+/// A running program. It is killed if the test drops it, and if the test is killed.
 #[derive(Debug)]
 pub struct Running {
     child: Child,
@@ -126,7 +126,9 @@ impl Scratch {
         // Files, because a pipe would stay open in processes that the program leaves behind.
         let file = |name| Stdio::from(File::create(said.join(name)).unwrap());
         let child = command.stdout(file("out")).stderr(file("err")).spawn();
-        Running { child: child.unwrap_or_else(|e| panic!("{command:?}: {e}")), said }
+        let child = child.unwrap_or_else(|e| panic!("{command:?}: {e}"));
+        guard::note('+', child.id());
+        Running { child, said }
     }
 
     /// Runs a program to its end.
@@ -219,6 +221,7 @@ impl Drop for Running {
             drop(self.child.kill());
             drop(self.child.wait());
         }
+        guard::note('-', self.child.id());
     }
 }
 
