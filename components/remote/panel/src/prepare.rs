@@ -103,7 +103,7 @@ fn wire(pins: &[ItemInfo], from: &str, signal: &str, to: &str) -> Result<Option<
         (Some(a), Some(b)) if reaches(pins, &a, &b, to) => Ok(None),
         _ => Err(format!(
             "{to} is linked, and {from} does not reach it: join both in the machine's HAL file, as \
-             with loadrt or2, before halpanel is started"
+             with loadrt or2"
         )),
     }
 }

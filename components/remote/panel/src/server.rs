@@ -72,6 +72,8 @@ pub(crate) struct Panel {
     pub(crate) programs: Option<PathBuf>,
     /// Kept while a program's geometry is read: one after the other.
     pub(crate) reading: Mutex<()>,
+    /// Kept while a tool change is answered: the button is linked for one answer.
+    pub(crate) pressing: Mutex<()>,
     /// Description of the machine.
     pub(crate) info: Map<String, Json>,
     /// File with the address and the one-time token.
@@ -130,6 +132,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             audit,
             programs,
             reading: Mutex::default(),
+            pressing: Mutex::default(),
             info,
             address_file: options.address_file.clone().unwrap_or_else(|| beside("url")),
         });

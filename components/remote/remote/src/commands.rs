@@ -73,7 +73,7 @@ With release it first ends the hold of a program: both, or neither.",
     },
     Row {
         name: "remote.tool-changed",
-        doc: "Answers a tool change: presses the button at remote.tool-changed for 0.2 s.",
+        doc: "Answers a tool change: presses the button at remote.tool-changed for 0.2 s, or until remote.tool-change falls.",
         args: &[&LEASE],
         run: |keeper, call| keeper.tool_changed(lease(call)),
     },

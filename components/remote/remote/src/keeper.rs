@@ -13,14 +13,17 @@ use std::sync::{
 
 /// Longest time from the command that starts a program to its start, in nanoseconds.
 const START_NS: i64 = 2_000_000_000;
-/// Time for which the answer to a tool change is TRUE, in nanoseconds: as long as a person presses a button.
+/// Longest time for which the answer to a tool change is TRUE, in nanoseconds: as long as a person presses a button.
 const PRESS_NS: i64 = 200_000_000;
+/// Time for which an abort lasts and then rests, in nanoseconds: the task acts on its edges.
+const ABORT_NS: i64 = 100_000_000;
 
 /// Pins between the task and remote work.
 #[derive(Debug, Touch)]
 pub(crate) struct Pins {
     job: In<bool>,
     abort: Out<bool>,
+    tool_change: In<bool>,
     tool_changed: Out<bool>,
 }
 
@@ -31,8 +34,13 @@ impl Pins {
             job: b.item("remote.job", item, false)?,
             abort: b.item(
                 "remote.abort",
-                "TRUE while a lost lease ends a job; linked to task.abort.",
+                "Rises again and again while a lost lease ends a job; linked to task.abort.",
                 false,
+            )?,
+            tool_change: b.item(
+                "remote.tool-change",
+                "FALSE releases the button; linked to the request of the tool change.",
+                true,
             )?,
             tool_changed: b.item(
                 "remote.tool-changed",
@@ -79,8 +87,12 @@ pub(crate) struct Keeper {
     aborts: bool,
     jogs: Vec<Jog>,
     job: Job,
-    /// True after the lease of the job was lost: homing that begins later ends too.
+    /// True after the lease of the job was lost: what begins later ends too.
     orphaned: bool,
+    /// True while the abort of an orphaned job lasts, false while it rests.
+    ends: bool,
+    /// Machine time at which the abort changes.
+    ends_next: i64,
 }
 
 impl Keeper {
@@ -106,6 +118,8 @@ impl Keeper {
             jogs,
             job: Job::None,
             orphaned: false,
+            ends: false,
+            ends_next: 0,
         }
     }
 
@@ -185,6 +199,11 @@ impl Keeper {
     pub(crate) fn start(&mut self, number: u32, release: bool) -> Result<(), Error> {
         self.check(number)?;
         self.check_allowed()?;
+        if self.orphaned && self.aborts {
+            return Err(Error::new(
+                "the job of a lost lease is being aborted: wait until it has ended",
+            ));
+        }
         if self.lease.hold.load(Relaxed) && !release {
             return Err(Error::new(
                 "a program is held since the lease was lost: remote.release ends that",
@@ -238,7 +257,7 @@ impl Keeper {
             return Err(Error::new("remote.allow-motion is FALSE: the hold lasts"));
         }
         self.lease.hold.store(false, Relaxed);
-        self.orphaned = false;
+        self.orphaned &= self.aborts;
         Ok(())
     }
 
@@ -263,21 +282,29 @@ impl Keeper {
             }
             self.orphaned = self.job != Job::None;
         }
-        // Homing may begin later: it waits in a queue.
-        let ends = self.orphaned && (self.aborts || status.homing);
-        if ends {
-            self.send(motion_kind::ABORT);
-            // The task ends the job where nothing moves, as in a pause.
-            self.pins.abort.set(self.aborts);
-            self.orphaned = false;
-        }
+        self.end_orphan(&status);
         self.follow_job(&status);
-        if !ends && (self.job == Job::None || !self.pins.job.get()) {
-            self.pins.abort.set(false);
-        }
-        if self.clock.now_ns() >= self.pressed_until {
+        if self.clock.now_ns() >= self.pressed_until || !self.pins.tool_change.get() {
             self.pins.tool_changed.set(false);
         }
+    }
+
+    /// Ends a job without a lease. Homing and the job may begin later: they wait in queues, where an abort misses them.
+    fn end_orphan(&mut self, status: &MotionStatus) {
+        let now = self.clock.now_ns();
+        let works = self.pins.job.get() || status.claimed || status.queue != 0;
+        if !(self.orphaned && (status.homing || self.aborts && works)) {
+            self.ends = false;
+            self.ends_next = now;
+        } else if self.ends_next <= now {
+            self.ends = !self.ends;
+            self.ends_next = now + ABORT_NS;
+            if self.ends {
+                self.send(motion_kind::ABORT);
+            }
+        }
+        // The task ends the job where nothing moves, as in a pause.
+        self.pins.abort.set(self.ends && self.aborts);
     }
 
     fn follow_jogs(&mut self, status: &MotionStatus) {

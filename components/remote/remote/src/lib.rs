@@ -46,7 +46,8 @@ effects, and refuses new jogs.
 
 `jog-stop` is linked to `motion.jog-stop`, and `hold` to `motion.feed-inhibit`. A program that is paused
 moves nothing: `job`, linked to `task.job`, shows that it has not ended, and `abort`, linked to `task.abort`,
-ends it. `tool-changed` is linked to the button that answers a tool change.
+ends it. `tool-changed` is linked to the button that answers a tool change while it is pressed, and `tool-change`
+to the request, with whose end the press ends.
 
 # Example
 

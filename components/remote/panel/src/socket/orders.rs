@@ -10,7 +10,7 @@ use crate::{
     session::Session,
     values,
 };
-use hal_protocol::{Kind, Reply, Request, TicketInfo};
+use hal_protocol::{Kind, Reply, Request, TicketInfo, Value};
 use serde_json::{Value as Json, json};
 use std::{
     pin::Pin,
@@ -43,6 +43,8 @@ const ENDS: &[&str] = &["abort", "estop", "off", "pause"];
 const PAUSED: u64 = 2;
 /// Longest name of a command in the audit log, in characters.
 const MAX_NAME: usize = 64;
+/// Request of a tool change, and the pin of the plugin that reads it.
+const TOOL_CHANGE: (&str, &str) = ("hal_manualtoolchange.change", "remote.tool-change");
 /// Pin of the plugin that answers a tool change (its command has the same name), with the signal and the button.
 const TOOL_CHANGED: (&str, &str, &str) =
     ("remote.tool-changed", "remote-tool-changed", "hal_manualtoolchange.change_button");
@@ -243,23 +245,44 @@ impl Order {
     /// Presses the button of the tool change. The plugin releases it, whatever becomes of this program.
     async fn tool_changed(&self, lease: u64) -> Result<Json, Error> {
         let engine = &self.panel.engine;
-        let change = "hal_manualtoolchange.change".to_owned();
-        let values = values::read(engine, std::slice::from_ref(&change)).await?;
-        if values.get(&change) != Some(&json!({ "bit": true })) {
+        let pressing = self.panel.pressing.lock().await;
+        let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
+        let Reply::Items(pins) = engine.call(list).await? else {
+            return Err(Error::new(Code::Refused, "the engine lists no pins"));
+        };
+        let pin = |name: &str| pins.iter().find(|pin| pin.name == name);
+        let request = pin(TOOL_CHANGE.0).filter(|pin| pin.value == Value::Bit(true));
+        let Some(request) = request else {
             // A press now would answer the next change, before its tool is there.
             return Err(Error::new(Code::Conflict, "no tool change waits for its answer"));
-        }
+        };
         // The program that asks for the tool may have joined after this one.
-        let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
-        if let Reply::Items(pins) = engine.call(list).await? {
-            let link = prepare::join(&pins, TOOL_CHANGED);
-            if let Some(link) = link.map_err(|why| Error::new(Code::Refused, why))? {
-                engine.call(link).await?;
-            }
+        if let Some(signal) = request.signal.clone()
+            && pin(TOOL_CHANGE.1).is_some_and(|pin| pin.signal.is_none())
+        {
+            engine.call(Request::Net { signal, pins: vec![TOOL_CHANGE.1.to_owned()] }).await?;
+        }
+        let link = prepare::join(&pins, TOOL_CHANGED);
+        let link = link.map_err(|why| Error::new(Code::Refused, why))?;
+        let is_linked_here = link.is_some();
+        if let Some(link) = link {
+            engine.call(link).await?;
         }
         let args = vec![format!("lease={lease}")];
-        engine.call(Request::Command { name: TOOL_CHANGED.0.to_owned(), args }).await?;
-        Ok(json!({ "lines": [] }))
+        let pressed = Request::Command { name: TOOL_CHANGED.0.to_owned(), args };
+        let pressed = engine.call(pressed).await.map(|_| json!({ "lines": [] }));
+        if is_linked_here {
+            // A person at the machine may set the button too.
+            let button = TOOL_CHANGED.0.to_owned();
+            while values::read(engine, std::slice::from_ref(&button)).await?.get(&button)
+                == Some(&json!({ "bit": true }))
+            {
+                sleep(LOOK).await;
+            }
+            engine.call(Request::Unlink { pin: TOOL_CHANGED.2.to_owned() }).await?;
+        }
+        drop(pressing);
+        pressed
     }
 }
 

@@ -42,6 +42,17 @@ impl Rig {
         self.cycles(2500);
     }
 
+    /// Returns how often the abort rises within so many cycles.
+    fn aborts(&mut self, cycles: usize) -> usize {
+        let mut was = self.is("abort");
+        let rises = (0..cycles).filter(|_| {
+            self.cycles(1);
+            let before = core::mem::replace(&mut was, self.is("abort"));
+            was && !before
+        });
+        rises.count()
+    }
+
     fn ends_lease(&mut self, how: &str) {
         match how {
             "give" => drop(self.command("remote.give", "lease=1").unwrap()),
@@ -189,7 +200,7 @@ fn a_job_that_rests_in_a_pause_has_not_ended() {
         rig.rests();
         rig.ends_lease("give");
         assert_eq!(rig.is("hold"), on_loss != "continue", "{on_loss}");
-        assert_eq!(rig.is("abort"), on_loss == "abort", "{on_loss}");
+        assert_eq!(rig.aborts(400), if on_loss == "abort" { 2 } else { 0 }, "{on_loss}");
         // The next part of the program, which somebody resumes at the machine.
         if on_loss != "abort" {
             let at = rig.at(0);
@@ -206,6 +217,41 @@ fn a_job_that_rests_in_a_pause_has_not_ended() {
         rig.cycles(500);
         assert!(!rig.is("hold") && !rig.is("abort"), "{on_loss}");
     }
+}
+
+#[test]
+fn a_job_that_begins_after_the_end_of_its_lease_is_aborted_too() {
+    let mut rig = Rig::homed(&["on_loss=abort"]);
+    rig.command("remote.start", "lease=1").unwrap();
+    rig.command("remote.give", "lease=1").unwrap();
+    assert_eq!(rig.aborts(100), 0, "nothing to abort yet");
+    // Neither a release nor the next lease keeps it.
+    rig.command("remote.release", "").unwrap();
+    rig.command("remote.take", "holder=eva").unwrap();
+    let refused = rig.command("remote.start", "lease=2 release=TRUE").unwrap_err();
+    assert!(refused.contains("is being aborted"), "{refused}");
+    rig.bench.set("remote.job", true);
+    assert_eq!(rig.aborts(100), 1);
+    rig.bench.set("remote.job", false);
+    rig.cycles(20);
+    assert!(!rig.is("abort"));
+    rig.command("remote.start", "lease=2").unwrap();
+    rig.bench.set("remote.job", true);
+    assert_eq!(rig.aborts(500), 0, "a job of the next lease");
+}
+
+#[test]
+fn an_answer_to_a_tool_change_ends_with_the_request() {
+    let mut rig = Rig::leased(&[]);
+    rig.command("remote.tool-changed", "lease=1").unwrap();
+    rig.cycles(50);
+    assert!(rig.is("tool-changed"));
+    rig.bench.set("remote.tool-change", false);
+    rig.cycles(10);
+    // The next request finds no answer.
+    rig.bench.set("remote.tool-change", true);
+    rig.cycles(10);
+    assert!(!rig.is("tool-changed"));
 }
 
 #[test]
