@@ -6,6 +6,7 @@ mod advice;
 mod allow;
 mod arrows;
 mod collect;
+mod converter;
 mod entries;
 mod joints;
 mod refused;

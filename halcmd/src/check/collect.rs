@@ -1,6 +1,8 @@
 //! Collected and sorted findings.
 
-use super::{advice, allow::Allowed, arrows, entries, joints, refused, texts::Texts, unused};
+use super::{
+    advice, allow::Allowed, arrows, converter, entries, joints, refused, texts::Texts, unused,
+};
 use crate::{Error, session::dry_run::DryRun};
 use hal_protocol::{At, Code, Failure, Finding, Kind, Link, Reply, Request};
 use std::{collections::BTreeSet, path::PathBuf};
@@ -102,6 +104,7 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
         .map(|f| f.subject.clone())
         .collect();
     findings.retain(|f| f.code != Code::IniUnused || !misplaced.contains(&f.subject));
+    converter::advise(findings, dry_run);
     advice::improve(findings, dry_run);
 }
 

@@ -9,6 +9,12 @@ impl Error {
         match self {
             Self::Engine(failure) => failure.hint.clone(),
             Self::NoIniVariable { hint, .. } => Some(hint.to_string()),
+            Self::NoHelp { word, near: None } if word.contains('.') => {
+                Some(
+                    "commands of a component are known while it is loaded; 'halcmd man COMPONENT' describes them"
+                        .to_owned(),
+                )
+            }
             Self::UnknownCommand { near, .. }
             | Self::NoHelp { near, .. }
             | Self::NoCode { near, .. }

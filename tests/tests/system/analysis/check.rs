@@ -101,15 +101,10 @@ fn the_annex_as_printed_is_wrong_where_its_lines_are_broken() {
     golden("annex-e/expected-printed", &output.stdout);
 }
 
-/// Every wiring of an e-stop, each in a file of `tests/check/estop` whose first lines describe it: the errors and
-/// warnings of all of them.
-#[test]
-fn the_wiring_of_an_estop() {
-    let scratch = Scratch::new("estop");
-    if compile(scratch.path(), "some", &component("", "", ""), &[]).is_none() {
-        return;
-    }
-    let folder = root().join("tests/check/estop");
+/// Checks each file of a folder of `tests/check`, whose first lines describe it. Returns the errors and warnings of all of
+/// them, with their remedies if asked.
+fn checked(folder: &str, with_remedies: bool) -> String {
+    let folder = root().join("tests/check").join(folder);
     let files = std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().path());
     let mut files: Vec<_> = files.filter(|f| f.extension().is_some_and(|e| e == "hal")).collect();
     files.sort();
@@ -117,15 +112,32 @@ fn the_wiring_of_an_estop() {
     for file in files {
         let text = std::fs::read_to_string(&file).unwrap();
         let name = file.file_stem().unwrap().to_string_lossy();
-        let (_, found) = Planted::parse(&text).check(&format!("estop-{name}"));
+        let (_, found) = Planted::parse(&text).check(&format!("check-{name}"));
         let shows = text.lines().next().unwrap_or_default().trim_start_matches("# ");
         writeln!(got, "{name}: {shows}").unwrap();
         for f in found.iter().filter(|f| f.level > Level::Note) {
             let at = f.at.as_ref().map_or(0, |at| at.line);
             writeln!(got, "    {}: {at}: {}", f.code, f.text).unwrap();
+            if with_remedies {
+                writeln!(got, "        do: {}", f.remedy).unwrap();
+            }
         }
     }
-    golden("estop/expected", &got);
+    got
+}
+
+#[test]
+fn the_wiring_of_an_estop() {
+    let scratch = Scratch::new("estop");
+    if compile(scratch.path(), "some", &component("", "", ""), &[]).is_none() {
+        return;
+    }
+    golden("estop/expected", &checked("estop", false));
+}
+
+#[test]
+fn remedies_name_what_ends_the_fault() {
+    golden("remedies/expected", &checked("remedies", true));
 }
 
 #[test]
@@ -143,7 +155,6 @@ fn the_machines_of_the_project_have_no_warning() {
 /// Function that a machine runs although nothing uses its pins.
 const WITHOUT_USE: &str = "addf viagpio.read base-thread";
 
-/// Each machine, once for each of its `addf` lines, without that line: an error or a warning.
 /// Returns the text of a machine's file, and of the files that it includes.
 fn entries_of(machine: &Path) -> String {
     let text = std::fs::read_to_string(machine).unwrap();
@@ -152,6 +163,7 @@ fn entries_of(machine: &Path) -> String {
     text + &included
 }
 
+/// Each machine, once for each of its `addf` lines, without that line: an error or a warning.
 #[test]
 fn every_function_is_missed_when_it_is_not_added() {
     let mut without: Vec<(PathBuf, String, usize)> = Vec::new();

@@ -94,6 +94,25 @@ fn verbose_says_which_value_was_set() {
     assert!(stdout.contains("No help for unknown command 'and2.nothing'"), "{stdout}");
 }
 
+/// Scripts of users of LinuxCNC search the output of `status` for `lock`.
+#[test]
+fn status_says_lock_only_in_the_lines_of_locks() {
+    let scratch = machine();
+    scratch.write("s.hal", format!("{MACHINE}status\n"));
+    for clock in ["--virtual", "--simulate"] {
+        let (stdout, stderr, _) = run(&scratch, &["halrun", clock, "-f", "s.hal"]);
+        let found: Vec<&str> =
+            stdout.lines().filter(|l| l.to_lowercase().contains("lock")).collect();
+        let want = [
+            "HAL locking status:",
+            "  current lock value 0 (00)",
+            "  HAL_LOCK_NONE - nothing is locked",
+        ];
+        assert_eq!(found, want, "{clock}: {stderr}");
+        assert!(stdout.contains("HAL instance status"), "{clock}: {stdout}");
+    }
+}
+
 #[test]
 fn help_explains_a_command_of_a_component() {
     let scratch = Scratch::new("first-help");
@@ -101,6 +120,11 @@ fn help_explains_a_command_of_a_component() {
     let (stdout, stderr, status) = run(&scratch, &["halrun", "--virtual", "-f", "m.hal"]);
     assert_eq!((stderr.as_str(), status), ("", Some(0)));
     assert!(stdout.starts_with("Commands:\niocontrol.estop"), "{stdout}");
+    let output = scratch.halcmd(&["help", "iocontrol.estop"]);
+    let want = "No help for unknown command 'iocontrol.estop'; commands of a component are known while it is loaded";
+    assert!((output.stdout.clone() + &output.stderr).contains(want), "{output:?}");
+    let output = scratch.halcmd(&["help", "nonsense"]);
+    assert!(!(output.stdout.clone() + &output.stderr).contains("component"), "{output:?}");
 }
 
 #[test]
