@@ -90,6 +90,9 @@ fn entries(findings: &mut [Finding], dry_run: &DryRun) {
             for (section, name) in names {
                 let Some(entry) = ini.all(section, name).next() else { continue };
                 let at = At::new(&entry.file, entry.line);
+                if finding.code == Code::WrongWords && entry.value.trim().is_empty() {
+                    finding.remedy = format!("[{section}]{name} is empty: give it a value");
+                }
                 if finding.at.as_ref() != Some(&at) && finding.related.iter().all(|r| r.at != at) {
                     let text = format!("[{section}]{name} = {}", entry.value);
                     relate(finding, &at, text);

@@ -12,7 +12,7 @@ pub(super) fn setp(s: &Source<'_>, n: usize, words: &[&str]) -> Vec<Mutant> {
         s.replace("setp: pin misspelt", n, &line(&misspelt(pin), value)).cured([pin]),
         s.replace("setp without a value", n, &format!("setp {pin}")).cured(["value", "VALUE"]),
         s.replace("setp: a word for a number", n, &line(pin, "fast"))
-            .cured(["number", "1 or 0", "TRUE", "value", "whole"]),
+            .cured(["number", "integer", "1 or 0", "TRUE", "value"]),
     ];
     let mut twice = s.replace("setp twice with another value", n, &s.lines[n]);
     twice.lines.insert(n + 1, line(pin, if value == "2" || value == "TRUE" { "0" } else { "2" }));

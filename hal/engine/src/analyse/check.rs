@@ -3,6 +3,7 @@
 mod components;
 mod earlier;
 mod estop;
+mod exchanged;
 mod flow;
 mod functs;
 mod halves;
@@ -45,6 +46,7 @@ impl Engine {
         look.inputs();
         look.halves();
         look.sisters();
+        look.exchanged();
         look.flow(&self.order());
         look.found
     }

@@ -53,8 +53,8 @@ pub(super) const ROWS: &[Explanation] = &[
     },
     Explanation {
         code: Code::FastInSlow,
-        means: "The function makes pulses or watches edges, which belongs in the fastest thread, \
-                and it is in a slower one.",
+        means: "The function makes pulses, watches edges or passes pulses on, which belongs in the \
+                fastest thread, and it is in a slower one.",
         matters: "Steps come with the slow period: far fewer of them, and edges are missed.",
         remedy: "Add it to the fastest thread.",
         wrong: "loadrt threads name1=base period1=100000 name2=servo period2=1000000\n\

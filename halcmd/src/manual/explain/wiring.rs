@@ -87,8 +87,9 @@ pub(super) const ROWS: &[Explanation] = &[
     },
     Explanation {
         code: Code::Crossed,
-        means: "A joint gets its feedback from another channel than the one that it commands, or one \
-                of several signals with the same beginning goes to another channel than the rest.",
+        means: "A joint gets its feedback from another channel than the one that it commands, one of \
+                several signals with the same beginning goes to another channel than the rest, or two \
+                channels each read a signal of one axis and write one of the other.",
         matters: "Two motors follow each other's commands, or a following error stops both.",
         remedy: "Exchange the two.",
         wrong: joints!(

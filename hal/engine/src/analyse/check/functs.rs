@@ -17,6 +17,7 @@ impl Look<'_> {
             if self.graph.is_in_use(funct) {
                 self.fast_in_slow(funct);
                 self.slow_outputs(funct);
+                self.slow_between(funct);
                 self.slow_in_fast(funct);
             } else if !self.never_added(funct) {
                 self.nothing_handed_over(funct);
@@ -42,7 +43,8 @@ impl Look<'_> {
             None => ("set", self.set_at(item)),
         };
         let pin = self.shown(item);
-        let fast = self.graph.funct(funct).is_some_and(|f| f.fast);
+        let is_fast = self.graph.funct(funct).is_some_and(|f| f.fast);
+        let fast = is_fast || self.is_among_fast(funct);
         let thread = self.thread_for(fast).unwrap_or("THREAD");
         let text = format!("no thread runs '{name}', and '{pin}' is {used}");
         let at = at.or_else(|| self.loaded_at(funct));
@@ -152,6 +154,70 @@ impl Look<'_> {
             );
             return;
         }
+    }
+
+    /// Reports a function of bits alone that passes pulses on in a slow thread, from and to functions of a faster one.
+    fn slow_between(&mut self, funct: Ix) {
+        let owner = self.graph.owner_of(funct).and_then(|ix| self.graph.component(ix));
+        let Some(thread) = self.graph.threads_of(funct).first().copied() else { return };
+        let (reads, writes) = self.touched(funct);
+        let is_number = |ix: &Ix| self.graph.item(*ix).is_some_and(|i| i.ty != Type::Bit);
+        if owner.is_none_or(is_driver) || reads.iter().chain(&writes).any(is_number) {
+            return;
+        }
+        let own = self.period(thread);
+        let makes_pulses = |f: Ix| self.graph.funct(f).is_some_and(|f| f.fast);
+        let before = self.bits_from(funct, own).into_iter().find(|f| makes_pulses(*f));
+        let after = self.bits_to(funct).into_iter().find(|(_, t)| self.period(*t) < own);
+        let (Some(before), Some((after, faster))) = (before, after) else { return };
+        let (name, slow, fast) =
+            (self.funct_name(funct), self.thread_name(thread), self.thread_name(faster));
+        let text = format!(
+            "'{name}' runs in {slow}, between '{}' and '{}' in the faster {fast}: pulses are lost",
+            self.funct_name(before),
+            self.funct_name(after)
+        );
+        let at = self.added_at(thread, funct);
+        self.add(
+            finding(Code::FastInSlow, name, text).at(at).remedy(format!("addf {name} {fast}")),
+        );
+    }
+
+    /// Returns whether a function that no thread runs passes bits on from a faster thread, to the same one or to a
+    /// device.
+    fn is_among_fast(&self, funct: Ix) -> bool {
+        let threads = self.graph.threads_by_age();
+        let Some(slowest) = threads.iter().map(|t| self.period(*t)).max() else { return false };
+        let after = self.bits_to(funct);
+        let is_after = after.is_empty() || after.iter().any(|(_, t)| self.period(*t) < slowest);
+        is_after && !self.bits_from(funct, slowest).is_empty()
+    }
+
+    /// Returns the functions from which a function reads bits, except those of drivers, that run more often than with a
+    /// period.
+    fn bits_from(&self, funct: Ix, period: i64) -> Vec<Ix> {
+        let signals = self.touched(funct).0.into_iter().filter_map(|pin| self.bits_of(pin));
+        let writers = signals.flat_map(|signal| self.ends(signal).0);
+        let functs = writers.flat_map(|pin| self.writers(pin)).filter(|f| {
+            let owner = self.graph.owner_of(*f).and_then(|ix| self.graph.component(ix));
+            owner.is_some_and(|o| !is_driver(o))
+                && self.graph.threads_of(*f).iter().any(|t| self.period(*t) < period)
+        });
+        functs.collect()
+    }
+
+    /// Returns the functions that read bits of a function, with their threads.
+    fn bits_to(&self, funct: Ix) -> Vec<(Ix, Ix)> {
+        let signals = self.touched(funct).1.into_iter().filter_map(|pin| self.bits_of(pin));
+        let readers = signals.flat_map(|signal| self.ends(signal).1);
+        let functs = readers.flat_map(|pin| self.readers(pin));
+        functs.flat_map(|f| self.graph.threads_of(f).into_iter().map(move |t| (f, t))).collect()
+    }
+
+    /// Returns the signal of a pin of type bit.
+    fn bits_of(&self, pin: Ix) -> Option<Ix> {
+        let item = self.graph.item(pin).filter(|item| item.ty == Type::Bit)?;
+        (item.direction != Direction::Rw).then(|| self.graph.signal_of(pin)).flatten()
     }
 
     /// Reports a function that computes with floats and runs in the same thread as its component's
