@@ -282,7 +282,7 @@ mod tests {
         let begins = |i: usize, what: &str| assert!(shown[i].starts_with(what), "{shown:#?}");
         assert_eq!((early.len(), late.len()), (5, 3), "{shown:#?}");
         for (i, what) in
-            ["Put", "Bring", "Put", "Aim", "Put", "Keep", "Bring", "Put"].iter().enumerate()
+            ["Put", "CopyIn", "Put", "Relink", "Put", "CopyOut", "CopyIn", "Put"].iter().enumerate()
         {
             begins(i, what);
         }
