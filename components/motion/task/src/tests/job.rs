@@ -198,7 +198,7 @@ fn mdi_has_a_queue_of_ten() {
         if ends {
             break;
         }
-        // Between two lines there is a job for whoever asks whether one is in progress.
+        // Between two lines a job is still in progress.
         assert!(rig.core.has_work());
         gaps += u32::from(!rig.core.is_busy());
     }
