@@ -1,5 +1,4 @@
 //! The words of the code base: plain ones, as STYLE asks.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::programs::{files_below, root, short};
 use std::{
