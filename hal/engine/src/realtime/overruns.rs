@@ -29,8 +29,10 @@ pub(crate) struct Overruns {
 }
 
 impl Overruns {
-    /// Returns the messages that are due. With `ends`, everything not yet reported is due now.
+    /// Returns the messages that are due. `threads` are all that have overrun; one that is gone is forgotten. With
+    /// `ends`, everything not yet reported is due now.
     pub(crate) fn look(&mut self, now_ns: i64, threads: &[Overran], ends: bool) -> Vec<String> {
+        self.told.retain(|id, _| threads.iter().any(|t| t.id == *id));
         let mut messages = Vec::new();
         let is_due = ends || self.last_ns.saturating_add(INTERVAL_NS) <= now_ns;
         let mut more = String::new();
@@ -148,6 +150,16 @@ mod tests {
                     last took 1.500 ms of its 1.000 ms, function 'busy.0' most of it";
         check(503, &[busy(1002, 9), slow(2, 1)], true, &[last]);
         check(504, &[busy(1002, 9), slow(2, 1)], true, &[]);
+    }
+
+    #[test]
+    fn threads_that_are_gone_are_forgotten() {
+        let mut told = Overruns::default();
+        for id in 0..1000 {
+            assert_eq!(told.look(0, &[thread(id, 1, 0, None)], false).len(), 1);
+            assert_eq!(told.told.len(), 1);
+        }
+        assert_eq!(told.look(0, &[], false).len() + told.told.len(), 0);
     }
 
     #[test]
