@@ -1,6 +1,6 @@
 //! The operator's page: a whole job by buttons and by keys, and the ends of jogs.
 
-use super::stand::{HOLD, Stand};
+use super::stand::Stand;
 use hal_tests::{browser::DESKTOP, scratch::until};
 
 /// A program with two tools and moves of some seconds.
@@ -34,6 +34,17 @@ fn open(stand: &Stand, name: &str, text: &str) {
     b.until(&format!("document.querySelector('.file').textContent === '{name}'"));
 }
 
+/// Sets the feed override in the page, and waits until the task has it.
+fn override_feed(stand: &Stand, percent: u32) {
+    stand.browser.run(&format!(
+        "const f = document.querySelector('#feed-override'); f.value = {percent}; \
+         f.dispatchEvent(new Event('input'))"
+    ));
+    let is_set = |m: &serde_json::Value| m["task"]["feed_override"] == f64::from(percent) / 100.0;
+    let mut viewer = stand.printer.sign_in().socket();
+    assert!(viewer.wait(is_set).is_some(), "the override is {percent} %");
+}
+
 #[test]
 fn a_desk_runs_a_job() {
     let Some(stand) = Stand::start(DESKTOP) else { return };
@@ -54,38 +65,37 @@ fn a_desk_runs_a_job() {
 
     open(&stand, "part.ngc", PART);
     stand.picture("job-path");
-    b.hold("#run-start", HOLD);
+    let (prompt, no_prompt) = (
+        "!document.querySelector('#tool-prompt').hidden",
+        "document.querySelector('#tool-prompt').hidden",
+    );
+    stand.hold("#run-start", prompt);
 
-    // The change of tool: the job waits until a person confirms.
-    b.until("!document.querySelector('#tool-prompt').hidden");
+    // The change of tool: the job waits until a person confirms. So slow a feed lasts until the pause, however busy the
+    // computer is.
     stand.picture("job-tool");
-    b.hold("#tool-changed", HOLD);
-    b.until("document.querySelector('#tool-prompt').hidden");
+    override_feed(&stand, 2);
+    stand.hold("#tool-changed", no_prompt);
 
-    // The override, the pause and the end of the pause.
-    b.run("const f = document.querySelector('#feed-override'); f.value = 50; f.dispatchEvent(new Event('input'))");
-    let mut viewer = stand.printer.sign_in().socket();
-    let is_half = |m: &serde_json::Value| m["task"]["feed_override"] == 0.5;
-    assert!(viewer.wait(is_half).is_some(), "the override is 50 %");
+    // The pause, its end, and the override.
     b.until("document.querySelector('.listing .current')");
     b.click("#run-pause");
     b.until("!document.querySelector('#run-resume').hidden");
     until("motion rests", || stand.printer.number("getp motion.current-vel") == 0.0);
     stand.picture("job-paused");
-    b.hold("#run-resume", HOLD);
-    b.until("document.querySelector('#run-resume').hidden");
+    stand.hold("#run-resume", "document.querySelector('#run-resume').hidden");
+    override_feed(&stand, 100);
 
     // The second tool, then the end of the program.
-    b.until("!document.querySelector('#tool-prompt').hidden");
-    b.hold("#tool-changed", HOLD);
+    b.until(prompt);
+    stand.hold("#tool-changed", no_prompt);
     until("the job ends", || stand.printer.halcmd("task.status").contains("jobs=1 failed=0"));
     // A person at the machine may answer too.
     stand.printer.halcmd("setp hal_manualtoolchange.change_button FALSE");
     b.until("document.querySelector('#run-state').textContent.length > 0 && document.querySelector('#run-start').disabled === false");
 
     // A second run that is stopped.
-    b.hold("#run-start", HOLD);
-    b.until("!document.querySelector('#run-stop').disabled");
+    stand.hold("#run-start", "!document.querySelector('#run-stop').disabled");
     b.click("#run-stop");
     until("the job is aborted", || stand.printer.halcmd("task.status").contains("jobs=2 failed=1"));
     stand.picture("job-stopped");
