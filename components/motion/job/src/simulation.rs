@@ -1,7 +1,7 @@
 //! A program without its machine, line by line.
 //!
-//! What only the machine knows (a probe, an input, a value of HAL) comes from the record of an earlier run; without one, the
-//! program cannot go on there.
+//! Only the machine knows where a probe trips, and what an input or an item of HAL is. The simulation takes these answers
+//! from the record of an earlier run. Without a record it refuses the program at that line.
 
 use crate::{
     effects::Outputs,

@@ -36,12 +36,13 @@ fn open(stand: &Stand, name: &str, text: &str) {
 
 /// Sets the feed override in the page, and waits until the task has it.
 fn override_feed(stand: &Stand, percent: u32) {
+    // Is told of changes only.
+    let mut viewer = stand.printer.sign_in().socket();
     stand.browser.run(&format!(
         "const f = document.querySelector('#feed-override'); f.value = {percent}; \
          f.dispatchEvent(new Event('input'))"
     ));
     let is_set = |m: &serde_json::Value| m["task"]["feed_override"] == f64::from(percent) / 100.0;
-    let mut viewer = stand.printer.sign_in().socket();
     assert!(viewer.wait(is_set).is_some(), "the override is {percent} %");
 }
 
