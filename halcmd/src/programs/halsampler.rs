@@ -130,13 +130,20 @@ fn print(
     remote: &mut Remote,
     place: &Place,
     mut printer: Printer<'_>,
-    count: u64,
+    mut count: u64,
     ending: &AtomicBool,
 ) -> Result<(), String> {
     let mut record = Vec::new();
     let mut empty = 0;
     let mut lost = None;
-    while printer.records < count && !ending.load(Relaxed) {
+    let mut is_ending = false;
+    while printer.records < count {
+        if !is_ending && ending.load(Relaxed) {
+            // What was sampled before the signal is still read.
+            is_ending = true;
+            count = count.min(printer.records.saturating_add(stream.waiting().into()));
+            continue;
+        }
         if let Some(number) = stream.take(&mut record) {
             printer.record(number, &record);
             empty = 0;

@@ -237,3 +237,14 @@ fn waits_for_socket(pid: u32) -> bool {
     let number = text.split(' ').next().and_then(|n| n.parse().ok());
     [libc::SYS_ppoll, libc::SYS_poll, libc::SYS_recvmsg].iter().any(|call| number == Some(*call))
 }
+
+#[test]
+fn a_machine_that_ends_by_itself_leaves_every_sample() {
+    let scratch = Scratch::new("samples");
+    let lines = "loadrt threads name1=t period1=1000000\nloadrt sampler depth=16000 cfg=b\naddf sampler.0 t\n\
+                 loadusr -Wn halsampler0 halsampler samples\nstart\n";
+    scratch.write("m.hal", lines);
+    let ended = scratch.halrun(&["--virtual", "--for", "10s", "m.hal"]);
+    assert_eq!(ended.status, Some(0), "{}", ended.stderr);
+    assert_eq!(scratch.read("samples").lines().count(), 10_000);
+}

@@ -5,8 +5,9 @@
 //! from the programmed path. Time counts from the first cycle of motion to the last. LinuxCNC runs in real time, as an
 //! ordinary user; ours runs on the virtual clock. No joint has a limit of jerk, because LinuxCNC 2.9 has none.
 //!
-//! `cargo test -p hal-tests --test system peer::motion -- --ignored` runs all programs through both, which takes eight minutes;
-//! with `UPDATE_EXPECT=1` it writes `components/motion/motion/PEER.md`.
+//! Ours runs in each run of the tests, and its figures are those of `components/motion/motion/PEER.md`. Those of LinuxCNC come from
+//! that page; `UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::motion -- --ignored` measures them anew, which takes eight
+//! minutes.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod path;
@@ -27,8 +28,8 @@ const LIMITS: [(f64, f64); JOINTS] =
 const SCALE: f64 = 1e-6;
 /// Part of a limit that the rounding of samples to 1e-12 units makes, at most.
 const ROUNDING: f64 = 1e-7;
-/// Programs that each run of the tests puts through ours.
-const QUICK: &[&str] = &["engraving", "gear", "surface-rounded", "tilt", "slots"];
+/// Largest distance of the last position from the end of the path, in mm and degrees.
+const REST: f64 = 1e-5;
 
 /// Program number and joint positions of a servo cycle.
 type Sample = (f64, [f64; JOINTS]);
@@ -51,6 +52,12 @@ impl Figures {
         };
         let start = samples.iter().position(|s| s != first).expect("it moves");
         let end = samples.iter().rposition(|s| s != last).expect("it moves") + 1;
+        let apart = last.iter().zip(path.end).map(|(is, end)| (is - end).abs());
+        assert!(
+            apart.fold(0.0, f64::max) < REST,
+            "the run ended at {last:?} before {:?}",
+            path.end
+        );
         let limits = LIMITS.map(|(velocity, acceleration)| Limits {
             velocity,
             acceleration,
@@ -147,36 +154,52 @@ fn theirs(names: &[String]) -> Option<Vec<Figures>> {
     Some(figures.collect())
 }
 
-/// Asserts that ours kept every limit and the tolerance.
-fn check(name: &str, ours: &Figures) {
-    assert!(ours.keeps_all(), "{name}: {ours:?}");
+/// Runs all programs through ours, and asserts that each keeps every limit and the tolerance.
+fn all_ours(names: &[String]) -> Vec<Figures> {
+    let one = |name: &String| {
+        let figures = ours(name);
+        assert!(figures.keeps_all(), "{name}: {figures:?}");
+        figures
+    };
+    names.iter().map(one).collect()
 }
 
-#[test]
-fn limits_and_tolerance_hold_on_the_joint_pins() {
-    for name in QUICK {
-        check(name, &ours(name));
+/// Figures of LinuxCNC, which vary from run to run.
+struct Theirs {
+    figures: Vec<Figures>,
+    /// Number of programs in which it kept limits and tolerance.
+    kept: usize,
+}
+
+impl Theirs {
+    /// Reads them from the page.
+    fn recorded(names: &[String]) -> Self {
+        let page = std::fs::read_to_string(root().join(PAGE)).unwrap();
+        let figures = |name: &String| {
+            let row = page.lines().find(|l| l.starts_with(&format!("| {name} |")));
+            let row = row.unwrap_or_else(|| panic!("{PAGE} has no row for {name}: write it anew"));
+            let cell = |n| row.split('|').nth(n).unwrap().trim().parse().unwrap();
+            let (seconds, velocity) = (cell(4), cell(9));
+            Figures { seconds, velocity, acceleration: cell(10), distance: cell(11) }
+        };
+        let (_, after) = page.rsplit_once("tolerance in ").unwrap();
+        let kept = after.split(' ').next().unwrap().parse().unwrap();
+        Self { figures: names.iter().map(figures).collect(), kept }
     }
 }
 
-#[test]
-#[ignore = "eight minutes, and needs LinuxCNC: cargo test -p hal-tests --test system peer::motion -- --ignored"]
-fn all_programs_beside_linuxcnc() {
-    let names = names();
-    let Some(theirs) = theirs(&names) else { return };
+/// Compares the page with these figures; with `UPDATE_EXPECT=1` it writes the page.
+fn check_page(names: &[String], ours: &[Figures], theirs: &Theirs) {
     let mut table = String::from(HEAD);
-    let (mut total, mut kept) = ([0.0; 2], 0);
-    for (name, theirs) in names.iter().zip(&theirs) {
-        let ours = ours(name);
-        check(name, &ours);
-        total[0] += ours.seconds;
-        total[1] += theirs.seconds;
-        kept += usize::from(theirs.keeps_all());
+    // The sums are those of the figures as they are shown.
+    let mut total = [0.0; 2];
+    for ((name, ours), theirs) in names.iter().zip(ours).zip(&theirs.figures) {
+        let seconds = [ours, theirs].map(|f| (f.seconds * 1000.0).round() / 1000.0);
+        total = [total[0] + seconds[0], total[1] + seconds[1]];
         let tolerance = Programmed::read(&folder(), &format!("{name}.ngc")).tolerance;
-        write!(table, "| {name} | {tolerance} | {:.3} | {:.3} ", ours.seconds, theirs.seconds)
-            .unwrap();
-        write!(table, "| {:.3} ", ours.seconds / theirs.seconds).unwrap();
-        for f in [&ours, theirs] {
+        let [a, b] = seconds;
+        write!(table, "| {name} | {tolerance} | {a:.3} | {b:.3} | {:.3} ", a / b).unwrap();
+        for f in [ours, theirs] {
             write!(table, "| {:.3} | {:.3} | {:.3} ", f.velocity, f.acceleration, f.distance)
                 .unwrap();
         }
@@ -184,18 +207,36 @@ fn all_programs_beside_linuxcnc() {
     }
     writeln!(
         table,
-        "\nAll {} programs: {:.1} s ours, {:.1} s LinuxCNC's, which kept limits and tolerance in {kept} of them.",
+        "\nAll {} programs: {:.1} s ours, {:.1} s LinuxCNC's, which kept limits and tolerance in {} of them.",
         names.len(),
         total[0],
-        total[1]
+        total[1],
+        theirs.kept
     )
     .unwrap();
+    golden::check(&root().join(PAGE), &table);
+}
+
+#[test]
+fn ours_keeps_limits_and_tolerance_on_the_joint_pins_and_the_page_has_its_figures() {
+    let names = names();
+    check_page(&names, &all_ours(&names), &Theirs::recorded(&names));
+}
+
+#[test]
+#[ignore = "eight minutes, and needs LinuxCNC: UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::motion -- --ignored"]
+fn all_programs_beside_linuxcnc() {
+    let names = names();
+    let Some(figures) = theirs(&names) else { return };
+    let kept = figures.iter().filter(|f| f.keeps_all()).count();
     // LinuxCNC's figures vary from run to run, so that only a person can compare them.
     if golden::is_update() {
-        golden::check(&root().join("components/motion/motion/PEER.md"), &table);
+        check_page(&names, &all_ours(&names), &Theirs { figures, kept });
     }
 }
 
+/// The page.
+const PAGE: &str = "components/motion/motion/PEER.md";
 /// Beginning of the table.
 const HEAD: &str = "\
 # Ferrule's motion beside LinuxCNC's
@@ -203,7 +244,7 @@ const HEAD: &str = "\
 `UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::motion -- --ignored` writes this page. It runs the programs of
 `tests/peer/motion` through LinuxCNC 2.9, headless, and through Ferrule, on one machine: servo period 1 ms, X and Y 120 mm/s and
 1000 mm/s², Z 60 and 500, A and B 90 °/s and 900 °/s², no limit of jerk. Both sets of figures come from the joint positions of every
-servo cycle alone, judged by `hal-watchman`.
+servo cycle alone, judged by `hal-watchman`. Each run of the tests checks the figures of Ferrule.
 
 - Seconds: from the first cycle of motion to the last. Ratio: ours to LinuxCNC's; below 1, ours is faster.
 - v, a: the worst velocity and acceleration of a joint as a part of its limit.

@@ -30,6 +30,8 @@ pub(super) struct Programmed {
     shapes: Vec<(Shape, Tolerance)>,
     /// Largest tolerance in XYZ, in millimetres.
     pub(super) tolerance: f64,
+    /// Its last position.
+    pub(super) end: [f64; 9],
 }
 
 impl Programmed {
@@ -43,7 +45,7 @@ impl Programmed {
         it.load(name, world::program(&folder.join(name)).unwrap());
         let mut frame = it.state.frame;
         let mut way = Way::new(frame, it.state.position);
-        let mut out = Self { shapes: Vec::new(), tolerance: 0.0 };
+        let mut out = Self { shapes: Vec::new(), tolerance: 0.0, end: [0.0; 9] };
         let (mut path, mut joining) = (f64::INFINITY, 0.0_f64);
         run::run(&mut it, &world, Answers { probe_trips: false }, |_, issued| {
             match issued.call {
@@ -87,6 +89,7 @@ impl Programmed {
             Ok::<(), Stop>(())
         })
         .unwrap();
+        out.end = pose(way.at);
         out
     }
 
