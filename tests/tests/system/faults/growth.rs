@@ -63,11 +63,11 @@ void *realloc(void *p, size_t n) {
 
 /// Returns the number of blocks of memory that the process has allocated and not freed; `None` without [`COUNTING`].
 fn blocks() -> Option<i64> {
+    type Count = unsafe extern "C" fn() -> libc::c_long;
     // SAFETY: looks for a name.
     let found = unsafe { libc::dlsym(libc::RTLD_DEFAULT, c"blocks_in_use".as_ptr()) };
-    // SAFETY: the function of `COUNTING`.
-    let count: unsafe extern "C" fn() -> libc::c_long =
-        unsafe { std::mem::transmute::<_, Option<_>>(found) }?;
+    // SAFETY: the function of `COUNTING`, or null.
+    let count = unsafe { std::mem::transmute::<*mut libc::c_void, Option<Count>>(found) }?;
     // SAFETY: only reads.
     Some(unsafe { count() })
 }
