@@ -6,7 +6,7 @@
 //! ordinary user; ours runs on the virtual clock. No joint has a limit of jerk, because LinuxCNC 2.9 has none.
 //!
 //! Ours runs in each run of the tests, and its figures are those of `components/motion/motion/PEER.md`. Those of LinuxCNC come from
-//! that page; `UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::motion -- --ignored` measures them anew, which takes eight
+//! that page; `UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::motion -- --ignored` measures them again, which takes eight
 //! minutes.
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
@@ -224,7 +224,7 @@ fn ours_keeps_limits_and_tolerance_on_the_joint_pins_and_the_page_has_its_figure
 }
 
 #[test]
-#[ignore = "eight minutes, and needs LinuxCNC: UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::motion -- --ignored"]
+#[ignore = "eight minutes, and needs LinuxCNC; UPDATE_EXPECT=1 writes the page: cargo test -p hal-tests --test system peer::motion -- --ignored"]
 fn all_programs_beside_linuxcnc() {
     let names = names();
     let Some(figures) = theirs(&names) else { return };

@@ -30,7 +30,7 @@ pub(super) struct Programmed {
     shapes: Vec<(Shape, Tolerance)>,
     /// Largest tolerance in XYZ, in millimetres.
     pub(super) tolerance: f64,
-    /// Its last position.
+    /// Last position of the path.
     pub(super) end: [f64; 9],
 }
 
