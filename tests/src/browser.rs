@@ -102,7 +102,7 @@ impl Browser {
     /// Waits until an expression of the page is true.
     ///
     /// # Panics
-    /// It is not within a minute.
+    /// It never is.
     pub fn until(&self, expression: &str) {
         until(expression, || self.run(&format!("return Boolean({expression})")) == json!(true));
     }
