@@ -128,10 +128,13 @@ fn round(m: &mut Machine, clock: ClockKind) {
 fn nothing_grows(clock: ClockKind, warm: u32, rounds: u32) {
     let mut m = Machine::new(clock);
     (0..warm).for_each(|_| round(&mut m, clock));
-    let before = (size(&mut m), blocks());
+    let (before, count) = (size(&mut m), blocks());
     (warm..rounds).for_each(|_| round(&mut m, clock));
     let after = blocks();
-    assert_eq!((size(&mut m), after), before, "in {} rounds", rounds - warm);
+    assert_eq!(size(&mut m), before);
+    // On the real clock the engine may remember that the last thread was late.
+    let most = count.map(|n| n + i64::from(clock == ClockKind::Real) * 4);
+    assert!(after <= most, "{count:?} blocks became {after:?} in {} rounds", rounds - warm);
 }
 
 #[test]

@@ -42,24 +42,24 @@ impl Stand {
     }
 
     /// Holds a button until what it does is `done`. Where the computer is so busy that the page sees the hold end before
-    /// its time, a person presses again.
+    /// its time, the page itself begins it again: the button may vanish at any moment.
     pub(super) fn hold(&self, selector: &str, done: &str) {
         let b = &self.browser;
         let look = format!(
-            "const to = document.querySelector('{selector}'); \
-             return Boolean({done}) ? 'done' \
-                 : !to.disabled && !to.classList.contains('holding') ? 'again' : 'wait'"
+            "if ({done}) return true; \
+             const to = document.querySelector('{selector}'); \
+             if (to.checkVisibility() && !to.disabled && !to.classList.contains('holding')) \
+                 for (const kind of ['pointerup', 'pointerdown']) \
+                     to.dispatchEvent(new PointerEvent(kind, {{ pointerId: 9, button: 0, bubbles: true }})); \
+             return false"
         );
         b.press(selector);
-        until(done, || {
-            let state = b.run(&look);
-            if state == "again" {
-                b.release();
-                b.press(selector);
-            }
-            state == "done"
-        });
+        until(done, || b.run(&look) == true);
         b.release();
+        b.run(&format!(
+            "document.querySelector('{selector}') \
+                 .dispatchEvent(new PointerEvent('pointerup', {{ pointerId: 9, button: 0, bubbles: true }}))"
+        ));
     }
 
     /// Presses a jog button until a joint has moved so far. The dead man ends a jog where the computer is too busy to
