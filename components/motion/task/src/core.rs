@@ -284,7 +284,7 @@ impl Core {
         if let Some(job) = &self.job {
             let now = out.now() - job.began;
             let runs = !self.flight.is_empty() && !job.paused;
-            self.checking.pass(if runs { now - self.job_time } else { 0.0 });
+            self.checking.pass(if runs { now - self.job_time } else { 0.0 }, self.unfinished().0);
             self.job_time = now;
         }
         self.watch(out);

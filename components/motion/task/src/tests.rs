@@ -30,9 +30,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Seconds that a move takes on the fake machine.
-const MOVE_TIME: f64 = 0.1;
-
 /// A machine on which each move takes the same time.
 struct Fake {
     now: f64,
@@ -42,6 +39,8 @@ struct Fake {
     log: Vec<String>,
     /// Moves in progress, with the time of their end.
     moves: VecDeque<(u64, Move, f64)>,
+    /// Seconds that a move takes.
+    move_time: f64,
     paused: bool,
     ends: BTreeMap<u64, Progress>,
     next: u64,
@@ -89,6 +88,7 @@ impl Fake {
             },
             log: Vec::new(),
             moves: VecDeque::new(),
+            move_time: 0.1,
             paused: false,
             ends: BTreeMap::new(),
             next: 0,

@@ -34,6 +34,8 @@ pub(super) struct Ahead {
     pub(super) told: bool,
     /// Seconds in which the job moved.
     moved: f64,
+    /// Number of lines before the one in progress, and the seconds in which the job moved before it.
+    line: (u64, f64),
 }
 
 impl Checking {
@@ -44,7 +46,7 @@ impl Checking {
 
     /// Goes on with a check ahead of the program, which begins now.
     pub(super) fn go_on(&mut self, check: Box<Check>) {
-        self.ahead = Some(Ahead { check, pause: None, told: false, moved: 0.0 });
+        self.ahead = Some(Ahead { check, pause: None, told: false, moved: 0.0, line: (0, 0.0) });
     }
 
     /// Ends the check ahead of the program.
@@ -52,9 +54,12 @@ impl Checking {
         self.ahead = None;
     }
 
-    /// Adds seconds in which the job moved.
-    pub(super) fn pass(&mut self, seconds: f64) {
+    /// Adds seconds in which the job moved on the line after `number` lines.
+    pub(super) fn pass(&mut self, seconds: f64, number: u64) {
         if let Some(ahead) = &mut self.ahead {
+            if ahead.line.0 != number {
+                ahead.line = (number, ahead.moved);
+            }
             ahead.moved += seconds;
         }
     }
@@ -67,10 +72,14 @@ impl Checking {
     /// Returns the estimate of the seconds that the program still takes before a line has run.
     pub(super) fn time_left(&self, number: u64) -> Option<f64> {
         let ahead = self.ahead.as_ref()?;
-        let (done, whole) = ahead.check.seconds(number);
-        let done = done - ahead.check.seconds(ahead.check.first()).0;
-        // Accelerations and overrides make the way so far slower or faster than its estimate.
-        let pace = (ahead.moved + SETTLED) / (done + SETTLED);
-        Some((whole? - ahead.check.seconds(number).0).max(0.0) * pace)
+        let before = |number| ahead.check.seconds(number).0;
+        let whole = ahead.check.seconds(number).1?;
+        let moved = if ahead.line.0 == number { ahead.line.1 } else { ahead.moved };
+        // Accelerations and overrides make the lines so far slower or faster than their estimate.
+        let done = before(number) - before(ahead.check.first());
+        let pace = (moved + SETTLED) / (done + SETTLED);
+        // The line in progress takes its part of the estimate; what follows it is not shorter for a line that takes longer.
+        let after = (whole - before(number.saturating_add(1))).max(0.0) * pace;
+        Some(((whole - before(number)).max(0.0) * pace - (ahead.moved - moved)).max(after))
     }
 }

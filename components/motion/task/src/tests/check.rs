@@ -159,6 +159,28 @@ fn a_start_in_the_middle_is_refused_if_the_rest_is_wrong() {
 }
 
 #[test]
+fn the_time_left_falls_within_a_long_line() {
+    let mut rig = machine("G21 G90 F60\nG1 X100\nG1 X0\nM2\n");
+    rig.core.world.machine.rates[0][0] = Some(1000.0);
+    rig.fake.move_time = 100.0;
+    rig.send(Command::Run);
+    rig.pass(0.05);
+    for _ in 0..19 {
+        let before = rig.core.time_left().unwrap();
+        rig.pass(5.0);
+        let after = rig.core.time_left().unwrap();
+        assert!((before - after - 5.0).abs() < 0.5, "{before} before 5 s, {after} after them");
+    }
+    // A line that takes longer than its estimate leaves what follows it.
+    for (_, _, end) in &mut rig.fake.moves {
+        *end += 50.0;
+    }
+    rig.pass(40.0);
+    let left = rig.core.time_left().unwrap();
+    assert!((left - 100.0).abs() < 1.0, "{left}");
+}
+
+#[test]
 fn the_time_left_follows_the_machine() {
     // Each move is estimated at 1 s, and takes 0.1 s here.
     let mut rig = machine(&("G21 G90 F600\n".to_owned() + &"G1 X10\nG1 X0\n".repeat(100) + "M2\n"));

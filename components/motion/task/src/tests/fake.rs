@@ -34,7 +34,7 @@ impl Outside for Fake {
         match order {
             Order::Move(m) => {
                 let from = self.moves.back().map_or(self.now, |(_, _, end)| *end);
-                self.moves.push_back((id, *m, from + MOVE_TIME));
+                self.moves.push_back((id, *m, from + self.move_time));
                 self.ends.insert(id, Progress::Pending);
                 (self.motion.in_position, self.motion.queue) = (false, 1);
             }
