@@ -134,6 +134,17 @@ extern int hal_pin_new(const char *name, hal_type_t type, hal_pin_dir_t dir, voi
                        int component);
 extern int hal_pin_alias(const char *pin, const char *alias);
 
+#ifdef ULAPI
+/* Value of any component's pin, of a signal, or of a parameter, at the time of the call: *data is a copy, which only
+ * the next call for this name renews. 0, or -1 if there is none. connected: the pin is linked; has_writers: an output
+ * is linked to the signal. A component has pins of its own instead, and a net links them. */
+extern int hal_get_pin_value_by_name(const char *name, hal_type_t *type, hal_data_u **data,
+                                     bool *connected);
+extern int hal_get_signal_value_by_name(const char *name, hal_type_t *type, hal_data_u **data,
+                                        bool *has_writers);
+extern int hal_get_param_value_by_name(const char *name, hal_type_t *type, hal_data_u **data);
+#endif
+
 /* Parameters: the value lives at place, which is the component's. */
 extern int hal_param_bit_new(const char *name, hal_param_dir_t dir, hal_bit_t *place, int component);
 extern int hal_param_float_new(const char *name, hal_param_dir_t dir, hal_float_t *place,

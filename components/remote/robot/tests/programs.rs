@@ -55,6 +55,16 @@ fn scratch(name: &str, text: &str) -> String {
 }
 
 #[test]
+fn each_program_states_its_version() {
+    for program in [env!("CARGO_BIN_EXE_halrobot"), env!("CARGO_BIN_EXE_halrobotsim")] {
+        let output = Command::new(program).arg("--version").output().unwrap();
+        let name = std::path::Path::new(program).file_name().unwrap().to_string_lossy();
+        let want = format!("{name} {}\n", env!("CARGO_PKG_VERSION"));
+        assert_eq!(String::from_utf8_lossy(&output.stdout), want);
+    }
+}
+
+#[test]
 fn a_program_runs_with_faults() {
     let mut sim = Sim::new(&["--lost", "0.02", "--doubled", "0.1"]);
     let file = scratch("run", "G0 Z10\nX5 Y5\nG1 Z0 F300\nG2 X15 Y5 R5\nG0 Z10\n");

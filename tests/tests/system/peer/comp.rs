@@ -273,7 +273,8 @@ fn programs_exchange_their_values() {
     }
     scratch.write(
         "test.hal",
-        "loadrt threads\nloadusr -W ./doubles\nloadusr -Wn greets ./greets names=ann,bob 42\nprint ready\n",
+        "loadrt threads\nloadrt mux2\nloadrt sim_parport\nnet level mux2.0.out\nsetp mux2.0.in0 2.5\n\
+         setp sim-parport.0.pin-01-out-invert 1\naddf mux2.0 thread1\nstart\nloadusr -W ./doubles\nloadusr -Wn greets ./greets names=ann,bob 42\nprint ready\n",
     );
     let running = scratch.start(scratch.command(&[], "halrun").arg("test.hal"));
     until("the script is through", || running.said().1.contains("MSG: ready"));
@@ -289,6 +290,13 @@ fn programs_exchange_their_values() {
         ("doubles.0.large", "FALSE"),
         ("ann.out", "1.5"),
         ("bob.first", "42"),
+        // Values of other components, by their names.
+        ("bob.other", "2.5"),
+        ("bob.linked", "TRUE"),
+        ("bob.line", "2.5"),
+        ("bob.driven", "TRUE"),
+        ("bob.inverts", "TRUE"),
+        ("bob.missing", "TRUE"),
     ] {
         becomes(&scratch, pin, value);
     }
@@ -298,6 +306,7 @@ fn programs_exchange_their_values() {
         ("doubles.0.go", "0"),
         ("doubles.0.counter", "10"),
         ("bob.times", "8"),
+        ("mux2.0.in0", "-4"),
     ] {
         assert_eq!(scratch.halcmd(&["setp", pin, value]).status, Some(0), "{pin}");
     }
@@ -309,6 +318,8 @@ fn programs_exchange_their_values() {
         ("doubles.0.large", "TRUE"),
         ("bob.out", "4"),
         ("ann.out", "1.5"),
+        ("bob.other", "-4"),
+        ("bob.line", "-4"),
     ] {
         becomes(&scratch, pin, value);
     }

@@ -119,7 +119,7 @@ impl Cell {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "the value lives in the low part")]
-    fn store(self, bits: u64) {
+    pub(crate) fn store(self, bits: u64) {
         match self {
             Self::Narrow(cell) => cell.store(bits as u8, Ordering::Relaxed),
             Self::Half(cell) => cell.store(bits as u32, Ordering::Relaxed),

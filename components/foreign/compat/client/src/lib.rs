@@ -11,6 +11,7 @@
 
 mod exchange;
 mod item;
+mod named;
 
 use exchange::Component;
 use item::{Cell, Item};

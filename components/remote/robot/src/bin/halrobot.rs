@@ -16,7 +16,7 @@ use std::{
 
 /// Runs a G-code program on a robot arm. While it runs, the words pause, resume and stop on standard input are obeyed.
 #[derive(Parser)]
-#[command(name = "halrobot")]
+#[command(name = "halrobot", version)]
 struct Options {
     /// G-code program.
     file: PathBuf,

@@ -12,7 +12,7 @@ use std::{
 
 /// Simulated controller of a robot arm that serves lines over TCP. It stands at its part zero, and serves one client.
 #[derive(Parser)]
-#[command(name = "halrobotsim")]
+#[command(name = "halrobotsim", version)]
 struct Options {
     /// Address and port to listen at; port 0 takes a free one.
     #[arg(long, default_value = "127.0.0.1:55000")]
