@@ -10,13 +10,13 @@ use std::{
 
 /// A folder of `configs`: `NAME.hal`, or `NAME.ini` with its scripts, is the machine; `demo.hal` or `demo.ini`
 /// demonstrates it.
-struct Demo {
-    name: String,
-    folder: PathBuf,
+pub(super) struct Demo {
+    pub(super) name: String,
+    pub(super) folder: PathBuf,
 }
 
 /// Returns every machine; if `CASE` is set, only those whose names begin with it.
-fn machines() -> Vec<Demo> {
+pub(super) fn machines() -> Vec<Demo> {
     let wanted = std::env::var("CASE").unwrap_or_default();
     let mut all: Vec<Demo> = fs::read_dir(root().join("configs"))
         .unwrap()
@@ -50,17 +50,25 @@ impl Demo {
         self.one_of([format!("{}.ini", self.name), format!("{}.hal", self.name)])
     }
 
-    fn demo(&self) -> String {
+    pub(super) fn demo(&self) -> String {
         self.one_of(["demo.ini".to_owned(), "demo.hal".to_owned()])
     }
 
     /// Returns the purpose that the first line of its script states.
-    fn purpose(&self) -> String {
+    pub(super) fn purpose(&self) -> String {
         let text = fs::read_to_string(self.folder.join(self.script())).unwrap();
         let line = text.lines().next().unwrap_or_default();
         let line = line.strip_prefix("# ").unwrap_or_else(|| panic!("{}: no purpose", self.name));
         assert!(line.ends_with('.'), "{}: a sentence: {line}", self.name);
         line.to_owned()
+    }
+
+    /// Returns the channels that its demonstration shows, from the line `# Picture: …`.
+    pub(super) fn channels(&self) -> Vec<String> {
+        let text = fs::read_to_string(self.folder.join("demo.hal")).unwrap();
+        let line = text.lines().find_map(|l| l.strip_prefix("# Picture: "));
+        let line = line.unwrap_or_else(|| panic!("{}: no line '# Picture:'", self.name));
+        line.split_whitespace().map(str::to_owned).collect()
     }
 
     /// Returns the path of its expected output.
@@ -70,7 +78,13 @@ impl Demo {
 
     /// Runs one of its scripts to its end; returns standard output and standard error.
     fn run(&self, scratch: &Scratch, script: &str) -> String {
+        self.run_with(scratch, &[], script)
+    }
+
+    /// Runs one of its scripts with further options.
+    pub(super) fn run_with(&self, scratch: &Scratch, options: &[&str], script: &str) -> String {
         let mut words = vec!["--virtual"];
+        words.extend(options);
         if script.ends_with(".hal") {
             words.push("-f");
         }
@@ -198,9 +212,6 @@ fn two_conveyors_are_two_instances_or_one() {
     assert_eq!((output.stdout, output.status), (apart, Some(0)));
 }
 
-const BEGIN: &str = "<!-- table:begin -->";
-const END: &str = "<!-- table:end -->";
-
 #[test]
 fn the_table_of_machines_is_true() {
     if std::env::var_os("CASE").is_some() {
@@ -211,5 +222,6 @@ fn the_table_of_machines_is_true() {
         writeln!(new, "| [`{0}`]({0}) | {1} |", m.name, m.purpose()).unwrap();
     }
     new.push('\n');
-    golden::check_part(&root().join("configs/README.md"), BEGIN, END, &new);
+    let page = root().join("configs/README.md");
+    golden::check_part(&page, "<!-- table:begin -->", "<!-- table:end -->", &new);
 }

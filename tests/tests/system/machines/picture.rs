@@ -1,16 +1,18 @@
-//! The pictures of the printer: direction and step of X at two speeds, to the right and to the left; the steps of all axes in
-//! the finish of a part. `UPDATE_EXPECT=1` redraws `configs/printer/scope.svg`, `scope.png` and `pedal.svg`.
+//! The pictures of `configs`: each demonstration; direction and step of the printer's X at two speeds, to the right and to the
+//! left; the steps of its axes in the finish of a part. `UPDATE_EXPECT=1` redraws them.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+use super::demos::machines;
 use hal_tests::{golden, programs::root, scratch::Scratch};
 use hal_trace::{Trace, load, measure::measure};
-use std::{fs, path::Path};
+use std::{fmt::Write, fs, path::Path};
 
+const PRINTER: &str = "configs/printer";
 const TITLE: &str = "X of the printer at 50 mm/s and 80 mm/s, to the right and to the left";
 
 /// Drives the printer as `configs/printer/scope.hal` does.
 fn recorded() -> Scratch {
-    let scratch = Scratch::copy_of(&root().join("configs/printer"));
+    let scratch = Scratch::copy_of(&root().join(PRINTER));
     let output = scratch.halrun(&["--virtual", "scope.ini"]);
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
     scratch
@@ -62,33 +64,66 @@ fn the_picture_is_as_it_was_drawn() {
     let scratch = recorded();
     for name in ["scope.svg", "scope.png"] {
         let words = ["--size", "1200x260", "--title", TITLE, "scope.vcd", "xdir", "xstep"];
-        check_drawing(&scratch, name, &words);
+        check_drawing(&scratch, PRINTER, name, &words);
     }
 }
 
 /// A row along X over the round back, five steps of Y to the next row, and the row back.
 #[test]
 fn the_picture_of_the_part_is_as_it_was_drawn() {
-    let scratch = Scratch::copy_of(&root().join("configs/printer"));
+    let scratch = Scratch::copy_of(&root().join(PRINTER));
     let output = scratch.halrun(&["--virtual", "--run", "pedal.ngc", "pedal.ini"]);
     assert_eq!(output.status, Some(0), "{}", output.stderr);
     let title = "The pedal's finish: steps of X, Y and Z";
     let words = ["--size", "1200x420", "--from", "80s", "--to", "86s", "--title", title];
     check_drawing(
         &scratch,
+        PRINTER,
         "pedal.svg",
         &[&words[..], &["pedal.vcd", "xstep", "ystep", "zstep"]].concat(),
     );
 }
 
-/// Draws and compares with the picture in the printer's folder.
-fn check_drawing(scratch: &Scratch, name: &str, words: &[&str]) {
+#[test]
+fn each_demonstration_is_drawn() {
+    for machine in machines() {
+        let scratch = Scratch::copy_of(&machine.folder);
+        machine.run_with(&scratch, &["--record", "demo.vcd"], &machine.demo());
+        let channels = machine.channels();
+        let mut words = vec!["--title", &machine.name, "demo.vcd"];
+        words.extend(channels.iter().map(String::as_str));
+        check_drawing(&scratch, &format!("configs/{}", machine.name), "demo.png", &words);
+    }
+}
+
+#[test]
+fn the_page_shows_each_demonstration() {
+    if std::env::var_os("CASE").is_some() {
+        return;
+    }
+    let mut new = String::from("\n");
+    for machine in machines() {
+        let (name, channels) = (&machine.name, machine.channels().join(", "));
+        write!(
+            new,
+            "\n**{name}.** {}\n\n![{name}: {channels}]({name}/demo.png)\n",
+            machine.purpose()
+        )
+        .unwrap();
+    }
+    new.push('\n');
+    let page = root().join("configs/README.md");
+    golden::check_part(&page, "<!-- pictures:begin -->", "<!-- pictures:end -->", &new);
+}
+
+/// Draws and compares with the picture in a folder of the project.
+fn check_drawing(scratch: &Scratch, folder: &str, name: &str, words: &[&str]) {
     let mut halscope = scratch.command(&[], "halscope");
     halscope.args(["plot", "--output", name]).args(words);
     let output = scratch.run(&mut halscope);
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{name}");
     let drawn = fs::read(scratch.path().join(name)).unwrap();
-    let kept = root().join("configs/printer").join(name);
+    let kept = root().join(folder).join(name);
     if golden::is_update() {
         fs::write(&kept, &drawn).unwrap();
     }
