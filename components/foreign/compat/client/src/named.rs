@@ -13,12 +13,12 @@ use std::{
 
 /// Connection for these requests, and the copies.
 #[derive(Debug)]
-struct Reader {
+struct ByName {
     client: Option<Client>,
     copies: BTreeMap<(bool, String), Cell>,
 }
 
-static READER: Mutex<Reader> = Mutex::new(Reader { client: None, copies: BTreeMap::new() });
+static BY_NAME: Mutex<ByName> = Mutex::new(ByName { client: None, copies: BTreeMap::new() });
 
 /// Value of an item, and whether a pin is linked, or a signal written.
 struct NamedValue {
@@ -26,7 +26,7 @@ struct NamedValue {
     flag: bool,
 }
 
-impl Reader {
+impl ByName {
     fn call(&mut self, request: Request) -> Result<Reply, Failure> {
         let client = match self.client.take() {
             Some(client) => client,
@@ -84,9 +84,9 @@ unsafe fn get(
 ) -> c_int {
     // SAFETY: guaranteed by the caller.
     let Some(name) = (unsafe { text(name) }) else { return -1 };
-    let mut reader = READER.lock().unwrap_or_else(PoisonError::into_inner);
-    let Some(found) = reader.find(kind, name) else { return -1 };
-    let at = reader.copy(kind, name, &found.value);
+    let mut values = BY_NAME.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(found) = values.find(kind, name) else { return -1 };
+    let at = values.copy(kind, name, &found.value);
     if !ty.is_null() {
         // SAFETY: guaranteed by the caller.
         unsafe { ty.write(c_int::from(found.value.ty().code())) };
