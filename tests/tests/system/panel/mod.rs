@@ -1,4 +1,5 @@
-//! The panel: requests byte by byte, and Chromium without a screen, with the printer on the real clock.
+//! The panel: requests byte by byte, and Chromium without a screen, with the printer on the real clock,
+//! and jobs that lose their lease on the virtual one.
 #![expect(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -9,6 +10,7 @@ mod accounts;
 mod display;
 mod integrator;
 mod looks;
+mod loss;
 mod operator;
 mod printer;
 mod requests;

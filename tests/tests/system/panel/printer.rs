@@ -29,13 +29,18 @@ pub(super) struct Session {
 impl Printer {
     /// Starts the printer, and a panel whose sessions have this role.
     pub(super) fn start(role: &str) -> Self {
+        Self::with(role, &["--simulate"], "")
+    }
+
+    /// Starts the printer on a clock, with these entries of `[REMOTE]`, and a panel whose sessions have this role.
+    pub(super) fn with(role: &str, clock: &[&str], entries: &str) -> Self {
         let scratch = Scratch::copy_of(&root().join("configs/printer"));
         let ini = scratch.read("printer.ini");
         // A computer that tests keep busy answers late: the lease then lasts, while a jog still ends at once.
-        scratch.write("printer.ini", format!("{ini}\n[REMOTE]\nLEASE_TIMEOUT = 60\n"));
+        scratch.write("printer.ini", format!("{ini}\n[REMOTE]\nLEASE_TIMEOUT = 60\n{entries}"));
         fs::create_dir(scratch.path().join("programs")).unwrap();
-        let words = ["--simulate", "--headless", "printer.ini"];
-        let machine = scratch.start(scratch.command(&[], "halrun").args(words));
+        let mut command = scratch.command(&[], "halrun");
+        let machine = scratch.start(command.args(clock).args(["--headless", "printer.ini"]));
         until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
         let panel = panel(&scratch, role, &[]);
         let mut printer = Self { panel, machine, scratch, port: 0 };
