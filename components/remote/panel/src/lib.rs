@@ -14,6 +14,7 @@ mod lease;
 mod options;
 mod page;
 mod prepare;
+mod scope;
 mod security;
 mod server;
 mod session;

@@ -8,7 +8,7 @@ use crate::{
     http, info,
     lease::Clients,
     options::Options,
-    prepare,
+    prepare, scope,
     security::Security,
     session::{Sessions, secret},
     status,
@@ -56,6 +56,8 @@ pub(crate) struct Panel {
     pub(crate) security: Security,
     /// Options of the program.
     pub(crate) options: Options,
+    /// Instance of the engine.
+    pub(crate) place: Place,
     /// The way to the engine.
     pub(crate) engine: Engine,
     /// State of the machine.
@@ -70,8 +72,10 @@ pub(crate) struct Panel {
     pub(crate) audit: Audit,
     /// Folder of programs.
     pub(crate) programs: Option<PathBuf>,
-    /// Kept while a program's geometry is read: one after the other.
+    /// Kept while a program's geometry is read or the wiring is drawn: one after the other.
     pub(crate) reading: Mutex<()>,
+    /// Places of scopes.
+    pub(crate) scopes: Arc<Semaphore>,
     /// Kept while a tool change is answered: the button is linked for one answer.
     pub(crate) pressing: Mutex<()>,
     /// Description of the machine.
@@ -120,6 +124,7 @@ pub fn run(options: &Options) -> Result<(), String> {
         let programs = programs.map_err(|e| hal_output::reason(&e))?;
         let audit = Audit::open(&audit)?;
         prepare::load(&place, ini.as_ref())?;
+        let address_file = options.address_file.clone().unwrap_or_else(|| beside("url"));
         let panel = Arc::new(Panel {
             address,
             security,
@@ -132,9 +137,11 @@ pub fn run(options: &Options) -> Result<(), String> {
             audit,
             programs,
             reading: Mutex::default(),
+            scopes: Arc::new(Semaphore::new(scope::MAX_SCOPES)),
             pressing: Mutex::default(),
+            place,
             info,
-            address_file: options.address_file.clone().unwrap_or_else(|| beside("url")),
+            address_file,
         });
         panel.renew_token()?;
         let file = panel.address_file.display();

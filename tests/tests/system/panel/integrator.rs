@@ -1,7 +1,10 @@
-//! The integrator's page: a pin is found, watched and set.
+//! The integrator's page: a pin is found, watched, set and scoped; the wiring shows live values.
 
 use super::stand::Stand;
-use hal_tests::{browser::DESKTOP, scratch::until};
+use hal_tests::{
+    browser::{DESKTOP, PHONE},
+    scratch::until,
+};
 
 #[test]
 fn a_pin_is_watched_and_set() {
@@ -33,5 +36,86 @@ fn a_pin_is_watched_and_set() {
         (stand.printer.number("getp stepgen.0.maxaccel") - 1234.0).abs() < 1e-9
     });
     stand.picture("watch");
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
+fn a_pin_is_scoped_with_a_trigger_and_the_wiring_lives() {
+    let pin = "axis.0.motor-pos-cmd";
+    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let b = &stand.browser;
+    stand.ready();
+    b.run("document.querySelector('[data-page=integrate]').click()");
+    b.until("document.querySelector('#scope-thread').options.length > 1");
+
+    // A trigger that cannot be read is refused in words.
+    b.fill("#scope-names", pin);
+    b.fill("#scope-trigger", "rises rises");
+    b.click("#scope-start");
+    b.until("document.querySelector('#scope-state').textContent.length > 10");
+    b.run("document.querySelector('#scope-trigger').value = ''");
+
+    // The move passes 1 mm in the middle of the capture.
+    b.run("document.querySelector('#scope-seconds').value = 0.1; document.querySelector('#scope-before').value = 0.05");
+    b.fill("#scope-trigger", &format!("{pin} rises through 1"));
+    b.click("#scope-start");
+    b.until("!document.querySelector('#scope-stop').disabled && document.querySelector('.plot').dataset.captures === '0'");
+    stand.printer.halcmd("motion.jog joint=0 velocity=40 position=3 --wait");
+    b.until("Number(document.querySelector('.plot').dataset.captures) > 0");
+    let cell = |n: u32| {
+        let script = format!(
+            "return Number(document.querySelectorAll('#scope tr[data-name] td')[{n}].textContent)"
+        );
+        b.run(&script).as_f64().unwrap()
+    };
+    assert!(cell(0) < 1.0 && 1.0 < cell(1), "from {} to {}", cell(0), cell(1));
+
+    // Two cursors by the keyboard, on both sides of the middle: their values stand in the table.
+    b.run("document.querySelector('.plot').focus()");
+    b.key("\u{e012}", true);
+    b.key("\u{e012}", false);
+    b.key("\u{e008}", true);
+    b.key("\u{e014}", true);
+    b.key("\u{e014}", false);
+    b.key("\u{e008}", false);
+    b.until("/\\d s \\(.*Hz\\)/.test(document.querySelector('#scope caption').textContent)");
+    assert!(cell(6) < cell(7), "A {} B {}", cell(6), cell(7));
+    stand.picture("scope-desktop");
+
+    // The capture is exported as it is shown.
+    b.run("window.saved = null; URL.createObjectURL = (blob) => { blob.text().then((text) => { window.saved = text; }); return 'blob:none'; }");
+    b.run("HTMLAnchorElement.prototype.click = () => {}");
+    b.click("#scope-export");
+    b.until(&format!(
+        "window.saved?.startsWith('time,{pin}\\n') && window.saved.split('\\n').length > 90"
+    ));
+    b.click("#scope-stop");
+    b.until("!document.querySelector('#scope-start').disabled");
+
+    // The name of a wire carries the value of its signal.
+    b.fill("#graph-pattern", "xpos-*");
+    b.run("document.querySelector('#graph').scrollIntoView(); document.querySelector('#graph-pattern').dispatchEvent(new Event('change'))");
+    b.until("[...document.querySelectorAll('#graph text.label')].some((x) => / = -?\\d/.test(x.textContent))");
+    stand.picture("wiring-desktop");
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
+fn a_phone_shows_a_stream_and_the_wiring() {
+    let Some(stand) = Stand::start(PHONE) else { return };
+    let b = &stand.browser;
+    b.run("document.querySelector('[data-page=integrate]').click()");
+    b.run("document.querySelector('#scope-names').value = 'remote.pulse sig:xpos-cmd'; document.querySelector('#scope-start').click()");
+    b.until("Number(document.querySelector('.plot').dataset.captures) > 3");
+    b.run("document.querySelector('#scope-start').scrollIntoView()");
+    stand.picture("scope-phone");
+    b.run("document.querySelector('#graph').scrollIntoView()");
+    b.until("document.querySelector('#graph text.label')");
+    stand.picture("wiring-phone");
+    b.run("document.querySelector('#scope-stop').click()");
+    b.until("!document.querySelector('#scope-start').disabled");
+    let too_wide =
+        "return document.documentElement.scrollWidth - document.documentElement.clientWidth";
+    assert_eq!(b.run(too_wide), 0);
     assert_eq!(b.errors(), Vec::<String>::new());
 }

@@ -15,5 +15,6 @@ mod operator;
 mod printer;
 mod requests;
 mod roles;
+mod samples;
 mod socket;
 mod stand;

@@ -68,6 +68,12 @@ impl Printer {
         self.port = self.listens();
     }
 
+    /// Ends the machine, while the panel goes on.
+    pub(super) fn end_machine(&mut self) {
+        self.machine.signal(Signal::TERM);
+        self.machine.ended().unwrap();
+    }
+
     /// Returns what the panel has printed.
     pub(super) fn said(&self) -> String {
         self.panel.said().0

@@ -31,7 +31,7 @@ fn a_message_that_is_not_right_is_refused_by_name() {
     // With an id there is an answer, and the connection lasts.
     let mut socket = session.socket();
     for (message, code) in [
-        (json!({ "type": "scope" }), "malformed"),
+        (json!({ "type": "samples" }), "malformed"),
         (json!({ "type": "lease", "do": "steal" }), "malformed"),
         (json!({ "type": "command", "name": "mode", "args": [] }), "malformed"),
         (json!({ "type": "command", "name": "explode" }), "not-found"),

@@ -1,4 +1,4 @@
-// The socket: status, values and commands.
+// The socket: status, values, samples and commands.
 
 import { Refusal, sessionKey } from "./http.js";
 import { areJogsHeld, releaseAll } from "./hold.js";
@@ -13,6 +13,7 @@ export class Link {
     this.nextId = 1;
     this.pending = new Map();
     this.watched = new Map();
+    this.capturing = null;
     this.isOpen = false;
     this.isClosed = false;
     this.open();
@@ -29,6 +30,7 @@ export class Link {
       this.isOpen = false;
       for (const { reject } of this.pending.values()) reject(new Refusal({ code: "no-server", text: this.lostText ?? "" }));
       this.pending.clear();
+      this.capturing = null;
       this.on.state(false);
       if (!this.isClosed) setTimeout(() => this.open(), RETRY_MS);
     };
@@ -54,6 +56,9 @@ export class Link {
       case "reply":
       case "done":
         this.settle(message);
+        break;
+      case "samples":
+        if (message.id === this.capturing?.id) this.capturing.receive(message);
         break;
       case "error":
         if (message.error?.code === "no-session") {
@@ -111,5 +116,17 @@ export class Link {
   sendWatch() {
     const names = [...new Set([...this.watched.values()].flat())].slice(0, 1000);
     if (this.isOpen) this.post({ type: "watch", names });
+  }
+
+  /** Starts a capture, which ends the one before; `receive` gets its samples. Resolves to its period, names and types. */
+  async capture(capture, receive) {
+    this.capturing = { id: this.nextId, receive };
+    return this.ask({ type: "scope", capture });
+  }
+
+  /** Ends the capture. */
+  endCapture() {
+    this.capturing = null;
+    if (this.isOpen) this.post({ type: "scope", id: this.nextId++ });
   }
 }

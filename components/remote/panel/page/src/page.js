@@ -3,7 +3,9 @@
 import { ask, el, enable, mark, setText, show } from "./dom.js";
 import { releaseAll } from "./hold.js";
 import { signOut } from "./http.js";
-import { absentCard, findingsCard, flightCard, orderCard, threadsCard } from "./integrator/diagnose.js";
+import { findingsCard, flightCard, orderCard, threadsCard } from "./integrator/diagnose.js";
+import { graphCard } from "./integrator/graph.js";
+import { scopeCard } from "./integrator/scope.js";
 import { treeCard, watchCard } from "./integrator/tree.js";
 import { jogCard } from "./operator/jog.js";
 import { machineCard } from "./operator/machine.js";
@@ -27,7 +29,7 @@ const OPERATOR = [
 ];
 const GROUPS = ["move", "view", "job", "mdi", "more"];
 const INTEGRATOR = [
-  ["left", treeCard], ["centre", watchCard], ["centre", absentCard], ["right", findingsCard], ["right", orderCard],
+  ["left", treeCard], ["centre", watchCard], ["centre", scopeCard], ["centre", graphCard], ["right", findingsCard], ["right", orderCard],
   ["right", threadsCard], ["right", flightCard],
 ];
 

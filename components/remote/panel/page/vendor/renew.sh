@@ -20,4 +20,4 @@ node -e '
       text = text.replace(/from \x27three\x27/g, "from \x27./three.module.min.js\x27");
       fs.writeFileSync(path.join(here, to), text);
     }' "$work" "$here"
-sha256sum -- *.js *.LICENSE > SHA256SUMS
+sha256sum -- *.js *.css *.LICENSE > SHA256SUMS

@@ -1,5 +1,6 @@
 //! Requests over HTTP.
 
+mod graph;
 mod guard;
 mod lists;
 mod machine;
@@ -38,6 +39,7 @@ pub(crate) fn router(panel: &Arc<Panel>) -> Router {
         .route("/status", get(lists::status))
         .route("/check", get(lists::check))
         .route("/order", get(lists::order))
+        .route("/graph", get(graph::svg))
         .route("/flight", get(lists::flight))
         .route("/tools", get(machine::tools))
         .route("/offsets", get(machine::offsets))

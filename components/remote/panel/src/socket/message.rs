@@ -3,6 +3,7 @@
 use crate::{
     commands::Args,
     error::{Code, Error},
+    scope::Wanted,
 };
 use serde::Deserialize;
 use serde_json::{Map, Value as Json};
@@ -33,6 +34,11 @@ pub(super) enum Received {
         to: Option<u64>,
         #[serde(default)]
         force: bool,
+    },
+    Scope {
+        id: u64,
+        #[serde(default)]
+        capture: Option<Wanted>,
     },
     Command {
         id: u64,
@@ -90,7 +96,7 @@ mod tests {
     #[test]
     fn a_message_that_cannot_be_read_is_answered_if_it_has_an_id() {
         for (text, wanted) in [
-            (r#"{"type": "scope", "id": 7}"#, Some(7)),
+            (r#"{"type": "scope", "id": 7, "names": []}"#, Some(7)),
             (r#"{"type": "lease", "id": 8, "do": "steal"}"#, Some(8)),
             (r#"{"type": "scope"}"#, None),
             (r#"{"type": "scope", "id": -1}"#, None),

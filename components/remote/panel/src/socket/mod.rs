@@ -6,8 +6,9 @@ mod view;
 
 use crate::{
     error::{Code, Error},
+    scope::{MAX_SCOPES, Scope, Wanted},
     server::Panel,
-    session::{Session, cookie},
+    session::{Role, Session, cookie},
     values,
 };
 use axum::{
@@ -21,6 +22,7 @@ use axum::{
 use message::{Received, Watched};
 use serde_json::{Value as Json, json};
 use std::{
+    future::pending,
     sync::{Arc, atomic::Ordering::Relaxed},
     time::Duration,
 };
@@ -110,6 +112,7 @@ struct Connection {
     client: u64,
     view: View,
     watched: Watched,
+    scope: Option<Scope>,
     /// Number of messages received in the current second.
     rate: u32,
     /// True after a message other than a beat in the current second.
@@ -135,6 +138,7 @@ impl Connection {
             client,
             view: View::default(),
             watched: Watched::default(),
+            scope: None,
             rate: 0,
             used: false,
             beat: 0,
@@ -198,6 +202,7 @@ impl Connection {
                         give(socket, &message).await?;
                     }
                 }
+                Some(samples) = next(&mut self.scope) => give(socket, &samples).await?,
                 _ = second.tick() => {
                     // A connection that a person uses keeps the session alive.
                     let used = core::mem::take(&mut self.used);
@@ -241,10 +246,31 @@ impl Connection {
             Received::Lease { id, action, to, force } => self.order(id, async move |order| {
                 order.lease(action, to, force).await.map(|()| json!({}))
             }),
+            Received::Scope { id, capture } => {
+                if let Err(e) = self.start_scope(id, capture) {
+                    let reply = json!({ "type": "reply", "id": id, "error": e });
+                    drop(self.answers.try_send(reply));
+                }
+            }
             Received::Command { id, name, args } => {
                 self.order(id, async move |order| order.command(id, &name, &args).await);
             }
         }
+        Ok(())
+    }
+
+    /// Ends the scope of this client, and starts another if one is wanted.
+    fn start_scope(&mut self, id: u64, wanted: Option<Wanted>) -> Result<(), Error> {
+        self.scope = None;
+        self.session.needs(Role::Operator)?;
+        let Some(wanted) = wanted else {
+            drop(self.answers.try_send(json!({ "type": "reply", "id": id, "ok": {} })));
+            return Ok(());
+        };
+        let full = |_| Error::new(Code::TooMany, format!("{MAX_SCOPES} scopes run already"));
+        let permit = self.panel.scopes.clone().try_acquire_owned().map_err(full)?;
+        let (place, answers) = (self.panel.place.clone(), self.answers.clone());
+        self.scope = Some(Scope::start(place, id, wanted, answers, permit)?);
         Ok(())
     }
 
@@ -274,6 +300,14 @@ impl Connection {
         let now = values::read(&self.panel.engine, &self.watched.names).await.ok()?;
         let changed = self.watched.changes(now);
         (!changed.is_empty()).then(|| json!({ "type": "values", "values": changed }))
+    }
+}
+
+/// Returns the next samples; never without a scope.
+async fn next(scope: &mut Option<Scope>) -> Option<Json> {
+    match scope {
+        Some(scope) => scope.samples.recv().await,
+        None => pending().await,
     }
 }
 

@@ -1,10 +1,10 @@
-// Findings of check, the order of functions, the flight recorder, times of threads, and what is not served.
+// Findings of check, the order of functions, the flight recorder, and times of threads.
 
 import { card, el, setText } from "../dom.js";
 import { getJson, listPath } from "../http.js";
 
 /** Makes a card that asks the server when its button is pressed, and when it is first seen. */
-function asked(ctx, id, title, ask) {
+export function asked(ctx, id, title, ask, extra = []) {
   const { t, signal } = ctx;
   const body = el("div", { class: "answer", tabIndex: 0, role: "region", "aria-label": title });
   const state = el("p", { class: "note", role: "status" });
@@ -16,7 +16,7 @@ function asked(ctx, id, title, ask) {
       if (error.name !== "AbortError") setText(state, error.message);
     }
   };
-  const box = card(id, title, el("div", { class: "row" }, el("button", { type: "button", onclick: refresh }, t("refresh"))), state, body);
+  const box = card(id, title, el("div", { class: "row" }, ...extra, el("button", { type: "button", onclick: refresh }, t("refresh"))), state, body);
   const seen = new IntersectionObserver((entries) => {
     if (!entries.some((e) => e.isIntersecting)) return;
     seen.disconnect();
@@ -24,7 +24,7 @@ function asked(ctx, id, title, ask) {
   });
   seen.observe(box);
   signal.addEventListener("abort", () => seen.disconnect());
-  return box;
+  return { box, refresh };
 }
 
 /** Makes the card of findings. */
@@ -36,13 +36,13 @@ export function findingsCard(ctx) {
     return [el("ul", { class: "findings" }, ...all.map((f) =>
       el("li", { "data-level": f.level }, el("b", {}, `${t(`level.${f.level}`)} ${f.code ?? ""}`), " ",
         f.at?.file ? el("span", { class: "code" }, `${f.at.file}:${f.at.line}`) : null, el("p", {}, f.text), f.remedy ? el("p", { class: "note" }, f.remedy) : null)))];
-  });
+  }).box;
 }
 
 /** Makes the card of the order of functions. */
 export function orderCard(ctx) {
   const { t, signal } = ctx;
-  return asked(ctx, "order", t("order"), async () => [tree(await getJson("/order", { signal }))]);
+  return asked(ctx, "order", t("order"), async () => [tree(await getJson("/order", { signal }))]).box;
 }
 
 /** Shows any answer of the server as nested lists. */
@@ -59,7 +59,7 @@ function tree(value) {
 /** Makes the card of the flight recorder. */
 export function flightCard(ctx) {
   const { t, signal } = ctx;
-  return asked(ctx, "flight", t("flight"), async () => [tree(await getJson("/flight", { signal }))]);
+  return asked(ctx, "flight", t("flight"), async () => [tree(await getJson("/flight", { signal }))]).box;
 }
 
 /** Makes the card of threads: their times, those of their functions, overruns, and the histogram of wake-ups. */
@@ -74,7 +74,7 @@ export function threadsCard(ctx) {
       ...threads.map((thread) => threadPart(thread, most, t)),
       el("details", {}, el("summary", {}, t("threads.instance")), tree(status)),
     ];
-  });
+  }).box;
 }
 
 function threadPart(thread, most, t) {
@@ -94,9 +94,4 @@ function threadPart(thread, most, t) {
         el("tr", {}, el("th", { scope: "row" }, w.name), el("td", {}, el("meter", { min: 0, max: Math.max(1, all), value: w.n, "aria-label": w.name })), el("td", { class: "number" }, String(w.n)))))),
     el("table", { class: "grid", "aria-label": t("tree.functs") }, el("caption", {}, t("threads.functs")),
       el("tbody", {}, ...thread.functs.map((name) => row(name, most.has(name) ? us(most.get(name)) : "—")))));
-}
-
-/** Makes the card that names what this version does not serve. */
-export function absentCard({ t }) {
-  return card("absent", t("absent"), el("p", { class: "note" }, t("absent.what")));
 }

@@ -124,7 +124,7 @@ export function watchCard(ctx) {
       const button = (key, sign, action) => el("button", { type: "button", class: "small", "aria-label": `${t(key)} ${pin}`, title: t(key), onclick: action }, sign);
       const tasks = may ? [button("watch.set", "✎", () => set(pin)), pin.startsWith("sig:") ? null : button("watch.link", "⇔", () => connect(pin))] : [];
       return el("tr", { "data-name": pin }, el("th", { scope: "row", class: "code" }, pin), cell, el("td", { class: "row" }, ...tasks,
-        button("watch.remove", "✕", () => remove(pin))));
+        button("scope.add", "∿", () => ctx.addTrace(pin)), button("watch.remove", "✕", () => remove(pin))));
     }));
     link.watch("watch", prefs.get("watch"));
     draw();
