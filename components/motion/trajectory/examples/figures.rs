@@ -26,16 +26,24 @@ use std::time::Instant;
 const TURNS: usize = 5;
 
 fn main() -> Result<(), Error> {
-    print_times();
-    println!(
-        "\nrates of planning, in moves per second of processor time:   wanted   median     best"
-    );
     let sets: [(&str, f64, Vec<Move>, bool); 4] = [
         ("nine axes, tiny lines", 2e5, tiny(60_000, 9), false),
         ("arcs and helices", 1e5, arcs(30_000), false),
         ("delta, tiny lines", 3e4, tiny(15_000, 3), true),
         ("delta, lines of 10 (no figure is wanted)", 0.0, long(2_000), true),
     ];
+    if let Some(number) = std::env::args().nth(1).and_then(|n| n.parse::<usize>().ok()) {
+        // One set, once and without a clock, for a program that counts instructions.
+        return match sets.get(number) {
+            Some((_, _, moves, true)) => plan(moves, Delta),
+            Some((_, _, moves, false)) => plan(moves, Trivial),
+            None => Ok(()),
+        };
+    }
+    print_times();
+    println!(
+        "\nrates of planning, in moves per second of processor time:   wanted   median     best"
+    );
     let mut rates = sets.each_ref().map(|_| Vec::new());
     for _ in 0..TURNS {
         for ((_, _, moves, delta), rates) in sets.iter().zip(&mut rates) {
@@ -186,18 +194,23 @@ fn arcs(count: u32) -> Vec<Move> {
 
 /// Moves per second, with the certificate and the hand-over.
 fn rate<K: Kinematics>(moves: &[Move], kinematics: K) -> Result<f64, Error> {
+    let begin = processor();
+    plan(moves, kinematics)?;
+    Ok(moves.len() as f64 / (processor() - begin))
+}
+
+#[inline(never)]
+fn plan<K: Kinematics>(moves: &[Move], kinematics: K) -> Result<(), Error> {
     let mut planner = Planner::new(machine(), kinematics, Pose::ZERO)?;
     let (mut publisher, reader) = share(16384, 1000);
-    let begin = processor();
     for m in moves {
         planner.push(m)?;
         publisher.publish(&mut planner);
         // A follower that has passed everything but the last thousands of cells.
         reader.release(planner.track().oldest().saturating_sub(4000));
     }
-    let seconds = processor() - begin;
     assert_eq!(planner.rejections().0, 0);
-    Ok(moves.len() as f64 / seconds)
+    Ok(())
 }
 
 /// Mean and rare time of a step in nanoseconds, with so many moves ahead, and the most events of a step. The planner works

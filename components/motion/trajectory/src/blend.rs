@@ -193,11 +193,12 @@ pub(crate) fn deviation_again(blend: &Blend, a: &Segment, b: &Segment, t: &Toler
         let (start, end) = (segment.curve.pose(0.0), segment.curve.pose(segment.length));
         let by = end - start;
         let square = by.dot(&by, segment.main);
-        for point in points {
-            let share = (*point - start).dot(&by, segment.main) / square;
+        worst = worst.max(t.ratios(points.map(|point| {
+            let from = point - start;
+            let share = from.dot(&by, segment.main) / square;
             let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
-            worst = worst.max(t.ratio(&(*point - start - by * share)));
-        }
+            from - by * share
+        })));
     }
     worst
 }
@@ -272,6 +273,10 @@ fn half_deviation(
     };
     let mut worst: f64 = 0.0;
     let mut left = difference(0);
+    // In a group in which neither of them moves, they differ nowhere if not at the start.
+    let moving = Group::ALL.map(|group| {
+        left.0.pose.group(group) != [0.0; 3] || blend.moves(group) || segment.curve.moves(group)
+    });
     for k in 1..=PIECES {
         let right = difference(k);
         let u = left.1 + right.1;
@@ -289,9 +294,13 @@ fn half_deviation(
             let x = from + h * (f64::from(k - 1) + i as f64 / 5.0) + along;
             past = past.max(x - segment.length).max(-x);
             slip = slip.max(along.abs());
-            let across = *point - u * point.dot(&u, main);
-            for (o, group) in off.iter_mut().zip(Group::ALL) {
-                *o = o.max(across.dot(&across, group));
+            let dot = point.dot(&u, main);
+            for ((o, group), moves) in off.iter_mut().zip(Group::ALL).zip(moving) {
+                if moves {
+                    let ([a, b, c], [x, y, z]) = (point.group(group), u.group(group));
+                    let (a, b, c) = (a - x * dot, b - y * dot, c - z * dot);
+                    *o = o.max(a * a + b * b + c * c);
+                }
             }
         }
         for (o, group) in off.map(f64::sqrt).iter().zip(Group::ALL) {

@@ -2,7 +2,7 @@
 
 use crate::{
     curve::Curve,
-    pose::{Group, Pose},
+    pose::{AXES, Group, Pose},
 };
 
 /// Upper bounds of the absolute values of three derivatives, per axis.
@@ -16,6 +16,13 @@ pub struct Bounds {
     pub third: Pose,
     /// Of the length of the first derivative in the group that governs the feed.
     pub speed: f64,
+}
+
+impl Bounds {
+    /// Returns the bounds of the three derivatives.
+    pub(crate) const fn rows(&self) -> [&[f64; AXES]; 3] {
+        [&self.first.0, &self.second.0, &self.third.0]
+    }
 }
 
 impl Curve {
@@ -121,26 +128,31 @@ fn largest(list: &[Pose], k: f64) -> Pose {
 
 /// Coefficients of the polynomial in `t`, with `u = from + width · t`.
 fn shifted(c: &[Pose; 6], from: f64, width: f64) -> [Pose; 6] {
-    let mut out = *c;
+    let [mut c0, mut c1, mut c2, mut c3, mut c4, c5] = *c;
     if from != 0.0 {
         // Synthetic division, once per coefficient.
-        for low in 0..5 {
-            let mut above = Pose::ZERO;
-            for (k, x) in out.iter_mut().enumerate().rev() {
-                if k < low {
-                    break;
-                }
-                *x = *x + above * from;
-                above = *x;
-            }
-        }
+        c4 = c4 + c5 * from;
+        c3 = c3 + c4 * from;
+        c2 = c2 + c3 * from;
+        c1 = c1 + c2 * from;
+        c0 = c0 + c1 * from;
+        c4 = c4 + c5 * from;
+        c3 = c3 + c4 * from;
+        c2 = c2 + c3 * from;
+        c1 = c1 + c2 * from;
+        c4 = c4 + c5 * from;
+        c3 = c3 + c4 * from;
+        c2 = c2 + c3 * from;
+        c4 = c4 + c5 * from;
+        c3 = c3 + c4 * from;
+        c4 = c4 + c5 * from;
     }
     let mut scale = 1.0;
-    for x in &mut out {
-        *x = *x * scale;
+    [c0, c1, c2, c3, c4, c5].map(|x| {
+        let out = x * scale;
         scale *= width;
-    }
-    out
+        out
+    })
 }
 
 /// Half of an interval of angles.

@@ -85,6 +85,8 @@ struct Acting {
     from: f64,
     to: f64,
     allowed: Allowed,
+    /// Acceleration at full speed.
+    top: f64,
 }
 
 /// Neighbouring cells, and the lowest limits and the widest interval of them all.
@@ -112,7 +114,7 @@ impl Block {
         self.to = self.to.max(acts.to);
         self.speed = self.speed.min(speed);
         self.rest = self.rest.min(rest);
-        self.top = self.top.min(acts.allowed.top());
+        self.top = self.top.min(acts.top);
         self.cells.push(*acts);
     }
 }
@@ -185,7 +187,8 @@ impl Certificate {
     pub(crate) fn remember(&mut self, raw: &Raw, time: f64) {
         let allowed = raw.allowed;
         let reach = allowed.speed * time;
-        let acts = Acting { from: raw.start - reach, to: raw.end() + reach, allowed };
+        let (from, to) = (raw.start - reach, raw.end() + reach);
+        let acts = Acting { from, to, allowed, top: allowed.top() };
         match self.blocks.back_mut() {
             Some(block) if block.cells.len() < Block::CELLS => block.add(&acts),
             _ => {
@@ -205,25 +208,28 @@ impl Certificate {
             self.spare = self.blocks.pop_front();
         }
         let Allowed { mut speed, mut rest, .. } = cell.allowed;
-        let mut top = cell.allowed.top();
+        let full = cell.allowed.top();
+        let mut top = full;
         let mut good = true;
         for b in &self.blocks {
             // A block that as a whole is higher, or out of reach, needs no look at its cells.
-            if speed <= b.speed && rest <= b.rest && top <= b.top || b.to <= from || to <= b.from {
+            if b.to <= from
+                || to <= b.from
+                || cell.allowed.speed <= b.speed && cell.allowed.rest <= b.rest && full <= b.top
+            {
                 continue;
             }
             for acts in &b.cells {
-                if acts.from < to && from < acts.to {
-                    // Both accelerations are linear in v², so rest and full speed suffice.
-                    let low = acts.allowed;
-                    let at_speed = low.at(cell.allowed.speed) + 1e-12 * low.rest;
-                    good &= cell.allowed.speed <= low.speed
-                        && cell.allowed.rest <= low.rest
-                        && cell.allowed.top() <= at_speed;
-                    speed = speed.min(low.speed);
-                    rest = rest.min(low.rest);
-                    top = top.min(low.top());
+                let low = acts.allowed;
+                let below = cell.allowed.speed <= low.speed && cell.allowed.rest <= low.rest;
+                if acts.to <= from || to <= acts.from || below && full <= acts.top {
+                    continue;
                 }
+                // Both accelerations are linear in v², so rest and full speed suffice.
+                good &= below && full <= low.at(cell.allowed.speed) + 1e-12 * low.rest;
+                speed = speed.min(low.speed);
+                rest = rest.min(low.rest);
+                top = top.min(acts.top);
             }
         }
         if !good {
@@ -272,17 +278,23 @@ fn exact(curve: &Curve, from: f64, to: f64) -> Bounds {
     let rows = c2.0.iter().zip(&c3.0).zip(&c4.0).zip(&c5.0);
     let slots = second.0.iter_mut().zip(third.0.iter_mut());
     for ((second, third), (((c2, c3), c4), c5)) in slots.zip(rows) {
+        if *c2 == 0.0 && *c3 == 0.0 && *c4 == 0.0 && *c5 == 0.0 {
+            continue;
+        }
         let bend = |u: f64| (((20.0 * c5 * u + 12.0 * c4) * u + 6.0 * c3) * u + 2.0 * c2).abs();
         let (p, q, r) = (60.0 * c5, 24.0 * c4, 6.0 * c3);
         let twist = |u: f64| ((p * u + q) * u + r).abs();
         let inside = |u: f64| u0 < u && u < u1;
         let mut high = bend(u0).max(bend(u1));
         let mut steep = twist(u0).max(twist(u1));
-        let top = -q / (2.0 * p);
-        if inside(top) {
-            steep = steep.max(twist(top));
+        if p != 0.0 {
+            let top = -q / (2.0 * p);
+            if inside(top) {
+                steep = steep.max(twist(top));
+            }
         }
-        let root = q * q - 4.0 * p * r;
+        // Without both, the second derivative is linear.
+        let root = if p != 0.0 || q != 0.0 { q * q - 4.0 * p * r } else { -1.0 };
         if root >= 0.0 {
             let w = -0.5 * (q + root.sqrt().copysign(q));
             for u in [w / p, r / w] {

@@ -1,6 +1,6 @@
 //! Realtime. Curves and their derivatives by the path coordinate.
 
-use crate::pose::Pose;
+use crate::pose::{Group, Pose};
 
 /// A curve over the path coordinate `s`, which runs from 0 to the curve's length.
 #[expect(clippy::large_enum_variant, reason = "a box would need memory in the servo thread")]
@@ -107,6 +107,16 @@ impl Curve {
                     },
                 }
             }
+        }
+    }
+
+    /// Returns true if the axes of a group change along the curve.
+    pub(crate) fn moves(&self, group: Group) -> bool {
+        let still = |p: &Pose| p.group(group) == [0.0; 3];
+        match self {
+            Self::Line { slope, .. } => !still(slope),
+            Self::Arc { drift, .. } => group == Group::Xyz || !still(drift),
+            Self::Poly { c, .. } => !c.iter().skip(1).all(still),
         }
     }
 

@@ -197,18 +197,15 @@ impl Join {
         let h = length / pieces;
         let mut points = Vec::new();
         let (mut s, mut k) = (0.0, 2.0);
-        let mut ends = None;
         for line in &self.lines {
-            let (a, b) = (line.curve.pose(0.0), line.curve.pose(line.length));
-            let (start, _) = *ends.get_or_insert((a, b));
-            ends = Some((start, b));
             while k <= pieces - 2.0 && k * h <= s + line.length {
                 points.push(line.curve.pose(k * h - s));
                 k += 1.0;
             }
             s += line.length;
         }
-        let (start, end) = ends.unwrap_or_default();
+        let start = self.lines.first().map_or(Pose::ZERO, |l| l.curve.pose(0.0));
+        let end = self.lines.last().map_or(Pose::ZERO, |l| l.curve.pose(l.length));
         // Rounding of sums must not lose a sample.
         while k <= pieces - 2.0 {
             points.push(end);
@@ -231,6 +228,8 @@ impl Join {
         let mut worst: f64 = 0.0;
         let (mut begin, mut knot) = (0.0, 0);
         let last = spline.pieces().saturating_sub(1);
+        let Some(mut piece) = spline.piece(0) else { return f64::INFINITY };
+        let mut left = piece.at(0.0, h);
         for (k, line) in self.lines.iter().enumerate() {
             let near = |k: Option<usize>| k.and_then(|k| self.lines.get(k));
             let neighbours = [near(k.checked_sub(1)), near(Some(k + 1))];
@@ -240,15 +239,19 @@ impl Join {
                 let border = float(knot + 1) * h;
                 let is_end = knot == last || border >= end;
                 let b = if is_end { end } else { border };
-                worst = worst.max(part(spline, knot, a, b, begin, line, neighbours, tolerances));
-                a = b;
+                let right = piece.at(b - float(knot) * h, h);
+                let between = [(a - begin, left), (b - begin, right)];
+                worst = worst.max(part(&between, line, neighbours, tolerances));
+                (a, left) = (b, right);
+                if !is_end || border <= end && knot < last {
+                    knot += 1;
+                    let Some(next) = spline.piece(knot) else { return f64::INFINITY };
+                    piece = next;
+                    left = piece.at(a - float(knot) * h, h);
+                }
                 if is_end {
-                    if border <= end && knot < last {
-                        knot += 1;
-                    }
                     break;
                 }
-                knot += 1;
             }
             if worst > 1.0 {
                 break;
@@ -259,48 +262,44 @@ impl Join {
     }
 }
 
-/// Bounds the deviation of one piece of a spline between the path coordinates `a` and `b`, beside one line.
-#[expect(clippy::too_many_arguments, reason = "one place")]
+/// Bounds the deviation of one piece of a spline between two path coordinates beside one line. With each coordinate, from
+/// the start of the line, goes the spline's value and first derivative.
 fn part(
-    spline: &Spline,
-    knot: usize,
-    a: f64,
-    b: f64,
-    begin: f64,
+    [(a, p), (b, q)]: &[(f64, [Pose; 2]); 2],
     line: &Segment,
     neighbours: [Option<&Segment>; 2],
     tolerances: &Tolerances,
 ) -> f64 {
-    let Some(curve) = spline.piece(knot) else { return f64::INFINITY };
-    let start = float(knot) * spline.spacing;
-    let (p, q) = (curve.twice(a - start), curve.twice(b - start));
     let u = slope(line);
     let third = (b - a) / 3.0;
-    let (d0, d3) = (p.pose - line.curve.pose(a - begin), q.pose - line.curve.pose(b - begin));
-    let points = [d0, d0 + (p.first - u) * third, d3 - (q.first - u) * third, d3];
+    let (d0, d3) = (p[0] - line.curve.pose(*a), q[0] - line.curve.pose(*b));
+    let points = [d0, d0 + (p[1] - u) * third, d3 - (q[1] - u) * third, d3];
     let (mut before, mut after) = (0.0_f64, 0.0_f64);
     let mut off = [0.0_f64; 3];
     for (k, d) in points.iter().enumerate() {
         let along = d.dot(&u, line.main);
-        let x = a - begin + third * float(k) + along;
+        let x = a + third * float(k) + along;
         before = larger(before, -x);
         after = larger(after, x - line.length);
         let across = *d - u * along;
         for (o, group) in off.iter_mut().zip(Group::ALL) {
-            *o = larger(*o, across.norm(group));
+            *o = larger(*o, across.dot(&across, group));
         }
     }
     let mut worst: f64 = 0.0;
     for (o, group) in off.iter().zip(Group::ALL) {
         let mut more: f64 = 0.0;
         for (past, neighbour) in [before, after].into_iter().zip(neighbours) {
+            if past <= 0.0 {
+                continue;
+            }
             let by = match neighbour {
                 Some(n) if past <= n.length => (slope(n) - u).norm(group),
                 _ => u.norm(group),
             };
             more = larger(more, past * by);
         }
-        worst = larger(worst, (o + more) / tolerances.of(group));
+        worst = larger(worst, (o.sqrt() + more) / tolerances.of(group));
     }
     worst
 }
@@ -334,19 +333,39 @@ impl Spline {
 
     /// Returns all pieces as polynomials.
     fn curves(&self) -> Vec<Curve> {
-        (0..self.pieces()).map_while(|k| self.piece(k)).collect()
+        let pieces = (0..self.pieces()).map_while(|k| self.piece(k));
+        pieces.map(|piece| piece.curve(self.spacing)).collect()
     }
 
     /// Returns a piece as a polynomial.
-    fn piece(&self, number: usize) -> Option<Curve> {
-        let mut points = self.control.iter().skip(number).copied();
-        let (a, b, c, d) = (points.next()?, points.next()?, points.next()?, points.next()?);
+    fn piece(&self, number: usize) -> Option<Cubic> {
+        let points = self.control.get(number..number + 4)?;
+        let &[a, b, c, d] = points else { return None };
         let sixth = 1.0 / 6.0;
         let c0 = (a + b * 4.0 + c) * sixth;
         let c1 = (c - a) * 0.5;
         let c2 = (a - b * 2.0 + c) * 0.5;
         let c3 = (d - a + (b - c) * 3.0) * sixth;
-        Some(Curve::Poly { c: [c0, c1, c2, c3, Pose::ZERO, Pose::ZERO], length: self.spacing })
+        Some(Cubic([c0, c1, c2, c3]))
+    }
+}
+
+/// A piece of a spline: coefficients of a polynomial in the share of its length.
+struct Cubic([Pose; 4]);
+
+impl Cubic {
+    /// Returns the value and the first derivative at `s`.
+    #[inline]
+    fn at(&self, s: f64, length: f64) -> [Pose; 2] {
+        let u = s / length;
+        let [c0, c1, c2, c3] = self.0;
+        let first = ((c3 * 3.0 * u + c2 * 2.0) * u + c1) * (1.0 / length);
+        [((c3 * u + c2) * u + c1) * u + c0, first]
+    }
+
+    fn curve(&self, length: f64) -> Curve {
+        let [c0, c1, c2, c3] = self.0;
+        Curve::Poly { c: [c0, c1, c2, c3, Pose::ZERO, Pose::ZERO], length }
     }
 }
 
@@ -366,7 +385,10 @@ fn unit(by: &Pose, main: Group) -> Option<Pose> {
 
 /// Returns the derivative of a line.
 fn slope(line: &Segment) -> Pose {
-    line.curve.at(0.0).first
+    match line.curve {
+        Curve::Line { slope, .. } => slope,
+        _ => line.curve.at(0.0).first,
+    }
 }
 
 #[expect(clippy::cast_precision_loss, reason = "small numbers")]

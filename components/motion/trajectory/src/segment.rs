@@ -46,7 +46,19 @@ impl Tolerances {
 
     /// Returns the largest ratio of a displacement to the tolerance of its group.
     pub(crate) fn ratio(&self, by: &Pose) -> f64 {
-        Group::ALL.iter().map(|g| by.norm(*g) / self.of(*g)).fold(0.0, larger)
+        self.ratios([*by])
+    }
+
+    /// Returns the largest ratio of displacements to the tolerances of their groups.
+    pub(crate) fn ratios(&self, all: impl IntoIterator<Item = Pose>) -> f64 {
+        let mut squares = [0.0; 3];
+        for by in all {
+            for (square, group) in squares.iter_mut().zip(Group::ALL) {
+                *square = larger(*square, by.dot(&by, group));
+            }
+        }
+        let each = squares.iter().zip(Group::ALL);
+        each.map(|(square, group)| square.sqrt() / self.of(group)).fold(0.0, larger)
     }
 }
 

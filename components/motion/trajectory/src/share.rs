@@ -84,10 +84,10 @@ impl Publisher {
             }
         }
         let old = self.next;
+        let mut first = sent.cells().next().map(|c| c.curve);
         while let Some(cell) = track.cell(self.next)
             && (sent.len() as u64) < shared.cells.len()
-            && cell.curve
-                < sent.cells().next().map_or(cell.curve, |c| c.curve) + shared.curves.len()
+            && cell.curve < *first.get_or_insert(cell.curve) + shared.curves.len()
         {
             while self.next_curve <= cell.curve {
                 if let Some(curve) = track.curve(self.next_curve) {

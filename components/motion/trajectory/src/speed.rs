@@ -20,6 +20,10 @@ use crate::{
     pose::AXES,
 };
 
+mod rows;
+
+use rows::Rows;
+
 /// Shares of the limits that stay unused, so that rounding is no violation.
 const RESERVE: [f64; 3] = [1.0 - 1e-9, 1.0 - 1e-8, 1.0 - 1e-6];
 
@@ -46,6 +50,12 @@ pub(crate) struct JointBounds {
     pub(crate) first: [f64; JOINTS],
     pub(crate) second: [f64; JOINTS],
     pub(crate) third: [f64; JOINTS],
+}
+
+impl JointBounds {
+    const fn rows(&self) -> [&[f64; JOINTS]; 3] {
+        [&self.first, &self.second, &self.third]
+    }
 }
 
 /// Highest speed in a cell, and the acceleration along the path: `rest - fade·v²`.
@@ -81,11 +91,9 @@ impl Allowed {
 /// The rule that turns bounds into speed and acceleration.
 #[derive(Clone, Debug)]
 pub(crate) struct Law {
-    axes: [Limits; AXES],
-    joints: [Limits; JOINTS],
-    /// Reciprocals of the limits.
-    per_axis: [Limits; AXES],
-    per_joint: [Limits; JOINTS],
+    axes: Rows<AXES>,
+    xyz: Rows<3>,
+    joints: Rows<JOINTS>,
     top: f64,
     jerk: bool,
     period: f64,
@@ -104,18 +112,12 @@ impl Law {
             acceleration: l.acceleration * RESERVE[1],
             jerk: l.jerk * RESERVE[2],
         };
+        let [x, y, z, ..] = axes;
         let jerk = axes.iter().chain(&machine.joints).any(|l| l.jerk.is_finite());
-        let (axes, joints) = (axes.map(reserved), machine.joints.map(reserved));
-        let inverse = |l: Limits| Limits {
-            velocity: 1.0 / l.velocity,
-            acceleration: 1.0 / l.acceleration,
-            jerk: 1.0 / l.jerk,
-        };
         Self {
-            axes,
-            joints,
-            per_axis: axes.map(inverse),
-            per_joint: joints.map(inverse),
+            axes: Rows::new(axes.map(reserved)),
+            xyz: Rows::new([x, y, z].map(reserved)),
+            joints: Rows::new(machine.joints.map(reserved)),
             top: machine.top_speed(),
             jerk,
             period: machine.period,
@@ -147,7 +149,7 @@ impl Law {
     /// Chooses the length of the filter for a run that begins with this feed. Call it only where the motion rests.
     pub(crate) fn choose_filter(&mut self, feed: f64) {
         let mut time: f64 = 0.0;
-        for l in self.axes.iter().chain(&self.joints) {
+        for l in self.axes.limits.iter().chain(&self.joints.limits) {
             if l.jerk.is_finite() && l.acceleration.is_finite() {
                 let speed = l.velocity.min(feed).min(self.top);
                 time = time.max((l.acceleration / l.jerk).min((speed / l.jerk).sqrt()));
@@ -179,16 +181,31 @@ impl Law {
         feed: f64,
         shares: Shares,
     ) -> Allowed {
-        let (first, second, third) = (&bounds.first.0, &bounds.second.0, &bounds.third.0);
-        let (mut r1, mut r2, mut r3) = (0.0_f64, 0.0_f64, 0.0_f64);
-        let mut widen = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
-            r1 = r1.max(a1 * l.velocity);
-            r2 = r2.max(a2 * l.acceleration);
-            r3 = r3.max(a3 * l.jerk);
-        };
-        rows(&self.per_axis, first, second, third).for_each(&mut widen);
-        if let Some(j) = joints {
-            rows(&self.per_joint, &j.first, &j.second, &j.third).for_each(&mut widen);
+        let along = bounds.rows();
+        match along.map(|row| row.split_first_chunk()) {
+            // Most programs move three axes only.
+            [Some((a, x)), Some((b, y)), Some((c, z))]
+                if [x, y, z].iter().all(|rest| rest.iter().all(|r| *r == 0.0)) =>
+            {
+                self.allowed_by(&self.xyz, [a, b, c], joints, feed, shares)
+            }
+            _ => self.allowed_by(&self.axes, along, joints, feed, shares),
+        }
+    }
+
+    fn allowed_by<const N: usize>(
+        &self,
+        axes: &Rows<N>,
+        along: [&[f64; N]; 3],
+        joints: Option<&JointBounds>,
+        feed: f64,
+        shares: Shares,
+    ) -> Allowed {
+        let turning = joints.map(JointBounds::rows);
+        let [mut r1, mut r2, mut r3] = axes.shares(along);
+        if let Some(j) = turning {
+            let [s1, s2, s3] = self.joints.shares(j);
+            (r1, r2, r3) = (r1.max(s1), r2.max(s2), r3.max(s3));
         }
         let mut speed = feed.min(self.top);
         if r1 * speed > 1.0 {
@@ -201,41 +218,24 @@ impl Law {
         if self.jerk && r3 * speed * speed * speed > shares.jerk {
             speed = libm::cbrt(shares.jerk / r3) * (1.0 - 1e-12);
         }
-        let square = speed * speed;
-        let (mut rest, mut at_speed) = (f64::INFINITY, f64::INFINITY);
         let time = self.time();
-        let mut narrow = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
-            if a1 > 0.0 {
-                rest = rest.min(l.acceleration / a1);
-                at_speed = at_speed.min((l.acceleration - a2 * square) / a1);
+        let [mut rest, mut at_speed] = axes.accelerations(along, speed);
+        if let Some(j) = turning {
+            let [a, b] = self.joints.accelerations(j, speed);
+            (rest, at_speed) = (rest.min(a), at_speed.min(b));
+        }
+        if self.jerk {
+            at_speed = at_speed.min(axes.at_speed(along, speed, time));
+            if let Some(j) = turning {
+                at_speed = at_speed.min(self.joints.at_speed(j, speed, time));
             }
-            if self.jerk && l.jerk.is_finite() {
-                let weight = 3.0 * a2 * speed + a1 / time;
-                if weight > 0.0 {
-                    at_speed = at_speed.min((l.jerk - a3 * square * speed) / weight);
-                }
-            }
-        };
-        rows(&self.axes, first, second, third).for_each(&mut narrow);
-        if let Some(j) = joints {
-            rows(&self.joints, &j.first, &j.second, &j.third).for_each(&mut narrow);
         }
         let top = if at_speed > 0.0 { at_speed.min(1e9) } else { 0.0 };
         let mut rest = rest.min(1e9);
         if self.jerk {
-            // Acceleration falls from `rest` to `top` with v², so 3·A2·v·a is a cubic in v. Its Bernstein coefficients are
-            // largest at full speed, or at two thirds of 3·A2·v·rest.
-            let mut narrow = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
-                if l.jerk.is_finite() {
-                    let turning = 3.0 * a2 * speed;
-                    let left = l.jerk - a3 * square * speed - turning * top;
-                    rest = rest.min((left * time).max(a1 * top) / a1);
-                    rest = rest.min(l.jerk / (turning * (2.0 / 3.0) + a1 / time));
-                }
-            };
-            rows(&self.axes, first, second, third).for_each(&mut narrow);
-            if let Some(j) = joints {
-                rows(&self.joints, &j.first, &j.second, &j.third).for_each(&mut narrow);
+            rest = rest.min(axes.at_rest(along, speed, top, time));
+            if let Some(j) = turning {
+                rest = rest.min(self.joints.at_rest(j, speed, top, time));
             }
         }
         Allowed::between(speed, rest.max(top), top)
@@ -249,47 +249,17 @@ impl Law {
         joints: Option<&JointBounds>,
         allowed: &Allowed,
     ) -> bool {
-        let time = self.time();
-        let (v, a, top) = (allowed.speed, allowed.rest, allowed.top());
-        let good = |(l, a1, a2, a3): (&Limits, f64, f64, f64)| {
-            let slack = 1.0 + 1e-12;
-            // The sum of the shares of acceleration is linear in v², so rest and full speed suffice.
-            let below = a1 * v <= l.velocity * slack
-                && a1 * a <= l.acceleration * slack
-                && a2 * v * v + a1 * top <= l.acceleration * slack;
-            // The jerk at the share x of full speed is cubic·x³ + linear·x + a1·a/time.
-            let linear = 3.0 * a2 * v * a;
-            let cubic = a3 * v * v * v - 3.0 * a2 * v * (a - top);
-            let inside = -3.0 * cubic > linear;
-            let peak = if inside {
-                2.0 / 3.0 * linear * (linear / (-3.0 * cubic)).sqrt()
-            } else {
-                cubic + linear
-            };
-            below && (!l.jerk.is_finite() || peak + a1 * a / time <= l.jerk * slack)
-        };
-        rows(&self.axes, &bounds.first.0, &bounds.second.0, &bounds.third.0).all(good)
-            && joints.is_none_or(|j| rows(&self.joints, &j.first, &j.second, &j.third).all(good))
+        self.axes.hold(bounds.rows(), allowed, self.time())
+            && joints.is_none_or(|j| self.joints.hold(j.rows(), allowed, self.time()))
     }
 
     /// Returns the joint that limits the speed most.
     pub(crate) fn tightest_joint(&self, j: &JointBounds) -> usize {
-        let speed = |(l, a1, a2, _): (&Limits, f64, f64, f64)| {
+        let rows = self.joints.limits.iter().zip(&j.first).zip(&j.second);
+        let ratio = |((l, a1), a2): ((&Limits, &f64), &f64)| {
             (a1 / l.velocity).max((a2 / l.acceleration).sqrt())
         };
-        let ratios = rows(&self.joints, &j.first, &j.second, &j.third).map(speed).enumerate();
+        let ratios = rows.map(ratio).enumerate();
         ratios.fold((0, 0.0), |m, (k, r)| if r > m.1 { (k, r) } else { m }).0
     }
-}
-
-/// Limits with the bounds of the three derivatives, of axes or joints that move.
-fn rows<'a>(
-    limits: &'a [Limits],
-    first: &'a [f64],
-    second: &'a [f64],
-    third: &'a [f64],
-) -> impl Iterator<Item = (&'a Limits, f64, f64, f64)> + Clone {
-    let bounds = first.iter().zip(second).zip(third);
-    let rows = limits.iter().zip(bounds).map(|(l, ((a, b), c))| (l, *a, *b, *c));
-    rows.filter(|(_, a, b, c)| *a != 0.0 || *b != 0.0 || *c != 0.0)
 }

@@ -83,13 +83,12 @@ impl Joined<'_> {
             let (start, end) = (segment.curve.pose(0.0), segment.curve.pose(segment.length));
             let by = end - start;
             let square = by.dot(&by, segment.main);
-            let mut worst: f64 = 0.0;
-            for point in &hull {
-                let share = (*point - start).dot(&by, segment.main) / square;
+            self.tolerances.ratios(hull.map(|point| {
+                let from = point - start;
+                let share = from.dot(&by, segment.main) / square;
                 let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
-                worst = worst.max(self.tolerances.ratio(&(*point - start - by * share)));
-            }
-            worst
+                from - by * share
+            }))
         };
         let mut best = beside(line);
         for k in 1..=AROUND {
