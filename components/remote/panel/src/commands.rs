@@ -54,6 +54,9 @@ pub(crate) const ROWS: &[Row] = &[
     row("jog", Operator, true, Jog),
     row("open", Operator, true, Open),
     row("run", Operator, true, Engine(|g| g.plain("task.run"))),
+    row("run-from", Operator, true, Engine(|g| g.command("task.run-from", &["line", "pass?"]))),
+    row("recover", Operator, true, Engine(|g| g.plain("task.recover"))),
+    row("confirm", Operator, true, Engine(|g| g.command("task.confirm", &["token"]))),
     row("resume", Operator, true, Engine(|g| g.plain("task.resume"))),
     row("step", Operator, true, Engine(|g| g.plain("task.step"))),
     row("mdi", Operator, true, Engine(|g| g.command("task.mdi", &["text"]))),
@@ -77,6 +80,7 @@ pub(crate) const ROWS: &[Row] = &[
     row("override-limits", Operator, true, Engine(|g| g.plain("motion.override-limits"))),
     row("tool-changed", Operator, true, ToolChanged),
     row("touch-off", Operator, true, Engine(touch_off)),
+    row("tool-offset", Operator, true, Engine(tool_offset)),
     row("setp", Integrator, true, Engine(setp)),
     row("sets", Integrator, true, Engine(sets)),
     row("net", Integrator, true, Engine(net)),
@@ -93,6 +97,8 @@ pub(crate) fn find(name: &str) -> Result<&'static Row, Error> {
 /// A command with its arguments.
 pub(crate) struct Given<'a> {
     pub(crate) args: &'a Args,
+    /// True if the machine's unit of length is the inch.
+    pub(crate) is_inch: bool,
 }
 
 /// Longest text of an argument in bytes.
@@ -126,6 +132,24 @@ impl Given<'_> {
     fn needed(&self, name: &str) -> Result<String, Error> {
         let missing = || Error::new(Code::Malformed, format!("the command needs {name}"));
         self.text(name)?.ok_or_else(missing)
+    }
+
+    /// Returns an argument that is a finite number.
+    fn number(&self, name: &str) -> Result<f64, Error> {
+        let text = self.needed(name)?;
+        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+        let malformed = || Error::new(Code::Malformed, format!("{name} '{text}' is no number"));
+        number.ok_or_else(malformed)
+    }
+
+    /// Returns a length in machine units as an expression in the unit that is in force when its line is executed.
+    fn length(&self, value: f64) -> String {
+        let scale = if self.is_inch {
+            "[#<_imperial> + #<_metric> * 25.4]"
+        } else {
+            "[#<_metric> + #<_imperial> / 25.4]"
+        };
+        format!("[{value} * {scale}]")
     }
 
     /// Refuses arguments other than these.
@@ -187,12 +211,8 @@ fn touch_off(given: &Given<'_>) -> Result<Vec<Request>, Error> {
     if axis.len() != 1 || !"XYZABCUVW".contains(&axis) {
         return Err(malformed(format!("axis is {axis}, must be one of XYZABCUVW")));
     }
-    let value = given.needed("value")?;
-    let value: f64 =
-        value.parse().map_err(|_| malformed(format!("value '{value}' is no number")))?;
-    if !value.is_finite() {
-        return Err(malformed("value is finite".to_owned()));
-    }
+    let value = given.number("value")?;
+    let value = if "ABC".contains(&axis) { value.to_string() } else { given.length(value) };
     let system = given.text("system")?.unwrap_or_else(|| "0".to_owned());
     let system: u8 = system
         .parse()
@@ -200,6 +220,23 @@ fn touch_off(given: &Given<'_>) -> Result<Vec<Request>, Error> {
         .filter(|n| *n <= 9)
         .ok_or_else(|| malformed(format!("system is {system}, must be 0 to 9")))?;
     let text = format!("text=G10 L20 P{system} {axis}{value}");
+    Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
+}
+
+/// Sets the offset of a tool along axes, and its diameter.
+fn tool_offset(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+    given.only(&["tool", "x", "z", "diameter"])?;
+    let tool: u32 = given
+        .needed("tool")?
+        .parse()
+        .map_err(|_| Error::new(Code::Malformed, "tool is the number of a tool, from 1"))?;
+    let mut text = format!("text=G10 L1 P{tool}");
+    for (name, letter, share) in [("x", 'X', 1.0), ("z", 'Z', 1.0), ("diameter", 'R', 0.5)] {
+        if given.text(name)?.is_some() {
+            let value = given.number(name)? * share;
+            text += &format!(" {letter}{}", given.length(value));
+        }
+    }
     Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
 }
 

@@ -8,6 +8,12 @@ const SECTIONS: &[&str] = &["DISPLAY", "EMC", "TRAJ", "KINS"];
 /// Largest number of joints.
 const MAX_JOINTS: usize = 16;
 
+/// Returns whether the machine's unit of length is the inch.
+pub(crate) fn is_inch(info: &Map<String, Json>) -> bool {
+    let unit = info.get("linear_units").and_then(Json::as_str).unwrap_or_default();
+    ["inch", "in", "imperial"].iter().any(|inch| unit.eq_ignore_ascii_case(inch))
+}
+
 /// Returns the description of the machine.
 pub(crate) fn info(instance: &str, ini: Option<&Ini>) -> Map<String, Json> {
     let get = |section: &str, name: &str| ini.and_then(|ini| ini.get(section, name));

@@ -78,6 +78,8 @@ pub(crate) struct Panel {
     pub(crate) scopes: Arc<Semaphore>,
     /// Kept while a tool change is answered: the button is linked for one answer.
     pub(crate) pressing: Mutex<()>,
+    /// True if the machine's unit of length is the inch.
+    pub(crate) is_inch: bool,
     /// Description of the machine.
     pub(crate) info: Map<String, Json>,
     /// File with the address and the one-time token.
@@ -140,6 +142,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             scopes: Arc::new(Semaphore::new(scope::MAX_SCOPES)),
             pressing: Mutex::default(),
             place,
+            is_inch: info::is_inch(&info),
             info,
             address_file,
         });

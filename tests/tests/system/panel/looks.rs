@@ -2,10 +2,11 @@
 
 use super::stand::Stand;
 use hal_tests::{
-    browser::{DESKTOP, PHONE},
+    browser::{Browser, DESKTOP, PHONE},
     programs::root,
     tools::Tool,
 };
+use serde_json::{Value, json};
 use std::fs;
 
 #[test]
@@ -46,20 +47,41 @@ const AXE: Tool = Tool {
     remedy: "npm install --no-save --prefix components/remote/panel axe-core",
 };
 
+/// Gives the page the checker, and returns what it finds serious or critical.
+fn serious(b: &Browser, axe: &str) -> Value {
+    b.run(axe);
+    b.run("window.found = null; axe.run().then((r) => { window.found = r.violations.filter((v) => ['serious', 'critical'].includes(v.impact)).map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 150)).join(' | ')}`); })");
+    b.until("window.found");
+    b.run("return window.found")
+}
+
 #[test]
 fn axe_finds_nothing_serious() {
     let script = root().join("components/remote/panel/node_modules/axe-core/axe.min.js");
     let Some(axe) = AXE.or_skip(fs::read_to_string(script).ok()) else { return };
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    b.run(&axe);
-    for (page, theme) in
-        [("operate", "dark"), ("operate", "light"), ("integrate", "dark"), ("integrate", "light")]
-    {
-        b.run(&format!("document.querySelector('[data-page={page}]').click(); document.documentElement.dataset.theme = '{theme}'"));
-        b.until("document.querySelectorAll('main .card').length > 5");
-        b.run("window.found = null; axe.run().then((r) => { window.found = r.violations.filter((v) => ['serious', 'critical'].includes(v.impact)).map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 150)).join(' | ')}`); })");
-        b.until("window.found");
-        assert_eq!(b.run("return window.found"), serde_json::json!([]), "{page}, {theme}");
+    for screen in [DESKTOP, PHONE] {
+        let Some(stand) = Stand::start(screen) else { return };
+        let b = &stand.browser;
+        for theme in ["dark", "light"] {
+            for page in ["operate", "integrate"] {
+                b.run(&format!("localStorage.setItem('ferrule-panel', JSON.stringify({{ theme: '{theme}', page: '{page}', watch: ['remote.pulse'] }})); location.reload()"));
+                b.until(&format!(
+                    "document.documentElement.dataset.theme === '{theme}' && document.body.dataset.page === '{page}' && document.querySelectorAll('main .card').length > 5"
+                ));
+                if page == "integrate" {
+                    b.until("document.querySelectorAll('#tree .names li').length > 10");
+                    b.run("document.querySelector('#graph-pattern').value = 'xpos-*'; document.querySelector('#graph').scrollIntoView()");
+                    b.until("document.querySelector('#graph svg')");
+                }
+                assert_eq!(serious(b, &axe), json!([]), "{page}, {theme}, {screen:?}");
+            }
+        }
+        // Without a session there is the form that opens one.
+        b.run("sessionStorage.clear(); location.reload()");
+        b.until("document.querySelector('.sign-in')");
+        for theme in ["dark", "light"] {
+            b.run(&format!("document.documentElement.dataset.theme = '{theme}'"));
+            assert_eq!(serious(b, &axe), json!([]), "sign-in, {theme}, {screen:?}");
+        }
     }
 }

@@ -104,6 +104,75 @@ fn a_desk_runs_a_job() {
 }
 
 #[test]
+fn a_start_in_the_middle_is_shown_and_confirmed() {
+    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let b = &stand.browser;
+    stand.ready();
+    let text = "G21 G90\nG1 X20 F3000\nY20\nX0\nY5\nM2\n";
+    open(&stand, "middle.ngc", text);
+    b.run("document.querySelector('#run-start-at').open = true");
+    let propose = |line: u32| {
+        b.run(&format!("document.querySelector('#run-from-line').value = {line}"));
+        b.click("#run-from");
+        b.until("document.querySelector('#run-from-state').textContent === '' || !document.querySelector('#run-from-state').textContent.includes('nothing')");
+    };
+    // A line that is not there is refused in words, and offers nothing to confirm.
+    propose(99);
+    b.until("document.querySelector('#run-from-state').textContent.includes('99')");
+    assert_eq!(b.run("return document.querySelector('#run-from-confirm').hidden"), true);
+
+    propose(4);
+    b.until("document.querySelector('#run-from-shown').textContent.includes('G21')");
+    let shown = b.text("#run-from-shown");
+    assert!(shown.contains("line 4 of middle.ngc") && shown.contains("Y 20.000"), "{shown}");
+    let (x, y) = ("getp joint.0.pos-cmd", "getp joint.1.pos-cmd");
+    assert_eq!((stand.printer.number(x), stand.printer.number(y)), (0.0, 0.0), "nothing moves");
+    stand.picture("start-at-line");
+    stand.tap("#run-from-confirm");
+    assert_eq!((stand.printer.number(x), stand.printer.number(y)), (0.0, 0.0), "a short touch");
+    stand.hold("#run-from-confirm", "document.querySelector('#run-from-confirm').hidden");
+    until("the job ends", || stand.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    assert_eq!((stand.printer.number(x), stand.printer.number(y)), (0.0, 5.0));
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
+fn offsets_are_in_units_of_the_page_whatever_those_of_the_program() {
+    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let b = &stand.browser;
+    stand.ready();
+    // The program's unit is the inch, the machine's and the page's the millimetre.
+    b.fill("#mdi-line", "G20\u{e007}");
+    until("G20 is in force", || stand.printer.halcmd("task.status").contains("G20"));
+    b.run("document.querySelector('#touch-off-value').value = 10");
+    let mut viewer = stand.printer.sign_in().socket();
+    stand.hold(
+        "[aria-label=\"Touch off X\"]",
+        "document.querySelector('#offsets td')?.textContent === '-10.000'",
+    );
+    let is_set = |m: &serde_json::Value| {
+        m["task"]["g5x_offset"][0].as_f64().is_some_and(|x| (x + 10.0).abs() < 1e-9)
+    };
+    assert!(viewer.wait(is_set).is_some());
+
+    // The tool table is changed by the machine, and the file has it.
+    b.run("document.querySelector('#tools details').open = true");
+    b.until("document.querySelector('#tools [data-tool] button')");
+    let too_wide =
+        "return document.documentElement.scrollWidth - document.documentElement.clientWidth";
+    assert_eq!(b.run(too_wide), 0, "the table is wider than its card");
+    b.click("#tools [data-tool='1'] button");
+    b.run("document.querySelector('dialog [name=z]').value = 12.5; document.querySelector('dialog [name=diameter]').value = 6");
+    stand.picture("tool-edit");
+    b.click("dialog button[type=submit]");
+    let cell = |n: u32| {
+        format!("document.querySelectorAll('#tools [data-tool=\"1\"] td')[{n}].textContent")
+    };
+    b.until(&format!("{} === '12.500' && {} === '6.000'", cell(2), cell(4)));
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
 fn the_keyboard_alone_runs_a_job() {
     let Some(stand) = Stand::start(DESKTOP) else { return };
     let b = &stand.browser;

@@ -44,7 +44,7 @@ fn only_what_ends_motion_needs_no_lease() {
 /// Returns the engine's command for these arguments.
 fn sent(name: &str, args: &Json) -> Result<String, String> {
     let args: Args = serde_json::from_value(args.clone()).unwrap();
-    let given = Given { args: &args };
+    let given = Given { args: &args, is_inch: false };
     let requests = match super::find(name).map_err(|e| e.text)?.action {
         Action::Engine(requests) => requests(&given),
         Action::Jog => given.jog(7),

@@ -8,6 +8,7 @@ use crate::{
 use axum::{
     Json,
     extract::{Path, RawQuery, State},
+    http::header,
     response::{IntoResponse as _, Response},
 };
 use hal_protocol::{Failure, Kind, Reply, Request};
@@ -100,6 +101,20 @@ pub(crate) async fn check(State(panel): State<Arc<Panel>>, _: Session) -> Result
 /// Order of functions.
 pub(crate) async fn order(State(panel): State<Arc<Panel>>, _: Session) -> Result<Response, Error> {
     answer(panel.engine.call(Request::Order).await?)
+}
+
+/// Start in the middle of a program that the task proposes.
+pub(crate) async fn start(State(panel): State<Arc<Panel>>, _: Session) -> Result<Response, Error> {
+    let args = vec!["json=TRUE".to_owned()];
+    let asked = Request::Command { name: "task.start".to_owned(), args };
+    let reply = panel.engine.call(asked).await?;
+    match &reply {
+        Reply::Answer(shown) => {
+            let json = shown.lines.concat();
+            Ok(([(header::CONTENT_TYPE, "application/json")], json).into_response())
+        }
+        _ => answer(reply),
+    }
 }
 
 /// State of the flight recorder.

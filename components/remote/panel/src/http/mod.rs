@@ -39,6 +39,7 @@ pub(crate) fn router(panel: &Arc<Panel>) -> Router {
         .route("/status", get(lists::status))
         .route("/check", get(lists::check))
         .route("/order", get(lists::order))
+        .route("/start", get(lists::start))
         .route("/graph", get(graph::svg))
         .route("/flight", get(lists::flight))
         .route("/tools", get(machine::tools))

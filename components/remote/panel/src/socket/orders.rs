@@ -21,15 +21,18 @@ use std::{
 use tokio::{sync::mpsc, time::sleep};
 
 /// Commands that the engine must know of as work under the lease.
-const STARTS: &[&str] = &["run", "resume", "step", "mdi", "home", "touch-off"];
+const STARTS: &[&str] =
+    &["run", "confirm", "resume", "step", "mdi", "home", "touch-off", "tool-offset"];
 /// Commands that begin motion or the power of it: refused while the machine's wiring permits no motion from afar.
 const WORK: &[&str] = &[
     "run",
+    "confirm",
     "resume",
     "step",
     "mdi",
     "home",
     "touch-off",
+    "tool-offset",
     "jog",
     "on",
     "estop-reset",
@@ -155,7 +158,7 @@ impl Order {
         if WORK.contains(&name) && !ends_spindle && !self.panel.heart.allowed.load(Relaxed) {
             return Err(not_allowed());
         }
-        let (given, lease) = (Given { args }, lease.unwrap_or(0));
+        let (given, lease) = (Given { args, is_inch: self.panel.is_inch }, lease.unwrap_or(0));
         let requests = match row.action {
             Action::Engine(requests) => requests(&given)?,
             Action::Jog => given.jog(lease)?,

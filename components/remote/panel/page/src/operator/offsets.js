@@ -1,6 +1,6 @@
 // Coordinate systems, touch-off and the tool table.
 
-import { card, el, enable, field } from "../dom.js";
+import { ask, card, el, enable, field } from "../dom.js";
 import { AXES } from "../format.js";
 import { holdButton } from "../hold.js";
 import { getJson } from "../http.js";
@@ -84,13 +84,33 @@ export function toolsCard(ctx) {
   }
   function draw(tools) {
     const head = COLUMNS.map((c) => el("th", { scope: "col" }, t(`tools.${c}`)));
-    table.replaceChildren(el("thead", {}, el("tr", {}, ...head)), el("tbody", {}, ...tools.map(row)));
+    table.replaceChildren(el("thead", {}, el("tr", {}, ...head, el("th", { scope: "col" }, t("tools.change")))), el("tbody", {}, ...tools.map(row)));
+    allow();
   }
   function row(tool) {
     const unit = ctx.units();
     const { number, pocket, diameter, comment, offset } = tool;
     const cells = [number, pocket, unit.text(offset[2]), unit.text(offset[0]), unit.text(diameter), comment];
-    return el("tr", {}, ...cells.map((c, i) => el("td", { class: i < 5 ? "number" : "" }, String(c))));
+    const change = el("button", { type: "button", class: "small", "aria-label": `${t("tools.change")} T${number}`, onclick: () => edit(tool) }, "✎");
+    return el("tr", { "data-tool": number }, ...cells.map((c, i) => el("td", { class: i < 5 ? "number" : "" }, String(c))), el("td", {}, change));
+  }
+  async function edit({ number, offset, diameter }) {
+    const unit = ctx.units();
+    const before = { z: unit.show(offset[2]), x: unit.show(offset[0]), diameter: unit.show(diameter) };
+    const fields = Object.entries(before).map(([name, value]) =>
+      field(t(`tools.${name}`), el("input", { name, type: "number", step: "any", required: true, value: String(value) }), unit.unit("x")));
+    const answer = await ask(`${t("tools.change")} T${number}`, fields, { confirm: t("tools.change"), cancel: t("cancel") });
+    if (!answer) return;
+    // What was not touched keeps its digits.
+    const changed = Object.keys(before).filter((name) => Number(answer[name]) !== before[name]);
+    if (changed.length === 0 || !(await ctx.mode("mdi"))) return;
+    const values = Object.fromEntries(changed.map((name) => [name, unit.read(Number(answer[name]))]));
+    if (await ctx.run("tool-offset", { tool: number, ...values })) refresh();
+  }
+  function allow() {
+    const task = store.get("task");
+    const may = ctx.mayMove() && task.state === 2 && !task.interpreter;
+    for (const button of table.querySelectorAll("button")) enable(button, may);
   }
 
   let known;
@@ -105,6 +125,7 @@ export function toolsCard(ctx) {
       known = state;
       refresh();
     }
+    allow();
   }, signal);
   return card("tools", t("tools"), now, el("details", {}, el("summary", {}, t("tools.table")),
     el("div", { class: "scroll", tabIndex: 0, role: "region", "aria-label": t("tools.table") }, table)));

@@ -3,6 +3,7 @@
 import { card, el, enable, mark, setText, show } from "../dom.js";
 import { duration } from "../format.js";
 import { holdButton } from "../hold.js";
+import { startPart } from "./start.js";
 import { MODE_AUTO, INTERPRETER } from "./states.js";
 
 /** Makes the card that runs programs. */
@@ -51,11 +52,11 @@ export function runCard(ctx) {
     const part = progress(task, motion, program);
     bar.value = isRunning ? part : 0;
     setText(passed, `${t("run.time")} ${duration(task.job_time)}`);
-    setText(left, isRunning && part > 0.01 ? `${t("run.left")} ${duration(task.job_time * (1 / part - 1))}` : "");
+    setText(left, isRunning && task.time_left >= 0 ? `${t("run.left")} ${duration(task.time_left)}` : "");
   }, signal);
   return card(
     "run", t("run"), state, el("div", { class: "row" }, start, pause, resume, step, stop), bar, time,
-    el("div", { class: "row" }, optional, deleted),
+    el("div", { class: "row" }, optional, deleted), startPart(ctx),
   );
 }
 
