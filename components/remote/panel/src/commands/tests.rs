@@ -83,7 +83,7 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
         (
             "touch-off",
             json!({"axis": "z", "value": 1.5, "system": 2}),
-            Ok("task.mdi text=G10 L20 P2 Z1.5"),
+            Ok("task.mdi text=G10 L20 P2 Z[1.5 * [#<_metric> + #<_imperial> / 25.4]]"),
         ),
         (
             "touch-off",
@@ -91,7 +91,21 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
             Err("axis is Z1, must be one of XYZABCUVW"),
         ),
         ("touch-off", json!({"axis": "z", "value": "1 G0"}), Err("value '1 G0' is no number")),
-        ("touch-off", json!({"axis": "z", "value": "inf"}), Err("value is finite")),
+        ("touch-off", json!({"axis": "z", "value": "inf"}), Err("value 'inf' is no number")),
+        ("touch-off", json!({"axis": "a", "value": 90}), Ok("task.mdi text=G10 L20 P0 A90")),
+        (
+            "tool-offset",
+            json!({"tool": 3, "z": 2, "diameter": 6}),
+            Ok("task.mdi text=G10 L1 P3 Z[2 * [#<_metric> + #<_imperial> / 25.4]] \
+                R[3 * [#<_metric> + #<_imperial> / 25.4]]"),
+        ),
+        (
+            "tool-offset",
+            json!({"tool": "3 M3", "z": 2}),
+            Err("tool is the number of a tool, from 1"),
+        ),
+        ("run-from", json!({"line": 4}), Ok("task.run-from line=4")),
+        ("confirm", json!({"token": 7}), Ok("task.confirm token=7")),
         (
             "touch-off",
             json!({"axis": "z", "value": 1, "system": 10}),
