@@ -117,7 +117,6 @@ const TEXTS = {
   "run.from.ask": ["Propose", "Proponer"],
   "run.from.begin": ["Hold to begin there", "Mantener para empezar ahí"],
   "run.from.codes": ["Codes", "Códigos"],
-  "run.from.coolant": ["Coolant", "Refrigerante"],
   "run.from.entry": ["Steps of the entry", "Pasos de la entrada"],
   "run.from.not": ["The entry is not possible", "La entrada no es posible"],
   "run.from.notes": ["Notes", "Notas"],
