@@ -122,6 +122,11 @@ fn asks_nothing(finding: &Finding) -> bool {
     finding.level == Level::Note && finding.remedy.starts_with("nothing,")
 }
 
+/// Returns all findings as text, with the lines that they are about.
+pub(crate) fn text(checked: &Checked) -> String {
+    render::write(&checked.findings, &checked.texts, Shown::for_terminal())
+}
+
 /// Returns the status of the worst finding.
 #[must_use]
 pub fn status(findings: &[Finding]) -> u8 {

@@ -7,6 +7,7 @@ pub mod halgcode;
 pub mod halrun;
 pub mod halsampler;
 pub mod halscope;
+pub mod halsetup;
 pub mod halstreamer;
 pub mod haltest;
 pub mod options;

@@ -4,7 +4,8 @@ use super::{Candidate, Completion};
 use crate::{
     language::rows::rows,
     programs::{
-        hal_manualtoolchange, halcmd, halgcode, halrun, halsampler, halscope, halstreamer, haltest,
+        hal_manualtoolchange, halcmd, halgcode, halrun, halsampler, halscope, halsetup,
+        halstreamer, haltest,
         options::{Opt, Subcommand},
     },
     session::remote::Remote,
@@ -26,6 +27,7 @@ pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
         "halgcode" => subcommand(&halgcode::subcommands(), rest, &word),
         "haltest" => option_or_file(&haltest::completable(), rest, &word),
         "halsampler" => option_or_file(&halsampler::completable(), rest, &word),
+        "halsetup" => option_or_file(&halsetup::completable(), rest, &word),
         "halstreamer" => option_or_file(&halstreamer::completable(), rest, &word),
         "hal_manualtoolchange" => option_or_file(&hal_manualtoolchange::completable(), rest, &word),
         _ => program_words(name, &halcmd::completable(), rest, &word),

@@ -30,6 +30,7 @@ fn every_program_prints_its_version() {
         "halcmd",
         "halscope",
         "haltest",
+        "halsetup",
         "halgcode",
         "halsampler",
         "halstreamer",

@@ -7,6 +7,7 @@ mod job;
 mod picture;
 mod printer;
 mod samples;
+mod setup;
 mod speed;
 mod viewers;
 mod waveform;
