@@ -1,20 +1,12 @@
 //! Remedies for refused lines from the other lines of the scripts, and one finding for lines that one cause refuses.
 
-use crate::{language::hint::nearest, language::table, session::dry_run::DryRun};
+use crate::{
+    language::hint::nearest,
+    language::table,
+    session::dry_run::{DryRun, MOTION},
+};
 use hal_protocol::{At, Code, Finding, Kind, Link, Related, Reply, Request};
 use std::{collections::BTreeMap, path::Path};
-
-/// Beginnings of the names that `motmod` makes.
-const MOTION: &[&str] = &[
-    "motion",
-    "joint",
-    "axis",
-    "spindle",
-    "motion-controller",
-    "motion-command-handler",
-    "servo-thread",
-    "base-thread",
-];
 
 /// Lines of a machine, and the names that they make.
 struct Lines {

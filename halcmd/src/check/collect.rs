@@ -4,7 +4,7 @@ use super::{
     advice, allow::Allowed, arrows, converter, entries, joints, refused, texts::Texts, unused,
 };
 use crate::{Error, session::dry_run::DryRun};
-use hal_protocol::{At, Code, Failure, Finding, Kind, Link, Reply, Request};
+use hal_protocol::{At, Code, Failure, Finding, Kind, Level, Link, Reply, Request};
 use std::{collections::BTreeSet, path::PathBuf};
 
 /// Result of a check.
@@ -106,6 +106,13 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
     findings.retain(|f| f.code != Code::IniUnused || !misplaced.contains(&f.subject));
     converter::advise(findings, dry_run);
     advice::improve(findings, dry_run);
+    for (at, module, lines) in result.unknown.missed() {
+        let is_here = |f: &&mut Finding| f.level == Level::Error && f.at.as_ref() == Some(at);
+        if let Some(refused) = findings.iter_mut().find(is_here) {
+            let need = if lines == 1 { "line needs" } else { "lines need" };
+            refused.text = format!("{}; {lines} more {need} {module}", refused.text);
+        }
+    }
 }
 
 /// Returns the pins that are linked to one of these signals.

@@ -4,7 +4,7 @@
 mod lines;
 mod unknown;
 
-pub use unknown::Unknown;
+pub use unknown::{MOTION, Unknown};
 
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style,

@@ -46,7 +46,8 @@ pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: Code::NeverStarted,
         means: "Threads have functions, and no line starts them.",
-        matters: "Nothing moves until someone says 'halcmd start'.",
+        matters: "Nothing moves until someone says 'halcmd start'. It is a warning where a line \
+                  loads threads itself.",
         remedy: "End the script with start. An INI start does it by itself.",
         wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo # <--\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\nstart\n",

@@ -138,7 +138,8 @@ pub(super) const ROWS: &[Explanation] = &[
         means: "An entry contradicts another one or the wiring: HOME is outside the travel limits, \
                 a search for a home switch has no switch, FERROR is less than a step, a value is \
                 no finite number.",
-        matters: "The machine starts, and fails when it homes or moves.",
+        matters: "The machine starts, and fails when it homes or moves. Sections of joints that the \
+                  machine does not have are a note.",
         remedy: "Correct the one that is wrong.",
         wrong: machine!(
             "",

@@ -55,7 +55,8 @@ pub(super) const ROWS: &[Explanation] = &[
         code: Code::NoReader,
         means: "An output is linked to the signal, and no input.",
         matters: "Whatever the output says goes nowhere. That is fine for a signal that people \
-                  watch, and a mistake for one that a motor should follow.",
+                  watch, and a mistake for one that a motor should follow. It is a warning if the \
+                  name is nearly that of another signal.",
         remedy: "Link an input to it, or take it out.",
         wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 net any or2.0.out # <--\nstart\n",
@@ -66,7 +67,8 @@ pub(super) const ROWS: &[Explanation] = &[
         code: Code::NoWriter,
         means: "Inputs are linked to the signal, no output is, and no line gives it a value.",
         matters: "It keeps the value that the first input had. A limit switch that ends like this \
-                  never stops an axis.",
+                  never stops an axis. It is a warning if the name is nearly that of another \
+                  signal.",
         remedy: "Link the output that should write it, or give it its value: sets SIGNAL VALUE.",
         wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 net any or2.0.in0 # <--\nstart\n",

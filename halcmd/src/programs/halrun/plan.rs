@@ -187,6 +187,13 @@ pub(crate) fn plan(
     let job = begin.map(|begin| Job { begin, yes: has(Id::Yes) });
     let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), value(Id::StuckTime))?;
     let interactive = has(Id::Interactive);
+    if interactive && detach != Detach::No {
+        return Err(bad(
+            "-I",
+            "",
+            "it excludes --detach: a process in the background has no prompt",
+        ));
+    }
     style.background = detach == Detach::Child;
     style.reads_input = interactive || script == Script::Terminal || detach == Detach::Child;
     Ok(Action::Run(Box::new(Plan {
@@ -364,6 +371,10 @@ mod tests {
             ("foo.txt", "! halrun: Unknown file extension for filename=<foo.txt>"),
             ("a.hal b.hal", "! halrun: too many arguments <a.hal b.hal>"),
             ("a.tcl", "! halrun: Tcl file 'a.tcl' is not supported; write it as a .hal file"),
+            (
+                "--detach -I m.hal",
+                "! halrun: -I '': it excludes --detach: a process in the background has no prompt",
+            ),
             ("-z", "! halrun: invalid option -- 'z'"),
             (
                 "--for 2 a.hal",

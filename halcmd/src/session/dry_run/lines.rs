@@ -1,6 +1,9 @@
 //! Execution of commands in a dry run: the same as otherwise, except for effects outside.
 
-use super::{DryRunResult, Unknown};
+use super::{
+    DryRunResult,
+    unknown::{MOTION, Maker, Unknown},
+};
 use crate::{
     Command, Error, Session,
     ini::Ini,
@@ -100,11 +103,11 @@ impl Session<'_> {
                 self.ask(request).map(|_| ()).inspect_err(|_| self.expect_module(&module, &args))
             }
             other => {
-                let names = names_of(&other).map(str::to_owned);
+                let names = names_of(&other);
                 match self.ask(other) {
                     Err(Error::Engine(failure))
                         if failure.code == ENOENT
-                            && names.is_some_and(|n| self.unknown_names().covers(&n)) =>
+                            && names.iter().any(|name| self.is_covered(name)) =>
                     {
                         Ok(())
                     }
@@ -131,7 +134,13 @@ impl Session<'_> {
     fn is_unknown_pin(&mut self, name: &str) -> bool {
         let asked = self.ask(Request::Get { name: name.to_owned() });
         let missing = matches!(asked, Err(Error::Engine(failure)) if failure.code == ENOENT);
-        missing && self.unknown_names().covers(name)
+        missing && self.is_covered(name)
+    }
+
+    /// Returns whether the line that runs may use a name that does not exist in a dry run.
+    fn is_covered(&mut self, name: &str) -> bool {
+        let at = self.standing();
+        self.unknown_names().covers(name, &at)
     }
 
     /// Ignores the error for a missing signal if only unknown pins use that signal.
@@ -168,7 +177,7 @@ impl Session<'_> {
             self.dry_run.get_or_insert_default().found.push(found);
         }
         let unknown = self.unknown_names();
-        let program = Some(base.as_str());
+        let program = &Maker::Program(base.clone());
         unknown.expect(&launch.expected(), &at, program);
         let stem = base.split('.').next().unwrap_or_default();
         for name in [stem, stem.strip_prefix("hal_").unwrap_or(stem)] {
@@ -187,20 +196,17 @@ impl Session<'_> {
             for entry in ini.all(section, name) {
                 let at = At::new(&entry.file, entry.line);
                 let program = entry.value.split_whitespace().next().unwrap_or_default();
+                let maker = Maker::Program(program.to_owned());
                 let unknown = self.unknown_names();
                 // Axes have pins with that name, and errors in their names should be found.
                 let words = entry.value.split_whitespace().filter(|word| *word != "axis");
                 // Screens of that kind start the tool change dialog themselves.
                 let own = program.starts_with("qtvcp").then_some(hal_manualtoolchange::NAME);
                 for word in words.chain(more.iter().copied()).chain(own) {
-                    unknown.expect(word, &at, Some(program));
+                    unknown.expect(word, &at, &maker);
                     // The screen qtdragon_hd has the component of the screen qtdragon.
                     if own.is_some() {
-                        unknown.expect(
-                            word.split('_').next().unwrap_or_default(),
-                            &at,
-                            Some(program),
-                        );
+                        unknown.expect(word.split('_').next().unwrap_or_default(), &at, &maker);
                     }
                 }
             }
@@ -212,12 +218,16 @@ impl Session<'_> {
     fn expect_module(&mut self, module: &str, args: &[String]) {
         let at = self.standing();
         let unknown = self.unknown_names();
+        let maker = Maker::Module(module.to_owned());
         let name = module.replace('_', "-");
         for word in [&name, module, name.strip_prefix("hal-").unwrap_or(&name)] {
-            unknown.expect(word, &at, None);
+            unknown.expect(word, &at, &maker);
+        }
+        if module == "motmod" {
+            MOTION.iter().for_each(|word| unknown.expect(word, &at, &maker));
         }
         for names in args.iter().filter_map(|a| a.strip_prefix("names=")) {
-            names.split(',').for_each(|n| unknown.expect(n, &at, None));
+            names.split(',').for_each(|n| unknown.expect(n, &at, &maker));
         }
     }
 
@@ -226,7 +236,7 @@ impl Session<'_> {
         let all = Request::List { kind: Kind::Commands, patterns: Vec::new(), ty: None };
         let Reply::Commands(list) = self.ask(all)? else { return Err(Error::Unexpected) };
         let Some(command) = list.iter().find(|c| c.name == name) else {
-            if self.unknown_names().covers(name) {
+            if self.is_covered(name) {
                 return Ok(());
             }
             let near = nearest(name, list.iter().map(|c| c.name.as_str()));
@@ -246,19 +256,19 @@ impl Session<'_> {
     }
 }
 
-/// Returns the name to which a request refers.
-fn names_of(request: &Request) -> Option<&str> {
+/// Returns the names that a request uses.
+fn names_of(request: &Request) -> Vec<String> {
     match request {
+        Request::AddFunct { funct, thread, .. } => vec![funct.clone(), thread.clone()],
         Request::Unlink { pin: name }
         | Request::Set { name, .. }
         | Request::Get { name }
         | Request::Snapshot { name }
-        | Request::AddFunct { funct: name, .. }
         | Request::RemoveFunct { funct: name, .. }
         | Request::Alias { name, .. }
         | Request::Unalias { name, .. }
         | Request::Unload { name }
-        | Request::Command { name, .. } => Some(name),
-        _ => None,
+        | Request::Command { name, .. } => vec![name.clone()],
+        _ => Vec::new(),
     }
 }

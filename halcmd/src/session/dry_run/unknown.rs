@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unknown {
     prefixes: BTreeMap<String, Source>,
-    used: BTreeMap<Source, BTreeSet<String>>,
+    used: BTreeMap<Source, Uses>,
     /// Signals with unknown ends, including signals that do not exist in a dry run.
     pub signals: BTreeSet<String>,
 }
@@ -16,37 +16,64 @@ pub struct Unknown {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Source {
     at: At,
-    /// Name of the program; `None` for a component that could not be loaded, which has been
-    /// reported already.
-    program: Option<String>,
+    maker: Maker,
 }
+
+/// Program that makes names, or module that would have made them.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Maker {
+    Program(String),
+    /// Module whose line was refused, which has been reported already.
+    Module(String),
+}
+
+/// Uses of the names of one source.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Uses {
+    names: BTreeSet<String>,
+    lines: BTreeSet<At>,
+}
+
+/// Beginnings of the names that `motmod` makes.
+pub const MOTION: &[&str] = &[
+    "motion",
+    "joint",
+    "axis",
+    "spindle",
+    "motion-controller",
+    "motion-command-handler",
+    "servo-thread",
+    "base-thread",
+];
 
 impl Unknown {
     /// Records that a program may make names that begin with this word.
-    pub(super) fn expect(&mut self, word: &str, at: &At, program: Option<&str>) {
+    pub(super) fn expect(&mut self, word: &str, at: &At, maker: &Maker) {
         let usable = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
         let is_name = word.starts_with(|c: char| c.is_ascii_alphanumeric())
             && word.contains(|c: char| c.is_ascii_alphabetic());
         if is_name && word.chars().all(usable) {
-            let source = Source { at: at.clone(), program: program.map(str::to_owned) };
+            let source = Source { at: at.clone(), maker: maker.clone() };
             self.prefixes.entry(word.to_owned()).or_insert(source);
         }
     }
 
     /// Returns whether a pin, parameter, function or component of this name may exist on the
-    /// machine.
-    pub(super) fn covers(&mut self, name: &str) -> bool {
+    /// machine. The line at `at` uses it.
+    pub(super) fn covers(&mut self, name: &str, at: &At) -> bool {
         let mut cuts = name.match_indices('.').map(|(at, _)| at).chain([name.len()]);
         let source = cuts.find_map(|at| self.prefixes.get(name.get(..at)?));
         let Some(source) = source else { return false };
-        self.used.entry(source.clone()).or_default().insert(name.to_owned());
+        let uses = self.used.entry(source.clone()).or_default();
+        uses.names.insert(name.to_owned());
+        uses.lines.insert(at.clone());
         true
     }
 
     /// Returns a note for each program whose names are used.
     pub fn notes(&self) -> impl Iterator<Item = Finding> {
-        self.used.iter().filter_map(|(source, names)| {
-            let program = source.program.as_ref()?;
+        self.used.iter().filter_map(|(source, Uses { names, .. })| {
+            let Maker::Program(program) = &source.maker else { return None };
             let first = names.first()?;
             let more = match names.len() {
                 1 => String::new(),
@@ -59,6 +86,14 @@ impl Unknown {
                     .at(Some(source.at.clone()))
                     .remedy("check the running machine to have them looked at: halcmd check"),
             )
+        })
+    }
+
+    /// Returns each refused line that loads a module, with the name of the module and the number of lines that need it.
+    pub fn missed(&self) -> impl Iterator<Item = (&At, &str, usize)> {
+        self.used.iter().filter_map(|(source, uses)| match &source.maker {
+            Maker::Module(name) => Some((&source.at, name.as_str(), uses.lines.len())),
+            Maker::Program(_) => None,
         })
     }
 }
