@@ -58,7 +58,7 @@ pub fn main(words: &[String]) -> ExitCode {
 fn run(words: &[String]) -> Result<(), String> {
     let (given, files) = mixed("halsetup", OPTIONS, words).map_err(|e| e.to_string())?;
     if given.iter().any(|(id, _)| *id == Flag::Help) {
-        let about = "Usage: halsetup [options] [ANSWERS.toml]\n\n\
+        let about = "Usage: halsetup [options] [ANSWERS]\n\n\
                      Writes a machine's INI and HAL files into a new folder with its name. Without a file of answers\n\
                      it asks in the terminal, and keeps the answers beside the machine.\n\noptions:\n";
         Stdio.out(&format!("{about}{}", usage(OPTIONS)))?;
@@ -128,7 +128,7 @@ fn make(answers: &Answers, text: &str, folder: &Path) -> Result<String, String> 
         (format!("{name}.hal"), write::hal(answers, &timing)),
         ("custom.hal".to_owned(), "# Wiring of your own, after the machine's.\n".to_owned()),
         ("tool.tbl".to_owned(), "T1 P1 ;the first tool\n".to_owned()),
-        (format!("{name}.toml"), text.to_owned()),
+        (format!("{name}.setup"), text.to_owned()),
     ];
     fs::create_dir(&target).map_err(|e| match e.kind() {
         io::ErrorKind::AlreadyExists => {

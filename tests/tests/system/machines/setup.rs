@@ -106,7 +106,7 @@ fn saved(scratch: &Scratch, ini: &str) -> String {
 fn the_printer_of_the_document_is_what_its_answers_give() {
     let document = facts(&saved(&Scratch::copy_of(&root().join("configs/printer")), "printer.ini"));
     let scratch = Scratch::new("setup-printer");
-    let name = written(&scratch, &root().join("configs/printer/setup.toml"));
+    let name = written(&scratch, &root().join("configs/printer/printer.setup"));
     let ours =
         facts(&saved(&Scratch::copy_of(&scratch.path().join(&name)), &format!("{name}.ini")));
     let lost: Vec<&String> = document.difference(&ours).collect();
@@ -128,13 +128,13 @@ fn questions_lead_to_the_same_machine_as_a_file() {
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{}", output.stdout);
     golden::check(&root().join("tests/setup/questions.expected"), &output.stdout);
     // The answers that it kept give the same files again.
-    scratch.write("answers.toml", scratch.read("small/small.toml"));
+    scratch.write("answers.toml", scratch.read("small/small.setup"));
     let again = halsetup(&scratch, &["-o", ".", "answers.toml"]);
     assert_eq!(again.status, Some(1), "the folder is there");
     fs::create_dir(scratch.path().join("again")).unwrap();
     let again = halsetup(&scratch, &["answers.toml", "-o", "again"]);
     assert_eq!(again.status, Some(0), "{}", again.stderr);
-    for kind in ["ini", "hal", "toml"] {
+    for kind in ["ini", "hal", "setup"] {
         let file = format!("small/small.{kind}");
         assert_eq!(scratch.read(&file), scratch.read(&format!("again/{file}")), "{kind}");
     }

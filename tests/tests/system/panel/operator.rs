@@ -61,7 +61,7 @@ fn a_desk_runs_a_job() {
     assert_eq!(x(), 0.0, "a short touch");
     stand.jog(".jog-X-plus", 0, 2.0);
     stand.picture("job-jog");
-    b.release();
+    stand.end_jog(".jog-X-plus");
     until("the jog has ended", || stand.printer.halcmd("getp motion.in-position").trim() == "TRUE");
 
     open(&stand, "part.ngc", PART);

@@ -7,6 +7,10 @@ use hal_tests::{
 };
 use std::path::PathBuf;
 
+/// Looks at a joint that stands still, 10 ms and more apart, before its button is pressed again: many times the 150 ms
+/// for which it is held before the jog begins.
+const STILL: u32 = 100;
+
 /// The browser with the page, and the machine that it shows.
 #[derive(Debug)]
 pub(super) struct Stand {
@@ -63,21 +67,34 @@ impl Stand {
     }
 
     /// Presses a jog button until a joint has moved so far. The dead man ends a jog where the computer is too busy to
-    /// answer within its time; a person then presses again.
+    /// answer within its time; a person who sees it stand still for a while presses again.
     pub(super) fn jog(&self, button: &str, joint: u32, far: f64) {
         let x = || self.printer.number(&format!("getp joint.{joint}.pos-cmd"));
         let from = x();
-        let mut seen = f64::NAN;
+        let (mut seen, mut looks) = (from, 0);
         self.browser.press(button);
         until("the jog moves", || {
             let now = x();
-            if now.to_bits() == seen.to_bits() {
-                self.browser.release();
-                self.browser.press(button);
-            }
+            looks = if now.to_bits() == seen.to_bits() { looks + 1 } else { 0 };
             seen = now;
+            if looks == STILL {
+                looks = 0;
+                self.browser.run(&format!(
+                    "const to = document.querySelector('{button}'); \
+                     to.dispatchEvent(new Event('blur')); \
+                     if (to.checkVisibility() && !to.disabled) \
+                         to.dispatchEvent(new PointerEvent('pointerdown', {{ pointerId: 9, button: 0, bubbles: true }}))"
+                ));
+            }
             from + far < now
         });
+    }
+
+    /// Ends a jog: of the pointer, and of the press that the page repeated.
+    pub(super) fn end_jog(&self, button: &str) {
+        self.browser.release();
+        self.browser
+            .run(&format!("document.querySelector('{button}').dispatchEvent(new Event('blur'))"));
     }
 
     /// Touches an element for less time than any button is held, however busy the computer is.
