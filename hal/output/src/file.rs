@@ -138,6 +138,21 @@ impl Growing {
         Ok(Self { target, file: Some(file), bytes: 0 })
     }
 
+    /// Writes a file with these records, which are on the disk before it takes its place: a loss of power leaves the old
+    /// file or this one with all of them.
+    ///
+    /// # Errors
+    /// The system returned an error. The old file is then unchanged, unless only its name could not be stored.
+    pub fn create_stored(path: &Path, records: &[u8]) -> io::Result<Self> {
+        let mut new = Self::create(path)?;
+        if let Some(file) = &mut new.file {
+            file.write_all(records)?;
+            new.target.settle_stored(file)?;
+            new.bytes = records.len() as u64;
+        }
+        Ok(new)
+    }
+
     /// Appends whole records. If the write fails, the part that was written is removed, and nothing
     /// more can be written.
     ///

@@ -82,6 +82,15 @@ impl Target {
         self.temporary.is_none()
     }
 
+    /// Stores the file on the disk, moves it to its place and stores its name there, in this order: whenever the power
+    /// is lost, the old file or the whole new one is there.
+    pub(crate) fn settle_stored(&mut self, file: &File) -> io::Result<()> {
+        if self.is_settled() {
+            return Ok(());
+        }
+        place(&mut Placing { target: self, file })
+    }
+
     /// Moves the file to its place.
     pub(crate) fn settle(&mut self, file: &File) -> io::Result<()> {
         let Some(temporary) = &self.temporary else { return Ok(()) };
@@ -108,6 +117,43 @@ impl Drop for Target {
         if let Some(temporary) = &self.temporary {
             // If the removal fails, the file that remains has a recognizable name.
             drop(fs::remove_file(temporary));
+        }
+    }
+}
+
+/// The steps by which a file replaces another.
+trait Disk {
+    fn store_file(&mut self) -> io::Result<()>;
+    fn rename(&mut self) -> io::Result<()>;
+    fn store_folder(&mut self) -> io::Result<()>;
+}
+
+/// A written file on its way to its place.
+struct Placing<'a> {
+    target: &'a mut Target,
+    file: &'a File,
+}
+
+fn place(disk: &mut impl Disk) -> io::Result<()> {
+    disk.store_file()?;
+    disk.rename()?;
+    disk.store_folder()
+}
+
+impl Disk for Placing<'_> {
+    fn store_file(&mut self) -> io::Result<()> {
+        self.file.sync_all()
+    }
+
+    fn rename(&mut self) -> io::Result<()> {
+        self.target.settle(self.file)
+    }
+
+    fn store_folder(&mut self) -> io::Result<()> {
+        match File::open(folder(&self.target.path))?.sync_all() {
+            // Some file systems store names on their own only.
+            Err(e) if e.kind() == ErrorKind::InvalidInput => Ok(()),
+            stored => stored,
         }
     }
 }
@@ -177,5 +223,66 @@ fn beside(error: io::Error, is_old: bool) -> io::Error {
             format!("{}: no file can be made beside it", crate::reason(&error)),
         ),
         _ => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Disk, place};
+    use std::{collections::BTreeSet, io};
+
+    /// A disk that stores what it must at once, and everything else at any time or never.
+    #[derive(Default)]
+    struct Unsure {
+        is_file_stored: bool,
+        is_renamed: bool,
+        is_name_stored: bool,
+        /// Number of steps until the disk fails.
+        good: usize,
+        /// The files that a loss of power can leave under the name, after each step.
+        left: Vec<BTreeSet<&'static str>>,
+    }
+
+    impl Unsure {
+        fn step(&mut self, change: impl FnOnce(&mut Self)) -> io::Result<()> {
+            self.good = self.good.checked_sub(1).ok_or(io::ErrorKind::StorageFull)?;
+            change(self);
+            let new = if self.is_file_stored { ["new"].as_slice() } else { &["new", "part"] };
+            let mut left = BTreeSet::new();
+            if !self.is_name_stored {
+                left.insert("old");
+            }
+            if self.is_renamed {
+                left.extend(new);
+            }
+            self.left.push(left);
+            Ok(())
+        }
+    }
+
+    impl Disk for Unsure {
+        fn store_file(&mut self) -> io::Result<()> {
+            self.step(|disk| disk.is_file_stored = true)
+        }
+
+        fn rename(&mut self) -> io::Result<()> {
+            self.step(|disk| disk.is_renamed = true)
+        }
+
+        fn store_folder(&mut self) -> io::Result<()> {
+            self.step(|disk| disk.is_name_stored = disk.is_renamed)
+        }
+    }
+
+    #[test]
+    fn a_loss_of_power_leaves_the_old_file_or_the_whole_new_one() {
+        let left: [&[&str]; 3] = [&["old"], &["new", "old"], &["new"]];
+        for good in 0..=left.len() {
+            let mut disk = Unsure { good, ..Unsure::default() };
+            assert_eq!(place(&mut disk).is_ok(), good == left.len(), "{good}");
+            let found: Vec<Vec<&str>> =
+                disk.left.iter().map(|left| left.iter().copied().collect()).collect();
+            assert_eq!(found, left[..good], "a failure ends it: {good}");
+        }
     }
 }

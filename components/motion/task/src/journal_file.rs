@@ -1,8 +1,8 @@
 //! The file of the journal.
 //!
-//! A new journal replaces the old one as a whole. Its records are added to the end, and a thread of its own stores them
-//! on the disk, so that the worker never waits for the disk. Places of a long job are superfluous but for the last one: from
-//! time to time a shorter journal replaces the file.
+//! A new journal replaces the old one as a whole, and is on the disk before it does. Its records are added to the end, and
+//! a thread of its own stores them on the disk, so that the worker waits for the disk at the beginning of a file only. Places
+//! of a long job are superfluous but for the last one: from time to time a shorter journal replaces the file.
 
 use hal_job::journal::Record;
 use hal_output::Growing;
@@ -117,8 +117,7 @@ fn begin(path: &Path, kept: String, place: String, bound: u64) -> io::Result<Ope
     if (kept.len() + place.len()) as u64 > bound {
         return Err(too_long());
     }
-    let mut file = Growing::create(path)?;
-    file.append(format!("{kept}{place}").as_bytes())?;
+    let file = Growing::create_stored(path, format!("{kept}{place}").as_bytes())?;
     let stored = File::open(path)?;
     let (store, due) = sync_channel(1);
     store.try_send(()).unwrap_or_default();

@@ -232,6 +232,11 @@ fn a_growing_file_takes_its_place_with_its_first_records() {
     assert_eq!(file.bytes(), 8);
     file.finish().unwrap();
     assert_eq!(folder.names(), ["a"]);
+    // Its first records may be stored before.
+    let mut file = Growing::create_stored(&path, b"three\n").unwrap();
+    assert_eq!((folder.read("a").as_str(), file.bytes(), file.is_there()), ("three\n", 6, true));
+    file.append(b"four\n").unwrap();
+    assert_eq!((folder.read("a").as_str(), folder.names().len()), ("three\nfour\n", 1));
     // A file without records is empty.
     Growing::create(&path).unwrap().finish().unwrap();
     assert_eq!(folder.read("a"), "");
