@@ -133,16 +133,13 @@ impl Check {
                     if !beyond.insert((axis, is_upper)) || reasons.len() >= MAX_REASONS {
                         continue;
                     }
-                    let letter = axis.letter().to_ascii_uppercase();
-                    let name = if is_upper { "MAX_LIMIT" } else { "MIN_LIMIT" };
-                    let k = if axis.is_rotary() { 1.0 } else { machine.settings.unit.millimetres() };
-                    let (value, limit) = (to[axis] / k, limit / k);
                     let file = state.levels.last().map(|l| &*l.file).unwrap_or_default();
                     reasons.push(Reason {
                         number,
                         text: format!(
-                            "{file}:{}: {letter}{value:.4} is beyond [AXIS_{letter}]{name} {limit:.4}",
-                            issued.line
+                            "{file}:{}: {}",
+                            issued.line,
+                            machine.excess((axis, is_upper, limit), to[axis])
                         ),
                     });
                 }

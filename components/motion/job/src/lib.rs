@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`machine`] | the machine: INI file, tool table, parameter file |
 //! | [`number`] | numbers of an INI file, and their errors |
+//! | [`travel`] | the travel of the axes, and places beyond it |
 //! | [`way`] | the way of the tool in machine coordinates |
 //! | [`world`] | the interpreter's environment: programs, subroutines, tools, values |
 //! | [`run`] | a program without its machine, from its begin to its end |
@@ -30,6 +31,7 @@ pub mod refusal;
 pub mod run;
 pub mod simulation;
 pub mod spindle;
+pub mod travel;
 pub mod way;
 pub mod world;
 

@@ -5,7 +5,7 @@ use crate::spindle::{self, Spindle};
 use crate::world::{Version, version};
 use hal_gcode::{
     Numbered, Settings,
-    axis::{Axis, AxisMask, Position},
+    axis::{Axis, AxisMask},
     canon::Unit,
     parameters::file::{Finding, ParameterFile},
     remap::{Hook, Remap},
@@ -191,39 +191,6 @@ impl Machine {
         Ok(())
     }
 
-    /// Takes the travel of an axis from `[AXIS_X]`, or from `[AXIS_0]` of the old kind of file. With trivial kinematics
-    /// that of its joint counts, too: the narrower one.
-    fn axis(&mut self, ini: &Ini, axis: Axis, letters: &[Axis]) -> Result<(), String> {
-        let letter = axis.letter().to_ascii_uppercase();
-        let joint = letters.iter().position(|a| *a == axis);
-        let section = match joint {
-            Some(n) if ini.is_old() => format!("AXIS_{n}"),
-            _ => format!("AXIS_{letter}"),
-        };
-        let k = if axis.is_rotary() { 1.0 } else { self.settings.unit.millimetres() };
-        let value = |name: &str| number(ini, &section, name).map(|n| n.map(|n| n * k));
-        let mut limit = (value("MIN_LIMIT")?, value("MAX_LIMIT")?);
-        if self.kinematics.is_none() && !ini.is_old() {
-            let joints = letters.iter().enumerate().filter(|(_, a)| **a == axis);
-            for section in joints.map(|(n, _)| format!("JOINT_{n}")) {
-                let value = |name: &str| number(ini, &section, name).map(|n| n.map(|n| n * k));
-                let narrower = |a: Option<f64>, b: Option<f64>, pick: fn(f64, f64) -> f64| {
-                    a.zip(b).map(|(a, b)| pick(a, b)).or(a).or(b)
-                };
-                limit.0 = narrower(limit.0, value("MIN_LIMIT")?, f64::max);
-                limit.1 = narrower(limit.1, value("MAX_LIMIT")?, f64::min);
-            }
-        }
-        if let Some(slot) = self.limits.get_mut(usize::from(axis.index())) {
-            *slot = limit;
-        }
-        if axis.is_rotary() && ini.get(&section, "WRAPPED_ROTARY").is_some_and(|v| v.trim() == "1")
-        {
-            self.settings.wrapped.0 |= 1 << axis.index();
-        }
-        Ok(())
-    }
-
     /// Takes the speeds of the path, and the speeds, accelerations and jerks of axes and joints.
     fn speeds(&mut self, ini: &Ini, letters: &[Axis]) -> Result<(), String> {
         let unit = self.settings.unit.millimetres();
@@ -256,16 +223,6 @@ impl Machine {
         self.top_speed.1 = positive("TRAJ", "MAX_ANGULAR_VELOCITY")?.unwrap_or(f64::INFINITY);
         self.period = positive("EMCMOT", "SERVO_PERIOD")?.map_or(1e-3, |ns| ns * 1e-9);
         Ok(())
-    }
-
-    /// Returns the limits that a place in millimetres and degrees is beyond: axis, whether it is the upper one, and the limit.
-    pub fn beyond(&self, place: Position) -> impl Iterator<Item = (Axis, bool, f64)> {
-        Axis::ALL.into_iter().zip(self.limits).filter_map(move |(axis, (low, high))| {
-            let value = place[axis];
-            // Sums of offsets end in the last digits.
-            let below = low.filter(|low| value < low - 1e-6).map(|low| (axis, false, low));
-            below.or(high.filter(|high| value > high + 1e-6).map(|high| (axis, true, high)))
-        })
     }
 
     /// Reads the tool table again.
@@ -381,7 +338,7 @@ fn text(path: &Path) -> Result<String, String> {
 }
 
 /// Returns the axes in the order of their joints.
-fn coordinates(ini: &Ini) -> Vec<Axis> {
+pub(crate) fn coordinates(ini: &Ini) -> Vec<Axis> {
     let text = ini.get("TRAJ", "COORDINATES").unwrap_or("XYZ").to_ascii_lowercase();
     let find = |c: char| Axis::ALL.into_iter().find(|a| a.letter() == c);
     text.chars().filter_map(find).collect()

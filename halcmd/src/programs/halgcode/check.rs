@@ -315,12 +315,12 @@ impl<'a> Check<'a> {
     fn limits(&mut self, file: &str) {
         for ((index, side), b) in &self.beyond {
             let Some(axis) = Axis::ALL.get(*index) else { continue };
-            let letter = axis.letter().to_ascii_uppercase();
-            let name = if *side { "MAX_LIMIT" } else { "MIN_LIMIT" };
             let file = if b.file.is_empty() { file } else { &b.file };
             self.text.push_str(&format!(
-                "{file}:{}: error: {letter} {:.3} is beyond [AXIS_{letter}]{name} {:.3} ({} moves, this line first)\n",
-                b.line, b.farthest, b.limit, b.moves
+                "{file}:{}: error: {} ({} moves, this line first)\n",
+                b.line,
+                self.world.machine.excess((*axis, *side, b.limit), b.farthest),
+                b.moves
             ));
             self.errors += 1;
         }

@@ -128,8 +128,10 @@ fn a_program_beyond_a_limit_is_refused_with_its_line_before_it_begins() {
     let scratch = printer("G21 G90\nG0 X10\nG0 X999\nM2\n");
     let output = scratch.halrun(&["--virtual", "--run", "part.ngc", "printer.ini"]);
     assert_eq!(output.status, Some(1));
-    let refused = "/part.ngc:3: task.run: X999.0000 is beyond [AXIS_X]MAX_LIMIT 200.0000";
+    let refused =
+        "/part.ngc:3: task.run: X999.0000 is 799.0000 mm beyond [AXIS_0]MAX_LIMIT = 200 (";
     assert!(output.stderr.contains(refused), "{}", output.stderr);
+    assert!(output.stderr.contains("/printer.ini:60)"), "{}", output.stderr);
     assert!(output.stderr.contains("part.ngc: failed after 0.000 s"), "{}", output.stderr);
 }
 

@@ -288,29 +288,17 @@ impl Plan<'_> {
 
     /// Checks the ends of the moves against the machine's limits; between two of them the moves are straight.
     fn check(&self) -> Result<(), String> {
-        let k = self.machine.settings.unit.millimetres();
+        let unit = self.machine.settings.unit.millimetres();
         let mut reasons = Vec::new();
         for step in &self.steps {
             let Some(to) = step.to else { continue };
-            for ((axis, value), (low, high)) in
-                Axis::ALL.into_iter().zip(to).zip(self.machine.limits)
-            {
-                let k = if axis.is_rotary() { 1.0 } else { k };
-                let letter = axis.letter().to_ascii_uppercase();
-                let (low, high) = (low.map(|l| l / k), high.map(|h| h / k));
-                let slack = 1e-6 / k;
-                if let Some(low) = low.filter(|low| value < low - slack) {
-                    reasons.push(format!(
-                        "the entry's move {}: {letter}{value:.4} is below the limit {low}",
-                        step.kind
-                    ));
-                }
-                if let Some(high) = high.filter(|high| value > high + slack) {
-                    reasons.push(format!(
-                        "the entry's move {}: {letter}{value:.4} is above the limit {high}",
-                        step.kind
-                    ));
-                }
+            let mut place = hal_gcode::axis::Position::default();
+            for (axis, value) in Axis::ALL.into_iter().zip(to) {
+                place[axis] = if axis.is_rotary() { value } else { value * unit };
+            }
+            for limit in self.machine.beyond(place) {
+                let why = self.machine.excess(limit, place[limit.0]);
+                reasons.push(format!("the entry's move {}: {why}", step.kind));
             }
         }
         if reasons.is_empty() { Ok(()) } else { Err(reasons.join("; ")) }

@@ -23,11 +23,11 @@ fn a_job_for_another_machine_is_refused_with_all_reasons_before_anything_begins(
     let folder = format!("{}/job.ngc:", rig.folder.display());
     let reasons: Vec<&str> = why.split(&folder).skip(1).collect();
     let wanted = [
-        "2: X500.0000 is beyond [AXIS_X]MAX_LIMIT 100.0000",
-        "2: Y-50.0000 is beyond [AXIS_Y]MIN_LIMIT -10.0000",
+        "2: X500.0000 is 400.0000 mm beyond [AXIS_X]MAX_LIMIT = 100",
+        "2: Y-50.0000 is 40.0000 mm beyond [AXIS_Y]MIN_LIMIT = -10",
         "3:1: Requested tool 7 not found in the tool table",
         "4: Bad character 'a' used",
-        "7: Z81.0000 is beyond [AXIS_Z]MAX_LIMIT 80.0000",
+        "7: Z81.0000 is 1.0000 mm beyond [AXIS_Z]MAX_LIMIT = 80",
     ];
     assert_eq!(reasons.len(), wanted.len(), "{reasons:#?}");
     for (reason, wanted) in reasons.iter().zip(wanted) {
@@ -44,7 +44,10 @@ fn offsets_and_the_tool_of_the_machine_count_in_the_check() {
     let mut rig = machine("G21 G90 G54 G0 X50\nM2\n");
     rig.core.interpreter.state.frame.g5x.x = 60.0;
     let why = rig.refused(Command::Run);
-    assert!(why.contains("job.ngc:1: X110.0000 is beyond [AXIS_X]MAX_LIMIT 100.0000"), "{why}");
+    assert!(
+        why.contains("job.ngc:1: X110.0000 is 10.0000 mm beyond [AXIS_X]MAX_LIMIT = 100"),
+        "{why}"
+    );
     rig.core.interpreter.state.frame.g5x.x = 50.0;
     rig.run();
 }
@@ -83,7 +86,7 @@ fn a_long_program_begins_before_its_check_ends_and_pauses_before_the_wrong_line(
     rig.pass(2.0);
     let told = &rig.fake.messages;
     let wanted = format!(
-        "job.ngc:{}: X500.0000 is beyond [AXIS_X]MAX_LIMIT 100.0000: the program pauses before this line",
+        "job.ngc:{}: X500.0000 is 400.0000 mm beyond [AXIS_X]MAX_LIMIT = 100: the program pauses before this line",
         lines + 2
     );
     assert!(told.len() == 1 && told[0].ends_with(&wanted), "{told:?}");
@@ -153,7 +156,7 @@ fn a_start_in_the_middle_is_refused_if_the_rest_is_wrong() {
     assert_eq!(rig.result(ticket), Some(Ok(())));
     rig.sent();
     let why = rig.refused(Command::Confirm(1));
-    assert!(why.contains("job.ngc:4: X500.0000 is beyond"), "{why}");
+    assert!(why.contains("job.ngc:4: X500.0000 is 400.0000 mm beyond"), "{why}");
     assert_eq!(rig.sent(), [""; 0]);
     assert!(rig.core.shown_start().is_some(), "the proposal stays");
 }

@@ -178,8 +178,8 @@ fn an_entry_beyond_a_limit_is_refused_with_every_reason() {
     rig.proposed(line(2, 1)).unwrap();
     let token = rig.token();
     let why = rig.refused(Command::Confirm(token));
-    assert!(why.contains("X500.0000 is above the limit 100"), "{why}");
-    assert!(why.contains("Y-900.0000 is below the limit -100"), "{why}");
+    assert!(why.contains("X500.0000 is 400.0000 mm beyond [AXIS_X]MAX_LIMIT = 100"), "{why}");
+    assert!(why.contains("Y-900.0000 is 800.0000 mm beyond [AXIS_Y]MIN_LIMIT = -100"), "{why}");
 }
 
 #[test]
