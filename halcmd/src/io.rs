@@ -1,11 +1,19 @@
-//! Lines that load `iocontrol`, either as the program `io` of LinuxCNC, or again after a start from
-//! an INI file; and the line that loads `motmod`, after which such a start loads `halui`.
+//! Lines that start a program of LinuxCNC whose work a component does: `io`, `halui`, `milltask` and `linuxcncsvr`; lines
+//! that load `iocontrol` again after a start from an INI file; and the line that loads `motmod`, after which such a start
+//! loads `halui`.
 
-use crate::{Command, Error, Session};
+use crate::{Command, Error, Session, ini::Ini};
 use hal_protocol::{At, Code, Finding, Request};
 
 /// The name of the component, and its other names.
 const NAMES: [&str; 3] = ["iocontrol", "io", "iov2"];
+/// The component with the operator's pins, a program in LinuxCNC.
+const OPERATOR: &str = "halui";
+/// Programs that are not started, and the reason.
+const NOT_STARTED: [(&str, &str); 2] = [
+    ("milltask", "the task is built in, and a start from an INI file with a section TASK loads it"),
+    ("linuxcncsvr", "programs reach the instance without a server"),
+];
 
 impl Session<'_> {
     /// Marks the following lines as those of a machine started from an INI file, which has
@@ -14,12 +22,19 @@ impl Session<'_> {
         self.is_machine = true;
     }
 
-    /// Turns `loadusr io` into `loadrt iocontrol`, the component that replaces the program. Returns
-    /// `None` if the machine has loaded it already; it keeps its arguments and its interlock.
-    pub(crate) fn with_own_io(&mut self, command: Command) -> Result<Option<Command>, Error> {
+    /// Turns the start of a program of LinuxCNC into `loadrt` of the component that replaces it. Returns `None` if there is
+    /// nothing to do: the machine has loaded it already, or loads it later, and it keeps its arguments and its interlock.
+    pub(crate) fn with_built_in(&mut self, command: Command) -> Result<Option<Command>, Error> {
         let (module, args) = match &command {
             Command::Launch(launch) => {
                 let base = launch.program.rsplit('/').next().unwrap_or_default();
+                if base == OPERATOR {
+                    return self.with_operator();
+                }
+                if let Some((name, why)) = NOT_STARTED.iter().find(|(name, _)| *name == base) {
+                    self.say_that_nothing_is_started(name, why);
+                    return Ok(None);
+                }
                 match NAMES.iter().find(|name| **name == base) {
                     Some(_) => (NAMES[0], Vec::new()),
                     None => return Ok(Some(command)),
@@ -41,6 +56,23 @@ impl Session<'_> {
         Ok(Some(Command::Ask(Request::Load { module: module.to_owned(), args }, note)))
     }
 
+    /// Turns `loadusr halui` into `loadrt halui` with the arguments that the INI file has for it. Before `motmod` it waits
+    /// for that, as with `[HAL]HALUI`.
+    fn with_operator(&mut self) -> Result<Option<Command>, Error> {
+        if self.operator.is_some() || self.component_of(OPERATOR)?.is_some() {
+            self.say_that_it_is_there(OPERATOR, &[]);
+            return Ok(None);
+        }
+        let args = self.ini.map(operator_args).unwrap_or_default();
+        if self.is_machine && self.component_of("motmod")?.is_none() {
+            self.operator = Some((self.standing(), args));
+            self.note("halui is loaded behind motmod");
+            return Ok(None);
+        }
+        let note = Some(format!("Realtime module '{OPERATOR}' loaded"));
+        Ok(Some(Command::Ask(Request::Load { module: OPERATOR.to_owned(), args }, note)))
+    }
+
     /// Returns whether a command loads `motmod`, for which `halui` waits.
     pub(crate) fn awaits_operator(&self, command: &Command) -> bool {
         let Command::Ask(Request::Load { module, .. }, _) = command else { return false };
@@ -52,7 +84,7 @@ impl Session<'_> {
         let Some((at, args)) = self.operator.take() else { return Ok(()) };
         let back = self.standing();
         self.stand_at(&at.file, at.line);
-        let loaded = self.ask(Request::Load { module: "halui".to_owned(), args });
+        let loaded = self.ask(Request::Load { module: OPERATOR.to_owned(), args });
         if loaded.is_ok() {
             self.stand_at(&back.file, back.line);
         }
@@ -65,7 +97,10 @@ impl Session<'_> {
         } else {
             format!("; without effect: {}", args.join(" "))
         };
-        let text = format!("{module} is loaded already, by the start from the INI file{arguments}");
+        let text = match module {
+            OPERATOR => format!("{module} is loaded once, behind motmod{arguments}"),
+            _ => format!("{module} is loaded already, by the start from the INI file{arguments}"),
+        };
         let at = self.standing();
         if let Some(dry_run) = &mut self.dry_run {
             let finding = Finding::new(Code::LoadedAlready, module, text).at(Some(at));
@@ -78,9 +113,35 @@ impl Session<'_> {
         }
     }
 
+    fn say_that_nothing_is_started(&mut self, program: &str, why: &str) {
+        let text = format!("{program} is not started: {why}");
+        let at = self.standing();
+        match &mut self.dry_run {
+            Some(dry_run) => dry_run.found.push(
+                Finding::new(Code::LoadedAlready, program, text)
+                    .at(Some(at))
+                    .remedy("take the line out, or leave it for LinuxCNC"),
+            ),
+            None => self.warn_at(&format!("Info: {text}")),
+        }
+    }
+
     /// Returns the place of the line that is being executed.
     pub(crate) fn standing(&self) -> At {
         let (file, line) = self.place();
         At::new(file, line)
     }
+}
+
+/// Returns the arguments of `halui` that an INI file states.
+pub(crate) fn operator_args(ini: &Ini) -> Vec<String> {
+    let mut args = Vec::new();
+    if let Some(axes) = ini.all("TRAJ", "COORDINATES").next() {
+        args.push(format!("coordinates={}", axes.value.replace(char::is_whitespace, "")));
+    }
+    let lines: Vec<&str> = ini.all("HALUI", "MDI_COMMAND").map(|e| e.value.as_str()).collect();
+    if !lines.is_empty() {
+        args.push(format!("mdi_commands={}", lines.join("|")));
+    }
+    args
 }

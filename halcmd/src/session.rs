@@ -86,7 +86,7 @@ pub struct Session<'a> {
     /// Variables of the environment of programs that the session starts, beside its own.
     pub(crate) variables: Vec<(&'static str, OsString)>,
     environment: &'a dyn Fn(&str) -> Option<String>,
-    ini: Option<&'a Ini>,
+    pub(crate) ini: Option<&'a Ini>,
     place: (String, u32),
     depth: u32,
     /// Number of files that the present top-level file has sourced.
@@ -328,7 +328,7 @@ impl<'a> Session<'a> {
         let done = if self.plan.is_some() {
             self.plan(statement, command)
         } else {
-            match self.with_own_io(command) {
+            match self.with_built_in(command) {
                 Ok(Some(command)) if self.dry_run.is_some() => self.dry_run_command(command),
                 Ok(Some(command)) => self.execute(command),
                 Ok(None) => Ok(()),

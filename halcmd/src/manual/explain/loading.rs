@@ -121,7 +121,8 @@ pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: Code::LoadedAlready,
         means: "A HAL file loads iocontrol (or io, or iov2), which a start from an INI file has \
-                loaded before the HAL files.",
+                loaded before the HAL files, or halui, which it loads itself; or the file starts \
+                milltask or linuxcncsvr, whose work is built in.",
         matters: "The line does nothing, and its arguments count for nothing: the machine keeps \
                   the iocontrol whose e-stop switches motion off.",
         remedy: "Take the line out, or leave it for starts without an INI file.",

@@ -4,6 +4,7 @@ use super::folders::Folders;
 use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
+    io::operator_args,
 };
 use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
 use std::{ffi::OsString, path::Path};
@@ -161,15 +162,7 @@ impl MachineStart<'_, '_> {
     /// Has `halui` loaded as soon as `motmod` is, if the INI file names it.
     fn operator(&mut self) {
         let Some(entry) = operator_entry(self.ini) else { return };
-        let mut args = Vec::new();
-        if let Some(axes) = self.ini.all("TRAJ", "COORDINATES").next() {
-            args.push(format!("coordinates={}", axes.value.replace(char::is_whitespace, "")));
-        }
-        let lines: Vec<&str> =
-            self.ini.all("HALUI", "MDI_COMMAND").map(|e| e.value.as_str()).collect();
-        if !lines.is_empty() {
-            args.push(format!("mdi_commands={}", lines.join("|")));
-        }
+        let args = operator_args(self.ini);
         self.session.operator = Some((At::new(&entry.file, entry.line), args));
     }
 
