@@ -190,7 +190,7 @@ fn programs_by_name_keep_every_limit() {
 /// from the input, and a cell without joint bounds that allowed no acceleration.
 #[test]
 fn cases_of_the_past_keep_every_limit() {
-    for seed in [2853, 3610, 12_170, 12_337, 12_739, 16_049] {
+    for seed in [2853, 3610, 9007, 12_170, 12_337, 12_739, 16_049] {
         let (out, _) = judged(seed, 60);
         assert_eq!((out.violations, out.rejected), (0, 0), "seed {seed}");
     }

@@ -198,7 +198,12 @@ fn least(from: f64, to: f64, rounds: u32, enough: f64, at: impl Fn(f64) -> f64) 
 
 /// Returns the distances of two poses in XYZ, ABC and UVW.
 pub(crate) fn distances(a: &[f64; AXES], b: &[f64; AXES]) -> [f64; 3] {
-    [0, 3, 6].map(|k| square(sub3(group(a, k), group(b, k))).sqrt())
+    along(a, b).map(|way| square(way).sqrt())
+}
+
+/// Returns the ways from a pose to another in XYZ, ABC and UVW.
+pub(crate) fn along(from: &[f64; AXES], to: &[f64; AXES]) -> [[f64; 3]; 3] {
+    [0, 3, 6].map(|k| sub3(group(to, k), group(from, k)))
 }
 
 /// The nearest number from 0 to 1.
@@ -230,7 +235,7 @@ fn sub3(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

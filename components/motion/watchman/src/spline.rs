@@ -1,9 +1,12 @@
 //! Programmed B-splines and NURBS, by the basis functions of Cox and de Boor. Only the constructor allocates.
 
-use crate::shape::AXES;
+use crate::shape::{AXES, along, dot3};
 
 /// Samples between two knots.
 const SAMPLES: u32 = 16;
+
+/// Most halvings of the interval between two samples where the curve turns.
+const HALVINGS: u32 = 14;
 
 /// Highest degree.
 const DEGREE: usize = 5;
@@ -14,7 +17,8 @@ pub struct Spline {
     degree: usize,
     knots: Vec<f64>,
     points: Vec<([f64; AXES], f64)>,
-    /// Fractions and poses, several between any two knots.
+    /// Fractions and poses, several between any two knots, so close that the curve turns little from one to the next. A
+    /// distance then has one least value between them.
     samples: Vec<(f64, [f64; AXES])>,
 }
 
@@ -29,7 +33,7 @@ impl Spline {
         let mut out =
             Self { degree, knots: knots.to_vec(), points: points.to_vec(), samples: Vec::new() };
         let (begin, end) = out.ends();
-        let mut samples = Vec::new();
+        let mut samples: Vec<(f64, [f64; AXES])> = Vec::new();
         for span in knots.windows(2).skip(degree).take(count - degree) {
             let &[a, b] = span else { continue };
             if a >= b {
@@ -37,12 +41,43 @@ impl Spline {
             }
             for k in 0..SAMPLES {
                 let u = a + (b - a) * (f64::from(k) / f64::from(SAMPLES));
-                samples.push((u - begin) / (end - begin));
+                out.sample((u - begin) / (end - begin), 0, &mut samples);
             }
         }
-        samples.push(1.0);
-        out.samples = samples.into_iter().map(|t| (t, out.at(t))).collect();
+        out.sample(1.0, 0, &mut samples);
+        out.samples = samples;
         Some(out)
+    }
+
+    /// Appends the sample at the fraction `t`, and before it more of them if the curve turns on the way from the last one.
+    fn sample(&self, t: f64, halvings: u32, samples: &mut Vec<(f64, [f64; AXES])>) {
+        let pose = self.at(t);
+        if let Some((last, from)) = samples.last()
+            && halvings < HALVINGS
+            && self.turns((*last, from), (t, &pose))
+        {
+            self.sample(last + 0.5 * (t - last), halvings + 1, samples);
+            self.sample(t, halvings + 1, samples);
+            return;
+        }
+        samples.push((t, pose));
+    }
+
+    /// Returns true if one of four parts of the curve leads more than 30° away from the whole, in XYZ, ABC or UVW.
+    fn turns(&self, from: (f64, &[f64; AXES]), to: (f64, &[f64; AXES])) -> bool {
+        let whole = along(from.1, to.1);
+        let mut last = *from.1;
+        (1..=4).any(|k| {
+            let next = self.at(from.0 + 0.25 * f64::from(k) * (to.0 - from.0));
+            let part = along(&last, &next);
+            last = next;
+            whole.iter().zip(&part).any(|(whole, part)| {
+                let (both, lengths) =
+                    (dot3(*whole, *part), dot3(*whole, *whole) * dot3(*part, *part));
+                // A part that stands still does not turn; one that leads back does, however short the whole is.
+                dot3(*part, *part) > 0.0 && (both <= 0.0 || both * both < 0.75 * lengths)
+            })
+        })
     }
 
     /// First and last parameter.

@@ -312,3 +312,37 @@ fn faults_of_the_judge_would_be_noticed() {
     });
     assert_eq!(late.report().velocity.ratio.max(1.0), 1.0, "a wrong period hides 0.05 %");
 }
+
+/// A cubic B-spline that turns back within a hundredth of a span: the distance has two least values beside the bend.
+#[test]
+fn a_hairpin_of_a_spline_is_searched_on_both_sides() {
+    let at = |x: f64, y: f64| ([x, y, 0.3 * y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 1.0);
+    let knots = [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0, 2.0];
+    for sharp in [1e-3, 0.01, 0.1, 1.0] {
+        // The curve runs out along X, and comes back beside itself.
+        let points = [at(0.0, 0.0), at(40.0, 0.0), at(7.0, sharp), at(39.0, sharp), at(0.0, 5.0)];
+        let spline = Spline::new(3, &knots, &points).unwrap();
+        let shape = Shape::Spline(Box::new(spline.clone()));
+        let tolerance = Tolerance { linear: 1.0, angular: 1.0 };
+        let watch = PathWatch::new(Box::new([(shape, tolerance)]), 50.0, 0);
+        let dense: Vec<_> = (0..=40_000).map(|k| spline.at(f64::from(k) / 40_000.0)).collect();
+        let (mut seen, mut wide) = (0.0_f64, 0);
+        for (k, on) in dense.iter().enumerate().step_by(37) {
+            let away = [0.0, 1e-4, 0.003, 0.02, 0.3][k % 5];
+            let mut pose = *on;
+            pose[1] += away;
+            pose[2] -= 0.5 * away;
+            let distance = |p: &[f64; 9]| {
+                p.iter().zip(&pose).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+            };
+            let least = dense.iter().map(distance).fold(f64::INFINITY, f64::min);
+            let ratio = watch.ratio(&pose, 0, 0);
+            // The dense places are 0.002 apart at most; the search ends with a ten-millionth of its interval.
+            assert!(ratio <= least + 1e-6, "sharp {sharp}, place {k}: {ratio} instead of {least}");
+            assert!(ratio >= least - 2e-3, "sharp {sharp}, place {k}: {ratio} instead of {least}");
+            seen = seen.max(ratio);
+            wide += usize::from(away > 0.1 && ratio > 0.05);
+        }
+        assert!(seen > 0.1 && wide > 100, "sharp {sharp}: the worst is {seen}, {wide} far away");
+    }
+}
