@@ -52,7 +52,8 @@ fn main() -> Result<(), Error> {
     }
     for ((name, wanted, ..), rates) in sets.iter().zip(&mut rates) {
         let (median, best) = middle(rates);
-        println!("  {name:<56}  {wanted:>8.0} {median:>8.0} {best:>8.0}");
+        let met = if *wanted > 0.0 { least(median, *wanted) } else { "" };
+        println!("  {name:<56}  {wanted:>8.0} {median:>8.0} {best:>8.0} {met}");
     }
     println!(
         "\na step of nine axes in ns (wanted: 250 mean, 1000 at 99.9 %):  mean    99.9 %   events"
@@ -69,9 +70,14 @@ fn main() -> Result<(), Error> {
         }
         // The best of the turns is the one that other programs disturbed least.
         let [mean, rare] = [middle(&mut means), middle(&mut rare)].map(|(_, best)| -best);
-        println!("  at a depth of {depth:>6} moves  {mean:>38.0} {rare:>9.0} {events:>8}");
+        let (a, b) = (most(mean, 250.0), most(rare, 1000.0));
+        println!("  at a depth of {depth:>6} moves  {mean:>38.0} {rare:>9.0} {events:>8} {a}, {b}");
     }
-    println!("\na million moves take {:.1} MB at most (wanted: 16)", memory()? as f64 / 1e6);
+    let megabytes = memory()? as f64 / 1e6;
+    println!(
+        "\na million moves take {megabytes:.1} MB at most (wanted: 16) {}",
+        most(megabytes, 16.0)
+    );
     println!("\nshown by tests, each with cargo test -p hal-trajectory --release --test:");
     for (what, test) in [
         ("a million segments", "limits -- --ignored --nocapture"),
@@ -89,14 +95,16 @@ fn main() -> Result<(), Error> {
 /// Times against the bounds of the same path without a limit of jerk.
 fn print_times() {
     println!("times, in parts of the bound without a limit of jerk (wanted):");
-    let least = times::small_arcs_bound();
+    let bound = times::small_arcs_bound();
     for (name, both) in [("one sense", false), ("both senses", true)] {
         for p in [0.1, 0.01, 0.0] {
             let program = times::small_arcs(both, p);
             let [t, j] = [f64::INFINITY, 1e5]
-                .map(|jerk| times::taken(&program, &times::machine(jerk)) / least);
+                .map(|jerk| times::taken(&program, &times::machine(jerk)) / bound);
             println!(
-                "  arcs of radius 4, {name}, tolerance {p}: {t:.3} (1.02), jerk 1e5 {j:.3} (1.12)"
+                "  arcs of radius 4, {name}, tolerance {p}: {t:.3} (1.02) {}, jerk 1e5 {j:.3} (1.12) {}",
+                most(t, 1.02),
+                most(j, 1.12)
             );
         }
     }
@@ -109,21 +117,42 @@ fn print_times() {
         count += 1.0;
     }
     let [t, j5, j4] = sums.map(|s| s / count);
-    println!("  random programs: {t:.3} (1.03), jerk 1e5 {j5:.3} (1.08), jerk 1e4 {j4:.3} (1.40)");
+    println!(
+        "  random programs: {t:.3} (1.03) {}, jerk 1e5 {j5:.3} (1.08) {}, jerk 1e4 {j4:.3} (1.40) {}",
+        most(t, 1.03),
+        most(j5, 1.08),
+        most(j4, 1.40)
+    );
     let long = times::long_lines();
-    let least = times::bound(&long, &times::machine(f64::INFINITY));
+    let bound = times::bound(&long, &times::machine(f64::INFINITY));
     let [t, j] =
-        [f64::INFINITY, 1e5].map(|jerk| times::taken(&long, &times::machine(jerk)) / least);
-    println!("  lines of more than a second: {t:.4} (1.005), jerk 1e5 {j:.3} (1.05)");
+        [f64::INFINITY, 1e5].map(|jerk| times::taken(&long, &times::machine(jerk)) / bound);
+    println!(
+        "  lines of more than a second: {t:.4} (1.005) {}, jerk 1e5 {j:.3} (1.05) {}",
+        most(t, 1.005),
+        most(j, 1.05)
+    );
     let machine = times::machine(1e5);
     let [circle, noisy] = times::dense_circles();
     let [a, b] = [&circle, &noisy].map(|p| times::taken(p, &machine));
     println!(
-        "  circle of radius 10 in lines of 0.1: {a:.3} s (0.70), with noise {:.3} times (1.35)",
-        b / a
+        "  circle of radius 10 in lines of 0.1: {a:.3} s (0.70) {}, with noise {:.3} times (1.35) {}",
+        most(a, 0.70),
+        b / a,
+        most(b / a, 1.35)
     );
     let [one, many] = [1, 1000].map(|pieces| times::taken(&times::line_in(pieces), &machine));
     println!("  a line of 108 in one piece {one:.3} s, in a thousand {many:.3} s");
+}
+
+/// Judges a figure that is to be so high at most, to the digits that are printed.
+fn most(found: f64, wanted: f64) -> &'static str {
+    if found <= wanted * 1.0005 { "met" } else { "NOT MET" }
+}
+
+/// Judges a figure that is to be so high at least.
+fn least(found: f64, wanted: f64) -> &'static str {
+    if found >= wanted { "met" } else { "NOT MET" }
 }
 
 /// Processor time of this thread, in seconds.

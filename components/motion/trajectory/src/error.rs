@@ -1,5 +1,6 @@
 //! Refusals: input that the planner does not accept.
 
+use crate::pose::Pose;
 use core::fmt;
 
 /// A move, limit or setting that is refused, with the values involved.
@@ -57,6 +58,8 @@ pub enum Error {
         line: u32,
         /// Joint that has no position.
         joint: usize,
+        /// Pose without a joint position, one of perhaps many.
+        place: Pose,
     },
     /// Near a singularity, a joint would allow less than a hundredth of the feed.
     Singular {
@@ -102,8 +105,14 @@ impl fmt::Display for Error {
                 write!(f, "axis {letter}: limit {value} is not a number from 1e-6 up")
             }
             Self::Setting { value } => write!(f, "setting {value} is outside its range"),
-            Self::Unreachable { line, joint } => {
-                write!(f, "line {line}: joint {joint} has no position for a pose on the path")
+            Self::Unreachable { line, joint, place } => {
+                write!(f, "line {line}: joint {joint} has no position for a pose on the path, at")?;
+                for (k, (letter, x)) in "XYZABCUVW".chars().zip(place.0).enumerate() {
+                    if k < 3 || x != 0.0 {
+                        write!(f, " {letter}{x:.4}")?;
+                    }
+                }
+                Ok(())
             }
             Self::Singular { line, joint } => {
                 write!(

@@ -14,7 +14,8 @@ pub type Joints = [f64; JOINTS];
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jet(pub [f64; 4]);
 
-/// Inverse kinematics of a machine. A joint without a position is reported as the error.
+/// Inverse kinematics of a machine. A joint without a position is reported as the error; one whose position or
+/// derivative is NaN or infinite counts as one without.
 pub trait Kinematics {
     /// Returns the joint positions for a pose, or the number of the joint that has none.
     fn inverse(&self, pose: &Pose) -> Result<Joints, usize>;
@@ -67,13 +68,14 @@ const STEP: f64 = 0.05;
 const DIFFERENCE_RESERVE: f64 = 0.05;
 
 /// Bounds the derivatives of the joints over a piece of a curve. The third derivative is sampled, with its largest change
-/// between neighbouring samples as a reserve; the lower derivatives are bounded between samples by the higher ones.
+/// between neighbouring samples as a reserve; the lower derivatives are bounded between samples by the higher ones. The
+/// error is a joint without a position, and the pose where it has none.
 pub(crate) fn joint_bounds<K: Kinematics + ?Sized>(
     kinematics: &K,
     curve: &Curve,
     from: f64,
     to: f64,
-) -> Result<JointBounds, usize> {
+) -> Result<JointBounds, (usize, Pose)> {
     let width = (to - from) / f64::from(SAMPLES);
     let mut out = JointBounds { first: [0.0; JOINTS], second: [0.0; JOINTS], third: [0.0; JOINTS] };
     let mut change = [0.0_f64; JOINTS];
@@ -81,7 +83,8 @@ pub(crate) fn joint_bounds<K: Kinematics + ?Sized>(
     let mut extra = 0.0;
     for k in 0..=SAMPLES {
         let s = from + width * f64::from(k);
-        let (jets, exact) = sample(kinematics, curve, s, to - from)?;
+        let (jets, exact) =
+            sample(kinematics, curve, s, to - from).map_err(|joint| (joint, curve.pose(s)))?;
         if !exact {
             extra = DIFFERENCE_RESERVE;
         }
@@ -110,7 +113,7 @@ pub(crate) fn joint_bounds<K: Kinematics + ?Sized>(
     Ok(out)
 }
 
-/// Joints with derivatives at `s`, and true if they are exact.
+/// Joints with derivatives at `s`, all of them finite, and true if they are exact.
 fn sample<K: Kinematics + ?Sized>(
     kinematics: &K,
     curve: &Curve,
@@ -124,7 +127,7 @@ fn sample<K: Kinematics + ?Sized>(
         *jet = Jet([*a, *b, *c, *e]);
     }
     if let Some(jets) = kinematics.derivatives(&pose) {
-        return Ok((jets?, true));
+        return Ok((finite(jets?)?, true));
     }
     let e = STEP.min(0.25 * width).max(1e-4);
     let at = |k: f64| {
@@ -144,7 +147,16 @@ fn sample<K: Kinematics + ?Sized>(
             (p2 - 2.0 * p1 + 2.0 * m1 - m2) / (2.0 * e * e * e),
         ]);
     }
-    Ok((jets, false))
+    Ok((finite(jets)?, false))
+}
+
+/// Returns the jets, or the number of the first joint with a value that is not finite: NaN would pass every comparison
+/// with a limit.
+fn finite(jets: [Jet; JOINTS]) -> Result<[Jet; JOINTS], usize> {
+    match jets.iter().position(|jet| !jet.0.iter().all(|x| x.is_finite())) {
+        Some(joint) => Err(joint),
+        None => Ok(jets),
+    }
 }
 
 /// Arithmetic of jets: products and square roots by the rules of differentiation.

@@ -1,7 +1,7 @@
 //! The planner: from moves to cells with proved limits.
 
 use crate::{
-    blend::{self, Joint},
+    blend::{self, Blend, Joint},
     certificate::{Certificate, Rejection},
     curve::Curve,
     erosion::Erosion,
@@ -228,7 +228,10 @@ impl<K: Kinematics> Planner<K> {
                 let room = 0.5 * a.length.min(b.length);
                 let tolerances = self.tolerances(&a, b);
                 match blend::joint(&a, b, room, &tolerances, self.law.has_jerk()) {
-                    Joint::Blend(blend) if !self.certificate.allows(&blend, &a, b, &tolerances) => {
+                    Joint::Blend(blend)
+                        if !self.certificate.allows(&blend, &a, b, &tolerances)
+                            || !self.has_joints(&blend.curve, 2.0 * blend.half, pieces(&blend)) =>
+                    {
                         Joint::Stop
                     }
                     joint => joint,
@@ -247,8 +250,7 @@ impl<K: Kinematics> Planner<K> {
             self.add_span(&Span { curve: a.curve, from, to, pieces }, &a, None);
         }
         if let (Joint::Blend(blend), Some(b)) = (&joint, next) {
-            let wide = count(2.0 * half / BLEND_CELL).min(16);
-            let pieces = if wide > 4 { wide } else { 4 };
+            let pieces = pieces(blend);
             let span = Span { curve: blend.curve, from: 0.0, to: 2.0 * half, pieces };
             self.add_span(&span, &a, Some(b));
         }
@@ -278,6 +280,11 @@ const fn tighter(a: &Limits, b: &Limits) -> Limits {
         acceleration: a.acceleration.min(b.acceleration),
         jerk: a.jerk.min(b.jerk),
     }
+}
+
+/// Returns the number of cells of a blend.
+fn pieces(blend: &Blend) -> u16 {
+    count(2.0 * blend.half / BLEND_CELL).clamp(4, 16)
 }
 
 /// Returns the next whole number, from 1 to 60000.

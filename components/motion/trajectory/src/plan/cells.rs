@@ -82,7 +82,7 @@ impl<K: Kinematics> Planner<K> {
         let joints = if self.direct {
             None
         } else {
-            // The door has checked the segment; a blend beside it stays within the tolerance.
+            // The door has checked the segment, and `place` the blend; lines that were joined are within the tolerance.
             joint_bounds(&self.kinematics, curve, from, to).ok()
         };
         let mut allowed =

@@ -2,6 +2,7 @@
 
 use super::{Planner, count};
 use crate::{
+    curve::Curve,
     error::Error,
     kinematics::{CELL, Kinematics, joint_bounds},
     segment::Segment,
@@ -20,7 +21,7 @@ impl<K: Kinematics> Planner<K> {
         for k in 0..pieces {
             let (from, to) = (width * f64::from(k), width * f64::from(k + 1));
             let joints = joint_bounds(&self.kinematics, &segment.curve, from, to)
-                .map_err(|joint| Error::Unreachable { line, joint })?;
+                .map_err(|(joint, place)| Error::Unreachable { line, joint, place })?;
             let bounds = segment.curve.bounds(from, to, segment.lead);
             let plain = self.law.allowed(&bounds, None, feed, Shares::MOVE).speed;
             let speed = self.law.allowed(&bounds, Some(&joints), feed, Shares::MOVE).speed;
@@ -34,5 +35,16 @@ impl<K: Kinematics> Planner<K> {
             return Err(Error::Singular { line, joint: tightest });
         }
         Ok(())
+    }
+
+    /// Returns true if the joints have positions everywhere on a curve of this length, cut into so many cells.
+    pub(super) fn has_joints(&self, curve: &Curve, length: f64, pieces: u16) -> bool {
+        let pieces = pieces.max(count(length / CELL));
+        let width = length / f64::from(pieces);
+        self.direct
+            || (0..pieces).all(|k| {
+                let (from, to) = (width * f64::from(k), width * f64::from(k + 1));
+                joint_bounds(&self.kinematics, curve, from, to).is_ok()
+            })
     }
 }
