@@ -127,7 +127,9 @@ fn sample<K: Kinematics + ?Sized>(
         *jet = Jet([*a, *b, *c, *e]);
     }
     if let Some(jets) = kinematics.derivatives(&pose) {
-        return Ok((finite(jets?)?, true));
+        let jets = jets?;
+        finite(&jets)?;
+        return Ok((jets, true));
     }
     let e = STEP.min(0.25 * width).max(1e-4);
     let at = |k: f64| {
@@ -147,15 +149,15 @@ fn sample<K: Kinematics + ?Sized>(
             (p2 - 2.0 * p1 + 2.0 * m1 - m2) / (2.0 * e * e * e),
         ]);
     }
-    Ok((finite(jets)?, false))
+    finite(&jets)?;
+    Ok((jets, false))
 }
 
-/// Returns the jets, or the number of the first joint with a value that is not finite: NaN would pass every comparison
-/// with a limit.
-fn finite(jets: [Jet; JOINTS]) -> Result<[Jet; JOINTS], usize> {
+/// Refuses values that are not finite with the number of their joint: NaN would pass every comparison with a limit.
+fn finite(jets: &[Jet; JOINTS]) -> Result<(), usize> {
     match jets.iter().position(|jet| !jet.0.iter().all(|x| x.is_finite())) {
         Some(joint) => Err(joint),
-        None => Ok(jets),
+        None => Ok(()),
     }
 }
 

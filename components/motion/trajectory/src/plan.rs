@@ -284,7 +284,8 @@ const fn tighter(a: &Limits, b: &Limits) -> Limits {
 
 /// Returns the number of cells of a blend.
 fn pieces(blend: &Blend) -> u16 {
-    count(2.0 * blend.half / BLEND_CELL).clamp(4, 16)
+    let wide = count(2.0 * blend.half / BLEND_CELL).min(16);
+    if wide > 4 { wide } else { 4 }
 }
 
 /// Returns the next whole number, from 1 to 60000.
