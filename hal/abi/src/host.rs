@@ -120,6 +120,12 @@ pub struct CallHost {
     /// Since minor 4: makes the caller wait for the ticket of this command, even if it did not ask
     /// to.
     pub awaited: Option<unsafe extern "C" fn(*const c_void)>,
+    /// Since minor 9: asks for the value of a pin, parameter or signal, and returns the number of
+    /// the question. For workers; the control side answers later.
+    pub ask_value: Option<unsafe extern "C" fn(*const c_void, name: Str) -> u64>,
+    /// Since minor 9: takes the answer to a question. `EAGAIN` while there is none, `ENOENT` if
+    /// nothing has the name or nobody has asked.
+    pub take_value: Option<unsafe extern "C" fn(*const c_void, question: u64, *mut f64) -> Status>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for CallHost {

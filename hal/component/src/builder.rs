@@ -1,7 +1,7 @@
 //! Declaration of a component instance to the engine.
 
 use crate::{
-    Call, Clock, Decl, Error, In, Item, Messages, Touch, Update, Uses, Value,
+    Call, Clock, Decl, Error, HalValues, In, Item, Messages, Touch, Update, Uses, Value,
     abi::{
         self, ActionSpec, ArgSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Status, Str,
         TaskSpec, ThreadSpec, component_flags, funct_flags, host_flags, thread_flags,
@@ -63,6 +63,12 @@ impl<'h> Builder<'h> {
     #[must_use]
     pub fn clock(&self) -> Clock {
         Clock(self.calls())
+    }
+
+    /// Returns the values of pins, parameters and signals, for a worker.
+    #[must_use]
+    pub fn values(&self) -> HalValues {
+        HalValues(self.calls())
     }
 
     pub(crate) fn calls(&self) -> &'static abi::CallHost {

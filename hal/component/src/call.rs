@@ -57,6 +57,37 @@ impl Clock {
     }
 }
 
+/// Values of pins, parameters and signals by name, for a worker. The control side of the engine answers between two looks at
+/// its clients: on the virtual clock before the worker's next step, on the real clock within 0.1 s.
+#[derive(Clone, Copy, Debug)]
+pub struct HalValues(pub(crate) &'static CallHost);
+
+impl HalValues {
+    /// Asks for the value of a pin, a parameter or a signal, in this order, and returns the number of the question. Of the
+    /// questions that nobody takes the answers to, the last 256 are kept.
+    #[must_use]
+    pub fn ask(&self, name: &str) -> u64 {
+        // SAFETY: this is the engine's function with the engine's context; `name` lives for the duration of the call.
+        self.0.ask_value.map_or(0, |ask| unsafe { ask(self.0.ctx, Str::borrow(name)) })
+    }
+
+    /// Takes the answer to a question, once: `None` while there is none, and `Some(None)` if nothing has the name. A bit is 0
+    /// or 1.
+    #[must_use]
+    pub fn answer(&self, question: u64) -> Option<Option<f64>> {
+        let Some(take) = self.0.take_value else { return Some(None) };
+        let mut value = 0.0;
+        // SAFETY: this is the engine's function with the engine's context; `value` lives for the duration of the call.
+        match unsafe { take(self.0.ctx, question, &raw mut value) } {
+            Status::EAGAIN => None,
+            status => Some(status.is_ok().then_some(value)),
+        }
+    }
+}
+
+impl Touch for HalValues {
+    fn touch(&self, _: &mut Uses) {}
+}
 impl Touch for Messages {
     fn touch(&self, _: &mut Uses) {}
 }

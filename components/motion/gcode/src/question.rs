@@ -25,6 +25,11 @@ pub enum Request {
         /// The time-out in seconds.
         timeout: f64,
     },
+    /// Values of HAL that the next line reads. The line is run with the answer.
+    Hal {
+        /// The names of pins, parameters or signals, in lower case.
+        names: Vec<Box<str>>,
+    },
     /// A user's program (M100 to M199). Lines behind it may depend on what it does, so they are read after its end.
     UserCode {
         /// The M number.
@@ -55,6 +60,8 @@ pub enum Answer {
     },
     /// The input's value; -1 after a time-out.
     Input(f64),
+    /// The values of HAL by their names, `None` for a name that nothing has.
+    Hal(Vec<(Box<str>, Option<f64>)>),
     /// The user's program ended well.
     Done,
     /// The request failed; the program ends with this reason.

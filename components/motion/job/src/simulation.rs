@@ -8,7 +8,6 @@ use crate::{
     refusal::{Refusal, Unknown},
     world::World,
 };
-use core::cell::Cell;
 use hal_gcode::{
     Answer, Environment, Interpreter, Issued, Request, Step, Text,
     axis::Axis,
@@ -39,11 +38,10 @@ pub struct Simulation {
     given: Given,
 }
 
-/// Facts of the world, with a note that the program has asked for one that is not known.
+/// Facts of the world, with the tool table of an earlier run.
 struct Asked<'a> {
     world: &'a World,
     tools: Option<&'a ToolTable>,
-    hal: Cell<bool>,
 }
 
 impl Environment for Asked<'_> {
@@ -60,9 +58,7 @@ impl Environment for Asked<'_> {
         self.world.ini(section, key)
     }
     fn hal(&self, name: &str) -> Option<f64> {
-        let value = self.world.hal(name);
-        self.hal.set(self.hal.get() || value.is_none());
-        value
+        self.world.hal(name)
     }
     fn user_code(&self, code: u16) -> bool {
         self.world.user_code(code)
@@ -81,7 +77,7 @@ impl Simulation {
     /// The line has an error, or asks for a fact that is not known.
     pub fn step(&mut self, world: &World) -> Result<bool, Refusal> {
         let tools = self.given.tools.take();
-        let asked = Asked { world, tools: tools.as_ref(), hal: Cell::new(false) };
+        let asked = Asked { world, tools: tools.as_ref() };
         let mut calls = core::mem::take(&mut self.calls);
         calls.clear();
         let mut step = self.interpreter.next(&asked, &mut calls);
@@ -94,9 +90,6 @@ impl Simulation {
                     Err(refusal) => break Err(refusal),
                 },
                 Ok(step) => break Ok(step != Step::Ended),
-                Err(error) if asked.hal.get() => {
-                    break Err(Refusal::Unknown { place: error.place, what: Unknown::Hal });
-                }
                 Err(error) => break Err(Refusal::Program(Box::new(error))),
             }
         };
@@ -119,6 +112,7 @@ impl Simulation {
         match request {
             Request::Probe => unknown(Unknown::Probe),
             Request::Input { .. } => unknown(Unknown::Input),
+            Request::Hal { .. } => unknown(Unknown::Hal),
             Request::UserCode { .. } => Ok(Answer::Done),
             Request::ToolChange { .. } => Ok(Answer::ToolChange {
                 position: self.given.change_position.map(|stated| {

@@ -70,6 +70,9 @@ fn answer(request: &Request, state: &State) -> Answer {
         Request::Probe => Answer::Probe { tripped_at: here, stopped_at: here, tripped: true },
         Request::ToolChange { .. } => Answer::ToolChange { position: None },
         Request::Input { .. } => Answer::Input(1.0),
+        Request::Hal { names } => {
+            Answer::Hal(names.iter().map(|name| (name.clone(), Some(1.0))).collect())
+        }
         Request::UserCode { .. } => Answer::Done,
     }
 }
@@ -92,6 +95,7 @@ fn unbroken(world: &World, name: &str, at: u64) -> (Option<Line>, Vec<Answer>, u
             let unknown = match request {
                 Request::Probe => Some(Unknown::Probe),
                 Request::Input { .. } => Some(Unknown::Input),
+                Request::Hal { .. } => Some(Unknown::Hal),
                 Request::ToolChange { .. } | Request::UserCode { .. } => None,
             };
             asked = asked.or(unknown);
@@ -239,7 +243,8 @@ fn what_only_the_machine_knows_is_refused_with_its_line() {
     for (program, wanted) in [
         ("G21\nM66 P0 L0\nG0 X1\nM2\n", "job.ngc:2: the result of M66 is not known"),
         ("G21 F10\nG38.3 Z-5\nG0 X1\nM2\n", "job.ngc:2: the result of a probe is not known"),
-        ("G21\nG0 X#<_hal[a.b]>\nG0 X1\nM2\n", "job.ngc:2:5: a value of HAL is not known"),
+        ("G21\nG0 X#<_hal[a.b]>\nG0 X1\nM2\n", "job.ngc:2: a value of HAL is not known"),
+        ("G21\n#1=EXISTS[#<_HAL[a.b]>]\nG0 X1\nM2\n", "job.ngc:2: a value of HAL is not known"),
         ("G21\nG0 X[1/0]\nG0 X1\nM2\n", "job.ngc:2:"),
         ("G21\nM2\nG0 X1\n", "job.ngc:3: the program does not reach this line"),
     ] {

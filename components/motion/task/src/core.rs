@@ -23,6 +23,7 @@ pub(crate) mod restart;
 mod rules;
 mod tool;
 pub(crate) mod user;
+mod values;
 mod wait;
 
 use crate::{
@@ -47,8 +48,6 @@ use tool::Held;
 pub(crate) const MDI_LEN: usize = 10;
 /// Number of steps that the interpreter may be ahead.
 const READ_AHEAD: usize = 256;
-/// Number of moves that motion may hold.
-const MAX_FLIGHT: usize = 1000;
 
 /// State of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -121,6 +120,7 @@ struct Job {
     held: bool,
     /// Answer to the interpreter's question, if the machine's state does not have it.
     input: f64,
+    questions: Vec<values::HalQuestion>,
     user_code: Result<(), String>,
     began: f64,
 }

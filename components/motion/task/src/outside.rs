@@ -199,6 +199,10 @@ pub(crate) trait Outside {
     fn request(&mut self, request: IoRequest) -> Option<u64>;
     /// Returns how far a request has come.
     fn requested(&mut self, id: u64) -> Progress;
+    /// Asks for the value of a pin, parameter or signal, and returns the number of the question.
+    fn ask_value(&mut self, name: &str) -> u64;
+    /// Takes the answer to such a question, once: `None` while there is none, `Some(None)` if nothing has the name.
+    fn take_value(&mut self, question: u64) -> Option<Option<f64>>;
     /// Begins a user's program.
     fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String>;
     /// Returns how far the user's program has come.

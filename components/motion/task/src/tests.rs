@@ -59,6 +59,9 @@ struct Fake {
     lines: Vec<String>,
     /// Records of the tool in the spindle; `None` while the disk is full.
     spindles: Option<Vec<Spindle>>,
+    /// Values of HAL, and the questions for them with their time.
+    hal: BTreeMap<String, f64>,
+    questions: BTreeMap<u64, (f64, String)>,
     journal: String,
     disk_is_full: bool,
 }
@@ -102,6 +105,8 @@ impl Fake {
             tables: Vec::new(),
             lines: Vec::new(),
             spindles: Some(Vec::new()),
+            hal: BTreeMap::new(),
+            questions: BTreeMap::new(),
             journal: String::new(),
             disk_is_full: false,
         }

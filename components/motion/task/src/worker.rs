@@ -74,7 +74,7 @@ impl Worker {
         pins: Pins,
         snapshot: Snapshot<TaskStatus>,
     ) -> Self {
-        let world = Machine::new(motion, io, operator, b.clock(), b.messages());
+        let world = Machine::new(motion, io, operator, b.clock(), b.messages(), b.values());
         Self { shared, core: None, world, pins, snapshot }
     }
 }

@@ -33,8 +33,6 @@ pub use describe::Described;
 pub use random::Random;
 pub use response::response;
 
-use table::{Args, Laid, Table, int};
-
 use crate::{
     Component, Value,
     abi::{
@@ -47,6 +45,7 @@ use std::{
     cell::RefCell,
     sync::atomic::{AtomicU8, Ordering::Relaxed},
 };
+use table::{Args, Laid, Table, int};
 
 /// Distance from a slot to the cell of its signal: the own cell of the next slot.
 const SIGNAL: i32 = 16 + Slot::OWN;
@@ -89,6 +88,8 @@ impl Bench {
             reply: Some(host::reply),
             ticket: Some(host::ticket),
             awaited: Some(host::awaited),
+            ask_value: None,
+            take_value: None,
         });
         Self { table, calls, flags }
     }

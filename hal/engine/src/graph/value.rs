@@ -56,6 +56,20 @@ impl Model {
         Ok(signal.map_or(Value::Bit(false), |s| Graph::value(s.ty, s.bits())))
     }
 
+    /// Returns the value of a pin, a parameter or a signal as a number; `None` if there is none of this name, or if it is a
+    /// port.
+    pub(crate) fn number(&self, name: &str) -> Option<f64> {
+        match self.get_item(name).or_else(|_| self.get_signal(name)).ok()? {
+            Value::Bit(on) => Some(f64::from(u8::from(on))),
+            Value::Float(value) => Some(value),
+            Value::S32(value) => Some(value.into()),
+            Value::U32(value) => Some(value.into()),
+            Value::S64(value) => Some(value as f64),
+            Value::U64(value) => Some(value as f64),
+            Value::Port(_) => None,
+        }
+    }
+
     /// Executes `sets`. For a port it sets the size of the queue, which is possible only once.
     pub(crate) fn set_signal(&mut self, name: &str, text: &str) -> Result<(), Error> {
         let ix = self.graph.find_signal(name).map_err(Error::of_value)?;

@@ -52,6 +52,8 @@ impl LoadHandle {
                 reply: None,
                 ticket: None,
                 awaited: None,
+                ask_value: Some(ask_value),
+                take_value: Some(take_value),
             },
             component,
             voice: Arc::default(),
@@ -116,6 +118,31 @@ unsafe extern "C" fn message(
 /// Called by a component with the context it was given.
 unsafe extern "C" fn now(ctx: *const c_void) -> i64 {
     keep(ctx).shared.now()
+}
+
+/// Asks for a value by its name.
+///
+/// # Safety
+/// Called by a component with the context it was given and a live text.
+unsafe extern "C" fn ask_value(ctx: *const c_void, name: Str) -> u64 {
+    // SAFETY: the caller's promise.
+    keep(ctx).shared.questions.ask(unsafe { name.get() }.unwrap_or_default())
+}
+
+/// Takes the answer to a question.
+///
+/// # Safety
+/// Called by a component with the context it was given and a live number.
+unsafe extern "C" fn take_value(ctx: *const c_void, question: u64, out: *mut f64) -> Status {
+    match keep(ctx).shared.questions.take(question) {
+        None => Status::EAGAIN,
+        Some(None) => Status::ENOENT,
+        Some(Some(value)) => {
+            // SAFETY: the caller's promise.
+            unsafe { out.write(value) };
+            Status::OK
+        }
+    }
 }
 
 /// Realtime. Stores the text of a panic.
@@ -246,6 +273,8 @@ impl Code<CommandRun> {
             reply: None,
             ticket: None,
             awaited: None,
+            ask_value: None,
+            take_value: None,
         };
         // SAFETY: the component's code with its state; stop actions take no lock.
         unsafe { (self.run)(self.state, &raw const calls) };
@@ -266,6 +295,8 @@ impl Code<CommandRun> {
             reply: Some(frame_reply),
             ticket: Some(frame_ticket),
             awaited: Some(frame_awaited),
+            ask_value: None,
+            take_value: None,
         };
         // SAFETY: the component's code with its state, on the control side only.
         let status = unsafe { (self.run)(self.state, &raw const calls) };

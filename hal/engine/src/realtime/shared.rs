@@ -7,6 +7,7 @@ use crate::{
     load::code::Code,
     messages::mailbox::Mailbox,
     os,
+    realtime::questions::Questions,
     realtime::thread::Thread,
     sync::{Arc, AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering},
 };
@@ -147,6 +148,7 @@ pub(crate) struct Shared {
     /// Text of the last panic, until the caller of the code takes it.
     pub(crate) cause: Cause,
     pub(crate) mailbox: Mailbox,
+    pub(crate) questions: Questions,
     /// Stop actions of all loaded components, which threads other than the control thread may run.
     pub(crate) stops: ArcSwap<Vec<Arc<Code<CommandRun>>>>,
     /// True while a thread runs stop actions.
@@ -174,6 +176,7 @@ impl Shared {
             stuck: ArcSwapOption::empty(),
             cause: Cause::new(),
             mailbox: Mailbox::new(),
+            questions: Questions::default(),
             stops: ArcSwap::from_pointee(Vec::default()),
             stopping: AtomicBool::new(false),
             stuck_ns: AtomicI64::new(0),

@@ -79,6 +79,7 @@ impl Engine {
             self.notices(late);
             let failed = self.runtime.run_tasks(now);
             self.notices(failed);
+            self.answer_workers();
             self.look_while_stopped(now);
             self.refresh_flight();
             self.drain_flight();
@@ -122,6 +123,12 @@ impl Engine {
         let failed = self.runtime.run_tasks(now);
         self.notices(failed);
         self.workers.run_due(now, self.runtime.control());
+        self.answer_workers();
+    }
+
+    /// Answers the workers that ask for values.
+    fn answer_workers(&self) {
+        self.runtime.shared().questions.answer(|name| self.model.number(name));
     }
 
     /// Moves the virtual clock by one instant of machine time, for a script that waits. Returns

@@ -123,6 +123,7 @@ problems! {
     M61NeedsQ: "Need non-negative Q-word to specify tool number with M61", "";
     ToolChangeFailed { reason: Box<str> }: "toolchange failed: {reason}", "";
     ProbeFailed { reason: Box<str> }: "probe failed: {reason}", "";
+    HalFailed { reason: Box<str> }: "HAL: {reason}", "";
     InputFailed { reason: Box<str> }: "input failed: {reason}", "";
     UserCodeFailed { code: u16, reason: Box<str> }: "M{code} failed: {reason}", "";
 

@@ -175,11 +175,12 @@ impl<'a> Run<'a> {
 }
 
 /// Returns the problem of a request that the machine could not carry out.
-fn failed(request: &Request, reason: Box<str>) -> Problem {
+pub(super) fn failed(request: &Request, reason: Box<str>) -> Problem {
     match request {
         Request::Probe => Problem::ProbeFailed { reason },
         Request::ToolChange { .. } => Problem::ToolChangeFailed { reason },
         Request::Input { .. } => Problem::InputFailed { reason },
+        Request::Hal { .. } => Problem::HalFailed { reason },
         Request::UserCode { code, .. } => Problem::UserCodeFailed { code: *code, reason },
     }
 }

@@ -5,6 +5,7 @@ mod check;
 pub mod codes;
 mod execute;
 mod feed;
+mod hal;
 mod io;
 mod offsets;
 mod position;
@@ -76,6 +77,8 @@ pub struct Interpreter {
     block: block::Block,
     /// Calls of an O-word, which hands them out at its end.
     pub(crate) late: Vec<Issued>,
+    /// Values of HAL for the next line.
+    hal: hal::Known,
     /// The block to go on with after an O-word that ended a remapped code.
     pub(crate) remapped: Option<Box<Remapped>>,
 }
@@ -129,6 +132,7 @@ impl Interpreter {
             line,
             block,
             late: Vec::new(),
+            hal: hal::Known::new(),
             remapped: None,
         }
     }
@@ -188,7 +192,10 @@ impl Interpreter {
             return Err(self.error(Problem::WrongAnswer.into(), &[]));
         };
         let before = out.len();
-        let result = self.resume(pending, answer, env, out).map_err(|t| self.error(t, &[]));
+        let result = match pending.request {
+            request @ Request::Hal { .. } => self.go_on_with_hal(request, answer, env, out),
+            _ => self.resume(pending, answer, env, out).map_err(|t| self.error(t, &[])),
+        };
         self.count(out.len() - before, result)
     }
 

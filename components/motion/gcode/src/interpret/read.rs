@@ -1,6 +1,11 @@
 //! Reading of a line: limits, end of the program, words to values.
 
-use super::{Interpreter, Run, Step, Trouble, TroubleAt, block::Block, execute::Asked};
+use super::{
+    Interpreter, Run, Step, Trouble, TroubleAt,
+    block::Block,
+    execute::Asked,
+    hal::{Asking, Before},
+};
 use crate::{
     canon::{Call, Issued},
     environment::Environment,
@@ -33,7 +38,7 @@ impl Interpreter {
             self.state.ended = true;
             return Ok(Step::Ended);
         };
-        let at = level.cursor;
+        let (at, before) = (level.cursor, Before::of(level));
         let longest = limits.line_length;
         let mut raw = core::mem::take(&mut self.raw);
         let result = match self.sources.line(&level.file, at, longest, env, &mut raw) {
@@ -44,8 +49,15 @@ impl Interpreter {
                     level.cursor = next;
                 }
                 self.state.line = next.line;
-                let result = self.run_text(&raw, at, env, out);
-                result.map_err(|trouble| self.error(trouble, &raw))
+                let known = core::mem::take(&mut self.hal);
+                let asking = Asking::new(env, &known);
+                let result = self.run_text(&raw, at, &asking, out);
+                let missing = asking.missing();
+                if missing.is_empty() {
+                    result.map_err(|trouble| self.error(trouble, &raw))
+                } else {
+                    Ok(self.ask_hal(before, missing, known))
+                }
             }
         };
         self.raw = raw;
@@ -56,7 +68,7 @@ impl Interpreter {
         &mut self,
         raw: &[u8],
         at: Cursor,
-        env: &dyn Environment,
+        env: &Asking<'_>,
         out: &mut Vec<Issued>,
     ) -> Result<Step, Trouble> {
         let limit = self.state.settings.limits.line_length;
@@ -85,10 +97,11 @@ impl Interpreter {
         &mut self,
         line: &Line,
         at: Cursor,
-        env: &dyn Environment,
+        env: &Asking<'_>,
         out: &mut Vec<Issued>,
     ) -> Result<Step, Trouble> {
-        if line.deletable && self.state.settings.block_delete {
+        let is_left_out = line.deletable && self.state.settings.block_delete;
+        if is_left_out || env.lacks(line, &self.cleaned) {
             return Ok(Step::Line);
         }
         if let Some(word) = &line.oword {

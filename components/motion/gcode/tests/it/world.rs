@@ -121,6 +121,79 @@ fn values_of_ini_and_hal_and_user_codes() {
     assert!(unknown.unwrap_err().to_string().contains("Unknown m code used: M102"));
 }
 
+/// Programs that read values of HAL: the names that each question asks for, and what the calls begin with or the error.
+#[test]
+fn a_line_that_reads_values_of_hal_asks_for_them_before_it_runs() {
+    let known = |names: &[Box<str>]| {
+        let value = |name: &str| match name {
+            "low" | "b.0.out" => Some(0.0),
+            "high" => Some(7.5),
+            _ => None,
+        };
+        Answer::Hal(names.iter().map(|name| (name.clone(), value(name))).collect())
+    };
+    for (text, asked, wanted) in [
+        ("#1=#<_HAL[High]>\n(print,#1)\n", "high", "7.500000"),
+        ("#1=[#< _hal [ high ] > - #<_hal[low]>]\n(print,#1)\n", "high low", "7.500000"),
+        // Both sides of the question are read in one line, and a line asks again each time that it is run.
+        (
+            "o1 repeat [2]\n#1=[#1+#<_hal[high]>]\no1 endrepeat\n(print,#1)\n",
+            "high|high",
+            "15.000000",
+        ),
+        ("(print,is #<_hal[High]>)\n", "high", "is 7.500000"),
+        ("(print,is #<_hal[none]>)\n", "none", "is ######"),
+        ("(a comment with #<_hal[high]> means nothing)\ng0 x1\n", "", "COMMENT"),
+        (
+            "#1=EXISTS[#<_hal[high]>]\n#2=EXISTS[#<_hal[none]>]\n(print,#1 #2)\n",
+            "high|none",
+            "1.000000 0.000000",
+        ),
+        ("#1=#<_hal[none]>\n", "none", "test.ngc:1:4: Named parameter #<_hal[none]> not defined"),
+        ("g0 x#<_hal[high]>\n", "high", "STRAIGHT_TRAVERSE(7.5"),
+        // Conditions, also those behind a branch that is not taken, and lines that are left out.
+        (
+            "o1 if [#<_hal[low]>]\ng0 x#<_hal[none]>\no1 else\ng0 x3\no1 endif\n",
+            "low",
+            "STRAIGHT_TRAVERSE(3",
+        ),
+        (
+            "o1 if [0]\no1 elseif [#<_hal[low]>]\no1 elseif [#<_hal[high]>]\ng0 x4\no1 endif\n",
+            "low|high",
+            "STRAIGHT_TRAVERSE(4",
+        ),
+        (
+            "o1 if [0]\no1 elseif [EXISTS[#<_hal[none]>]]\ng0 x1\no1 else\ng0 x5\no1 endif\n",
+            "none",
+            "STRAIGHT_TRAVERSE(5",
+        ),
+        ("/g0 x#<_hal[none]>\ng0 x6\n", "", "STRAIGHT_TRAVERSE(6"),
+        (
+            "o<s> sub\ng0 x#1\no<s> endsub\no<s> call [#<_hal[high]>]\n",
+            "high",
+            "STRAIGHT_TRAVERSE(7.5",
+        ),
+        ("#<_hal[high]>=3\n(print,#<_hal[high]>)\n", "high|high", "7.500000"),
+    ] {
+        let asks = core::cell::RefCell::new(Vec::new());
+        let settings = Settings { block_delete: true, ..Settings::default() };
+        let result = run(&mut new(settings), &format!("{text}m2\n"), |request| {
+            let Request::Hal { names } = request else { panic!("{request:?}") };
+            asks.borrow_mut().push(names.join(" "));
+            known(names)
+        });
+        assert_eq!(asks.borrow().join("|"), asked, "{text}");
+        let found = result.map_or_else(|error| error.to_string(), |calls| calls[0].clone());
+        assert!(found.starts_with(wanted), "{text}: {found}");
+    }
+    let failed = |_: &Request| Answer::Failed("a.b is NaN, which is no number".into());
+    let error = run(&mut new(Settings::default()), "g0 x1\n#1=#<_hal[a.b]>\nm2\n", failed);
+    let text = error.unwrap_err().to_string();
+    assert_eq!(text, "test.ngc:2: HAL: a.b is NaN, which is no number");
+    let wrong = run(&mut new(Settings::default()), "#1=#<_hal[a]>\nm2\n", |_| Answer::Done);
+    assert!(wrong.unwrap_err().to_string().contains("the answer does not fit"));
+}
+
 #[test]
 fn block_delete_and_axes_are_settings() {
     let none = |_: &Request| Answer::Input(0.0);

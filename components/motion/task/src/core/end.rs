@@ -28,6 +28,7 @@ impl Core {
             stepping: stepping.then_some(None),
             held: false,
             input: 0.0,
+            questions: Vec::new(),
             user_code: Ok(()),
             began: out.now(),
         });

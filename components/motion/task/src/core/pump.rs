@@ -1,6 +1,6 @@
 //! Execution: steps go to motion and iocontrol in their order.
 
-use super::{Core, Entry, Flight, MAX_FLIGHT, Reading, Surface, Waiting};
+use super::{Core, Entry, Flight, Reading, Surface, Waiting};
 use crate::{
     convert::Action,
     outside::{Level, Order, Outside, Refusal},
@@ -8,6 +8,8 @@ use crate::{
 use hal_component::IoRequest;
 use hal_gcode::{Call, tool::Tool};
 
+/// Number of moves that motion may hold.
+const MAX_FLIGHT: usize = 1000;
 /// Top speed in calls of G96 without D.
 const NO_TOP_SPEED: f64 = 1e30;
 /// Difference of surface speeds' turns, as a share, from which a new speed is sent.
@@ -69,10 +71,7 @@ impl Core {
             return false;
         }
         match self.job.as_ref().map(|j| j.reading.clone()) {
-            Some(Reading::Asked(request)) => {
-                self.answer(&request, out);
-                true
-            }
+            Some(Reading::Asked(request)) => self.answer(&request, out),
             Some(Reading::Ended) => {
                 self.complete(out);
                 false

@@ -33,11 +33,15 @@ impl Core {
         true
     }
 
-    /// Answers the interpreter's question from the state of the machine.
-    pub(super) fn answer(&mut self, request: &Request, out: &mut impl Outside) {
+    /// Answers the interpreter's question from the state of the machine. Returns false while the answer is not known.
+    pub(super) fn answer(&mut self, request: &Request, out: &mut impl Outside) -> bool {
         let motion = out.motion();
-        let Some(job) = self.job.as_ref() else { return };
+        let Some(job) = self.job.as_mut() else { return false };
         let answer = match request {
+            Request::Hal { names } => match super::values::answer(&mut job.questions, names, out) {
+                Some(answer) => answer,
+                None => return false,
+            },
             Request::Probe => Answer::Probe {
                 tripped_at: self.millimetres(if motion.probe_found {
                     motion.probe_measured
@@ -65,13 +69,15 @@ impl Core {
         if probed && self.interpreter.state.probe_file {
             let line = self.probe_line();
             if let Err(why) = out.file(&FileAction::Line(FileKind::Probe, line), None) {
-                return self.fail(&why, out);
+                self.fail(&why, out);
+                return true;
             }
         }
         // The lines before are executed, and the answer is a fact.
         self.undo.clear();
         drop(self.interpreter.state.numbered.take_changes());
         self.take_line(step, calls);
+        true
     }
 
     /// Returns the line of a probe file: the nine coordinates where the probe tripped, as parameters 5061 to 5069 have them.

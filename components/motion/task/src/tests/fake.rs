@@ -101,6 +101,21 @@ impl Outside for Fake {
     fn requested(&mut self, id: u64) -> Progress {
         self.ordered(id)
     }
+    fn ask_value(&mut self, name: &str) -> u64 {
+        self.next += 1;
+        self.log.push(format!("value of {name}"));
+        self.questions.insert(self.next, (self.now, name.to_owned()));
+        self.next
+    }
+    fn take_value(&mut self, question: u64) -> Option<Option<f64>> {
+        // The control side answers in a later cycle.
+        let (asked, name) = self.questions.get(&question)?.clone();
+        if asked == self.now {
+            return None;
+        }
+        self.questions.remove(&question);
+        Some(self.hal.get(&name).copied())
+    }
     fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String> {
         self.log.push(format!("M{code} {p} {q}"));
         self.program = Progress::Pending;

@@ -260,6 +260,56 @@ fn a_probe_move_pauses() {
     assert_eq!(rig.sent(), ["Resume"]);
 }
 
+#[test]
+fn a_value_of_hal_is_that_behind_the_motion_before_its_line() {
+    let program =
+        "G21 G90\nG0 X1\no1 if [#<_hal[a.b]> GT 2]\nG0 X5\no1 else\nG0 X6\no1 endif\nM2\n";
+    for (value, wanted) in [(7.0, "4: line 5 0 0"), (1.0, "6: line 6 0 0")] {
+        let mut rig = Rig::new(program);
+        rig.fake.hal.insert("a.b".to_owned(), 9.0 - value);
+        let ticket = rig.send(Command::Run);
+        rig.pass(0.05);
+        assert_eq!(rig.sent(), ["2: line 1 0 0"], "nothing is asked while it moves");
+        // What changes during the move counts.
+        rig.fake.hal.insert("a.b".to_owned(), value);
+        let sent = rig.ended(ticket);
+        assert_eq!(sent[..2], ["value of a.b", wanted], "{sent:?}");
+    }
+}
+
+/// Values of `a.b`, and why the job then ends at its line.
+#[test]
+fn a_value_of_hal_that_is_none_ends_the_job_at_its_line() {
+    for (value, wanted) in [
+        (None, "job.ngc:3:5: Named parameter #<_hal[a.b]> not defined"),
+        (Some(f64::NAN), "job.ngc:3: HAL: a.b is NaN, which is no number"),
+        (Some(f64::INFINITY), "job.ngc:3: HAL: a.b is inf, which is no number"),
+    ] {
+        let mut rig = Rig::new("G21 G90\nG0 X1\nG0 X#<_hal[a.b]>\nG0 X9\nM2\n");
+        rig.fake.hal.extend(value.map(|v| ("a.b".to_owned(), v)));
+        let ticket = rig.send(Command::Run);
+        rig.pass(1.0);
+        let why = rig.result(ticket).unwrap().unwrap_err();
+        assert!(why.contains(wanted), "{why}");
+        assert!(rig.sent().iter().all(|order| !order.contains("line 9")));
+    }
+}
+
+#[test]
+fn a_value_that_was_asked_for_before_an_abort_is_not_that_of_the_next_run() {
+    let mut rig = Rig::new("G21 G90\nG0 X#<_hal[a.b]>\nM2\n");
+    rig.fake.hal.insert("a.b".to_owned(), 3.0);
+    let ticket = rig.send(Command::Run);
+    rig.step();
+    rig.good(Command::Abort);
+    rig.pass(0.1);
+    assert!(rig.result(ticket).unwrap().is_err());
+    rig.fake.hal.insert("a.b".to_owned(), 4.0);
+    rig.sent();
+    let sent = rig.run();
+    assert!(sent.contains(&"2: line 4 0 0".to_owned()), "{sent:?}");
+}
+
 /// A tool table that is edited while a job runs is not overwritten, and is read again with G10 L0.
 #[test]
 fn a_tool_table_that_is_edited_meanwhile_is_not_overwritten() {

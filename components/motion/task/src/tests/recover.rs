@@ -330,6 +330,19 @@ fn a_machine_that_is_not_homed_is_shown_the_place_and_no_entry() {
 }
 
 #[test]
+fn a_job_that_broke_off_goes_on_with_the_values_of_hal_that_it_read() {
+    let mut rig = machine("G21 F100\n#1=#<_hal[a.b]>\nG1 X1\nG1 X#1\nG1 X3\nM2\n");
+    rig.fake.hal.insert("a.b".to_owned(), 2.5);
+    rig.send(Command::Run);
+    rig.pass(0.25);
+    let mut new = after_loss(&rig, rig.fake.journal.clone());
+    new.fake.hal.insert("a.b".to_owned(), 8.0);
+    new.recovered().unwrap();
+    let (found, _) = new.core.proposed().unwrap();
+    assert_eq!(found.state.numbered.get(1), 2.5, "the job's own value");
+}
+
+#[test]
 fn a_disk_that_is_full_ends_the_journal_and_not_the_job() {
     let mut rig = machine("G21 F100\nG1 X1\nG1 X2\nG1 X3\nM2\n");
     let ticket = rig.send(Command::Run);

@@ -13,7 +13,7 @@ use crate::{
     texts::Texts,
 };
 use hal_component::{
-    Clock, IoControlRef, IoRequest, IoState, Messages, MotionEnd, MotionId, MotionRef,
+    Clock, HalValues, IoControlRef, IoRequest, IoState, Messages, MotionEnd, MotionId, MotionRef,
     MotionRefusal, MotionToken, OperatorRef, TicketHandle,
 };
 use hal_gcode::{Numbered, tool::ToolTable};
@@ -44,6 +44,7 @@ pub(super) struct Machine {
     pub(super) io: IoControlRef,
     clock: Clock,
     messages: Messages,
+    values: HalValues,
     /// Messages of programs, and errors.
     messages_kept: Texts,
     reasons: Texts,
@@ -71,6 +72,7 @@ impl Machine {
         operator: Option<OperatorRef>,
         clock: Clock,
         messages: Messages,
+        values: HalValues,
     ) -> Self {
         Self {
             motion,
@@ -80,6 +82,7 @@ impl Machine {
             io,
             clock,
             messages,
+            values,
             messages_kept: Texts::new(MAX_MESSAGES),
             reasons: Texts::new(MAX_REASONS),
             files: Files::default(),
@@ -256,6 +259,14 @@ impl Outside for Machine {
             Some(Progress::Pending) => Progress::Pending,
             Some(_) => self.results.remove(&id).unwrap_or(Progress::Done),
         }
+    }
+
+    fn ask_value(&mut self, name: &str) -> u64 {
+        self.values.ask(name)
+    }
+
+    fn take_value(&mut self, question: u64) -> Option<Option<f64>> {
+        self.values.answer(question)
     }
 
     fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String> {
