@@ -47,8 +47,8 @@ fn what_is_no_plugin_is_refused_by_file_and_reason() {
         ),
         (
             "loadrt minor",
-            "<dir>/libminor.so: built for minor version 9 of the plugin contract, this engine has \
-             only 8",
+            "<dir>/libminor.so: built for minor version 10 of the plugin contract, this engine has \
+             only 9",
         ),
         (
             "loadrt aborts",
