@@ -65,7 +65,7 @@ impl Session<'_> {
         }
         let args = self.ini.map(operator_args).unwrap_or_default();
         if self.is_machine && self.component_of("motmod")?.is_none() {
-            self.operator = Some((self.standing(), args));
+            self.operator = Some((self.current_line(), args));
             self.note("halui is loaded behind motmod");
             return Ok(None);
         }
@@ -82,7 +82,7 @@ impl Session<'_> {
     /// Loads `halui`, on the line of the INI file that names it.
     pub(crate) fn load_operator(&mut self) -> Result<(), Error> {
         let Some((at, args)) = self.operator.take() else { return Ok(()) };
-        let back = self.standing();
+        let back = self.current_line();
         self.stand_at(&at.file, at.line);
         let loaded = self.ask(Request::Load { module: OPERATOR.to_owned(), args });
         if loaded.is_ok() {
@@ -101,7 +101,7 @@ impl Session<'_> {
             OPERATOR => format!("{module} is loaded once, behind motmod{arguments}"),
             _ => format!("{module} is loaded already, by the start from the INI file{arguments}"),
         };
-        let at = self.standing();
+        let at = self.current_line();
         if let Some(dry_run) = &mut self.dry_run {
             let finding = Finding::new(Code::LoadedAlready, module, text).at(Some(at));
             let remedy = "take the line out, or leave it for other programs that need it";
@@ -115,7 +115,7 @@ impl Session<'_> {
 
     fn say_that_nothing_is_started(&mut self, program: &str, why: &str) {
         let text = format!("{program} is not started: {why}");
-        let at = self.standing();
+        let at = self.current_line();
         match &mut self.dry_run {
             Some(dry_run) => dry_run.found.push(
                 Finding::new(Code::LoadedAlready, program, text)
@@ -127,7 +127,7 @@ impl Session<'_> {
     }
 
     /// Returns the place of the line that is being executed.
-    pub(crate) fn standing(&self) -> At {
+    pub(crate) fn current_line(&self) -> At {
         let (file, line) = self.place();
         At::new(file, line)
     }

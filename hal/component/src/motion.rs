@@ -1,6 +1,6 @@
 //! The service `motion`: commands for the motion controller, and its status.
 
-mod desk;
+mod commands;
 mod user;
 
 use crate::{
@@ -9,7 +9,7 @@ use crate::{
     shim,
 };
 use core::ffi::c_void;
-use desk::Desk;
+use commands::CommandTickets;
 use std::sync::{Mutex, PoisonError};
 pub use user::{MotionEnd, MotionId, MotionRef, MotionRefusal, MotionToken};
 
@@ -55,12 +55,12 @@ pub trait Motion: Touch + Send + Sync + 'static {
 /// A motion controller, and the state of its service.
 pub(crate) struct Offered<M> {
     motion: M,
-    desk: Mutex<Desk>,
+    commands: Mutex<CommandTickets>,
 }
 
 impl<M: Motion> Offered<M> {
     pub(crate) fn new(motion: M) -> Self {
-        Self { motion, desk: Mutex::new(Desk::default()) }
+        Self { motion, commands: Mutex::new(CommandTickets::default()) }
     }
 }
 
@@ -98,7 +98,7 @@ type Answer = (Status, u64, String);
 unsafe fn answer<M: Motion>(
     ctx: *const c_void,
     answer: *mut MotionAnswer,
-    run: impl FnOnce(&Offered<M>, &mut Desk) -> Answer,
+    run: impl FnOnce(&Offered<M>, &mut CommandTickets) -> Answer,
 ) -> Status {
     // SAFETY: guaranteed by the caller.
     let offered = unsafe { ctx.cast::<Offered<M>>().as_ref() };
@@ -106,8 +106,8 @@ unsafe fn answer<M: Motion>(
     let out = unsafe { MotionAnswer::read(answer) };
     let (Some(offered), Some(mut out)) = (offered, out) else { return Status::EINVAL };
     let done = shim::guarded(|| {
-        let mut desk = offered.desk.lock().unwrap_or_else(PoisonError::into_inner);
-        run(offered, &mut desk)
+        let mut commands = offered.commands.lock().unwrap_or_else(PoisonError::into_inner);
+        run(offered, &mut commands)
     });
     let (status, id, text) = done.unwrap_or_else(|text| (Status::EFAULT, 0, text));
     out.id = id;
@@ -132,11 +132,11 @@ unsafe extern "C" fn acquire<M: Motion>(
     let name = unsafe { name.get() };
     // SAFETY: guaranteed by the caller.
     unsafe {
-        answer::<M>(ctx, out, |offered, desk| {
+        answer::<M>(ctx, out, |offered, commands| {
             let Some(name) = name.filter(|n| !n.is_empty()) else {
                 return (Status::EINVAL, 0, "the owner of motion needs a name".to_owned());
             };
-            match desk.acquire(name) {
+            match commands.acquire(name) {
                 Ok(token) => {
                     offered.motion.claim(false);
                     (Status::OK, token, String::new())
@@ -153,8 +153,8 @@ unsafe extern "C" fn release<M: Motion>(ctx: *const c_void, token: u64) -> Statu
     let mut out = MotionAnswer::EMPTY;
     // SAFETY: guaranteed by the caller.
     unsafe {
-        answer::<M>(ctx, &raw mut out, |offered, desk| {
-            let was = desk.release(token);
+        answer::<M>(ctx, &raw mut out, |offered, commands| {
+            let was = commands.release(token);
             if was {
                 offered.motion.claim(false);
             }
@@ -169,8 +169,8 @@ unsafe extern "C" fn claim<M: Motion>(ctx: *const c_void, token: u64, on: u32) -
     let mut out = MotionAnswer::EMPTY;
     // SAFETY: guaranteed by the caller.
     unsafe {
-        answer::<M>(ctx, &raw mut out, |offered, desk| {
-            let owns = desk.owns(token);
+        answer::<M>(ctx, &raw mut out, |offered, commands| {
+            let owns = commands.owns(token);
             if owns {
                 offered.motion.claim(on != 0);
             }
@@ -199,8 +199,8 @@ unsafe extern "C" fn push<M: Motion>(
     let command = unsafe { MotionCommand::read(command) };
     // SAFETY: guaranteed by the caller.
     unsafe {
-        answer::<M>(ctx, out, |offered, desk| match command {
-            Some(command) => send(offered, desk, token, &command),
+        answer::<M>(ctx, out, |offered, commands| match command {
+            Some(command) => send(offered, commands, token, &command),
             None => (Status::EINVAL, 0, "the command is no complete record".to_owned()),
         })
     }
@@ -208,12 +208,12 @@ unsafe extern "C" fn push<M: Motion>(
 
 fn send<M: Motion>(
     offered: &Offered<M>,
-    desk: &mut Desk,
+    commands: &mut CommandTickets,
     token: u64,
     command: &MotionCommand,
 ) -> Answer {
     let source = match command.source {
-        _ if token != 0 && !desk.owns(token) => {
+        _ if token != 0 && !commands.owns(token) => {
             return (Status::EBUSY, 0, "the caller does not own motion".to_owned());
         }
         motion_source::REMOTE => MotionSource::Remote,
@@ -222,10 +222,10 @@ fn send<M: Motion>(
         motion_source::LOCAL => MotionSource::Local,
         other => return (Status::EINVAL, 0, format!("there is no source {other}")),
     };
-    let Some((id, ticket)) = desk.open() else {
+    let Some((id, ticket)) = commands.open() else {
         return (Status::EAGAIN, 0, "too many commands are in progress".to_owned());
     };
-    // SAFETY: the desk frees its tickets with the component alone, when none of its functions runs
+    // SAFETY: tickets are freed with the component alone, when none of its functions runs
     // any more.
     let ticket = unsafe { &*ticket };
     match offered.motion.push(source, command, TicketHandle::new(ticket)) {
@@ -247,7 +247,7 @@ unsafe extern "C" fn poll<M: Motion>(
 ) -> Status {
     // SAFETY: guaranteed by the caller.
     unsafe {
-        answer::<M>(ctx, out, |_, desk| match desk.end_of(id) {
+        answer::<M>(ctx, out, |_, commands| match commands.end_of(id) {
             MotionEnd::Done => (Status::OK, id, String::new()),
             MotionEnd::Pending => (Status::EAGAIN, id, String::new()),
             MotionEnd::Failed(why) => (Status::EINVAL, id, why),

@@ -26,7 +26,7 @@ const PERIOD_NS: i64 = 1_000_000;
 const PLAN_NS: i64 = 10_000_000;
 const ITEMS: u32 = 20;
 /// Number of points that the ring between worker and function holds.
-const ROOM: usize = 64;
+const RING_LEN: usize = 64;
 
 /// Values of the pin `planner.how`.
 const PANICS: i32 = 1;
@@ -143,7 +143,7 @@ impl Component for Planner {
         let position = b.item("planner.position", "Position in machine units", 0.0)?;
         let taken = b.item("planner.taken", "Points taken", 0)?;
         let cycles = b.item("planner.cycles", "Cycles", 0)?;
-        let (writer, points) = b.ring(ROOM);
+        let (writer, points) = b.ring(RING_LEN);
         let status = b.snapshot("planner.status", 3, "State of the follower in each cycle.")?;
         LIVE[at].fetch_add(1, Relaxed);
         let plan = Plan { how, points: writer, next: 0, file };
@@ -285,7 +285,7 @@ fn on_the_virtual_clock_a_step_is_made_at_each_multiple_of_the_period() {
     assert_eq!((seen[10].2, seen[199].2), (1, 190));
     // 20 points are added in the time in which 10 are taken, until the ring is full.
     let most = seen.iter().map(|s| s.1 - s.2).max().unwrap();
-    assert_eq!(most, ROOM as u64);
+    assert_eq!(most, RING_LEN as u64);
 }
 
 #[test]

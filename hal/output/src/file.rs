@@ -10,7 +10,7 @@ use std::{
 };
 
 /// Size of the write buffer in bytes.
-const ROOM: usize = 1 << 16;
+const BUFFER_BYTES: usize = 1 << 16;
 /// Longest time for which a pipe or device may take nothing, if writes to it do not wait.
 const TIMEOUT: Timespec = Timespec { tv_sec: 1, tv_nsec: 0 };
 
@@ -68,7 +68,7 @@ impl Whole {
 
     fn open(path: &Path, mode: Option<u32>, promptly: bool) -> io::Result<Self> {
         let (target, file) = Target::open(path, mode, promptly)?;
-        Ok(Self { target, out: BufWriter::with_capacity(ROOM, Out(file)) })
+        Ok(Self { target, out: BufWriter::with_capacity(BUFFER_BYTES, Out(file)) })
     }
 
     /// Completes the file: stores it on disk and moves it to its place.

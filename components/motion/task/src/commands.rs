@@ -232,11 +232,11 @@ pub(crate) fn open(b: &mut Builder<'_>, shared: &Shared) -> Result<(), Error> {
         let (shared, read) = (shared.clone(), row.read);
         b.command(row.name, row.doc, row.args, move |call| {
             let command = read(call)?;
-            let mut desk = shared.lock();
-            if desk.inbox.len() >= MAX_WAITING {
+            let mut shared_state = shared.lock();
+            if shared_state.inbox.len() >= MAX_WAITING {
                 return Err(Error::new("too many commands wait for the task"));
             }
-            desk.inbox.push_back((command, call.ticket()?));
+            shared_state.inbox.push_back((command, call.ticket()?));
             Ok(())
         })?;
     }
@@ -244,8 +244,8 @@ pub(crate) fn open(b: &mut Builder<'_>, shared: &Shared) -> Result<(), Error> {
     let doc = "\
 Shows the start that task.run-from or task.recover has proposed: the state before the line, and the steps of the entry.";
     b.command("task.start", doc, &[&JSON], move |call| {
-        let desk = start.lock();
-        let shown = desk.report.start.as_ref();
+        let shared_state = start.lock();
+        let shown = shared_state.report.start.as_ref();
         let shown =
             shown.ok_or_else(|| Error::new("no start is proposed: task.run-from line=…"))?;
         match call.bit("json").unwrap_or(false) {

@@ -23,7 +23,7 @@ use std::{
 
 /// State that commands and the worker share.
 #[derive(Default)]
-pub(crate) struct Desk {
+pub(crate) struct SharedState {
     pub(crate) inbox: VecDeque<(Command, TicketHandle)>,
     /// The core of a machine whose files have been read.
     pub(crate) opened: Option<(Box<Core>, Files)>,
@@ -45,12 +45,12 @@ pub(crate) struct Files {
     pub(crate) letters: Letters,
 }
 
-/// Commands and the worker have one desk.
+/// State that the commands and the worker share.
 #[derive(Clone, Default)]
-pub(crate) struct Shared(Arc<Mutex<Desk>>);
+pub(crate) struct Shared(Arc<Mutex<SharedState>>);
 
 impl Shared {
-    pub(crate) fn lock(&self) -> MutexGuard<'_, Desk> {
+    pub(crate) fn lock(&self) -> MutexGuard<'_, SharedState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -91,13 +91,13 @@ impl Touch for Worker {
 impl Work for Worker {
     fn work(&mut self, items: u32) -> u32 {
         let (mut core, commands) = {
-            let mut desk = self.shared.lock();
-            if let Some((core, files)) = desk.opened.take() {
+            let mut shared_state = self.shared.lock();
+            if let Some((core, files)) = shared_state.opened.take() {
                 self.world.open(&core, files);
                 self.core = Some(core);
             }
             let Some(core) = self.core.take() else { return 0 };
-            (core, core::mem::take(&mut desk.inbox))
+            (core, core::mem::take(&mut shared_state.inbox))
         };
         self.world.refresh();
         for (command, handle) in commands {
@@ -122,14 +122,14 @@ impl Work for Worker {
         if let Some(operator) = &self.world.operator {
             operator.show(&operator_view(&core, &self.world.io.state()));
         }
-        let mut desk = self.shared.lock();
+        let mut shared_state = self.shared.lock();
         if let Some(status) = report.status
-            && desk.report.status != report.status
+            && shared_state.report.status != report.status
         {
             self.snapshot.set(&status);
         }
-        desk.report = report;
-        drop(desk);
+        shared_state.report = report;
+        drop(shared_state);
         self.core = Some(core);
         done
     }

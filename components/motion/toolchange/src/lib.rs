@@ -3,7 +3,7 @@
 
 mod carousel;
 mod changer;
-mod desk;
+mod commands;
 mod estop;
 mod pins;
 mod service;
@@ -110,7 +110,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     let pins = Pins::make(b)?;
     let (to, from) = b.queue(ROOM);
     let (shared, read) = b.shared(Shared::new());
-    desk::open(b, &to, pins, &shared)?;
+    commands::open(b, &to, pins, &shared)?;
     if b.needs_interlock() || b.arg_int("interlock").is_some_and(|on| on != 0) {
         b.offer_interlock(Service { emc_enable_in: pins.emc_enable_in, shared: read })?;
     }

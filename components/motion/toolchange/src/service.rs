@@ -4,7 +4,7 @@ use crate::{
     changer::Tool,
     estop::{self, Shared},
     pins::Pins,
-    task::Ask,
+    task::Request,
 };
 use hal_component::{
     Gives, IoControl, IoRequest, IoResult, IoState, Receiver, Sender, TicketHandle, Touch, Uses,
@@ -63,7 +63,7 @@ impl Touch for Results {
 pub(crate) struct Service {
     pub(crate) pins: Pins,
     pub(crate) shared: Gives<Shared>,
-    pub(crate) to: Sender<(Ask, Reply)>,
+    pub(crate) to: Sender<(Request, Reply)>,
     results: Mutex<Receiver<IoResult>>,
     /// Number of the last request.
     last: AtomicU64,
@@ -75,29 +75,29 @@ impl Service {
     pub(crate) const fn new(
         pins: Pins,
         shared: Gives<Shared>,
-        to: Sender<(Ask, Reply)>,
+        to: Sender<(Request, Reply)>,
         results: Receiver<IoResult>,
     ) -> Self {
         let (last, taken) = (AtomicU64::new(0), AtomicU64::new(0));
         Self { pins, shared, to, results: Mutex::new(results), last, taken }
     }
 
-    fn ask(&self, request: IoRequest) -> Ask {
+    fn ask(&self, request: IoRequest) -> Request {
         match request {
             IoRequest::Estop => {
                 estop::command(&self.shared, &self.pins);
-                Ask::Estop { reads: self.shared.reads() }
+                Request::Estop { reads: self.shared.reads() }
             }
-            IoRequest::EstopReset => Ask::EstopReset { stops: self.shared.stops() },
+            IoRequest::EstopReset => Request::EstopReset { stops: self.shared.stops() },
             IoRequest::Prepare { tool, pocket, index } => {
-                Ask::Prepare(Tool { number: tool, pocket, index })
+                Request::Prepare(Tool { number: tool, pocket, index })
             }
-            IoRequest::Change => Ask::Change,
+            IoRequest::Change => Request::Change,
             IoRequest::SetTool { tool, pocket } => {
-                Ask::SetTool(Tool { number: tool, pocket, index: pocket })
+                Request::SetTool(Tool { number: tool, pocket, index: pocket })
             }
-            IoRequest::Coolant { mist, flood, lube } => Ask::Coolant { mist, flood, lube },
-            IoRequest::Abort => Ask::Abort,
+            IoRequest::Coolant { mist, flood, lube } => Request::Coolant { mist, flood, lube },
+            IoRequest::Abort => Request::Abort,
         }
     }
 }

@@ -10,7 +10,7 @@ use hal_component::{Gives, Messages, Period, Receiver, Touch, Update};
 
 /// Requests of commands.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Ask {
+pub(crate) enum Request {
     /// The e-stop is already active; `reads` is the number of reads of the interlock at that time.
     Estop {
         reads: u32,
@@ -47,7 +47,7 @@ struct Stopping {
 #[derive(Debug, Touch)]
 pub(crate) struct Task {
     pins: Pins,
-    from: Receiver<(Ask, Reply)>,
+    from: Receiver<(Request, Reply)>,
     shared: Gives<Shared>,
     messages: Messages,
     results: Results,
@@ -75,7 +75,7 @@ impl Update for Task {
         self.look_at_estop();
         self.look_at_changer();
         while let Some((ask, ticket)) = self.from.take() {
-            match self.obey(ask, ticket) {
+            match self.execute(ask, ticket) {
                 Ok(true) => self.results.done(ticket),
                 Ok(false) => {}
                 Err(why) => self.results.fail(ticket, why),
@@ -87,7 +87,7 @@ impl Update for Task {
 impl Task {
     pub(crate) const fn new(
         pins: Pins,
-        from: Receiver<(Ask, Reply)>,
+        from: Receiver<(Request, Reply)>,
         shared: Gives<Shared>,
         messages: Messages,
         results: Results,
@@ -208,15 +208,15 @@ impl Task {
     }
 
     /// Executes a request. Returns true if it is complete, false if the ticket is completed later.
-    fn obey(&mut self, ask: Ask, ticket: Reply) -> Result<bool, &'static str> {
+    fn execute(&mut self, request: Request, ticket: Reply) -> Result<bool, &'static str> {
         let p = self.pins;
-        match ask {
-            Ask::Estop { reads } => {
+        match request {
+            Request::Estop { reads } => {
                 self.stopping.push(Stopping { ticket, left: TIMEOUT, reads });
                 self.look_at_stopping();
                 return Ok(false);
             }
-            Ask::EstopReset { stops } => {
+            Request::EstopReset { stops } => {
                 if stops != self.shared.stops() {
                     return Err("e-stop");
                 }
@@ -232,21 +232,21 @@ impl Task {
                 }
                 return Ok(false);
             }
-            Ask::Prepare(tool) => {
+            Request::Prepare(tool) => {
                 self.needs_enabled()?;
                 self.changer.prepare(tool, self.answers())?;
                 return Ok(self.wait_for_changer(ticket));
             }
-            Ask::Change => {
+            Request::Change => {
                 self.needs_enabled()?;
                 let is_there = self.changer.change(self.answers())?;
                 return Ok(is_there || self.wait_for_changer(ticket));
             }
-            Ask::SetTool(tool) => {
+            Request::SetTool(tool) => {
                 self.changer.set_tool(tool)?;
                 self.show_changer();
             }
-            Ask::Coolant { mist, flood, lube } => {
+            Request::Coolant { mist, flood, lube } => {
                 if [mist, flood, lube].contains(&Some(true)) {
                     self.needs_enabled()?;
                 }
@@ -258,7 +258,7 @@ impl Task {
                     }
                 }
             }
-            Ask::Abort => self.quiet("aborted"),
+            Request::Abort => self.quiet("aborted"),
         }
         Ok(true)
     }

@@ -4,8 +4,8 @@
 pub(crate) const MAX: usize = 9;
 
 /// Number of waypoints that can be stored, normally and in tests.
-pub(crate) const ROOM: usize = 1000;
-pub(crate) const TEST_ROOM: usize = 50;
+pub(crate) const MAX_WAYPOINTS: usize = 1000;
+pub(crate) const MAX_TEST_WAYPOINTS: usize = 50;
 
 /// Minimum of `epsilon`.
 pub(crate) const EPSILON: f64 = 0.0001;
@@ -17,7 +17,7 @@ pub(crate) type Offsets = [f64; MAX];
 #[derive(Debug)]
 pub(crate) struct Path {
     pub(crate) phase: Phase,
-    pub(crate) waypoints: Box<[Offsets; ROOM]>,
+    pub(crate) waypoints: Box<[Offsets; MAX_WAYPOINTS]>,
     pub(crate) count: usize,
     /// Time of the last waypoint in nanoseconds, and its offsets.
     pub(crate) noted: (i64, Offsets),
@@ -33,14 +33,14 @@ impl Default for Path {
     fn default() -> Self {
         Self {
             phase: Phase::Waits,
-            waypoints: Box::new([[0.0; MAX]; ROOM]),
+            waypoints: Box::new([[0.0; MAX]; MAX_WAYPOINTS]),
             count: 0,
             noted: (0, [0.0; MAX]),
             target: [0.0; MAX],
             epsilon: EPSILON,
             seconds: 0.0,
             threshold: 0.0,
-            room: ROOM,
+            room: MAX_WAYPOINTS,
             warned: false,
         }
     }

@@ -133,7 +133,7 @@ impl Study {
         };
         let place = ByIndex::places(&user.order, self.machine.functs.len());
         let places: Vec<usize> = better.iter().map(|f| place.at(*f)).collect();
-        let stay = sort::standing(&places);
+        let stay = sort::unmoved(&places);
         let moved = better.iter().zip(&places).enumerate();
         moved
             .filter(|(_, (_, place))| stay.binary_search(place).is_err())

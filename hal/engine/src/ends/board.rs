@@ -7,7 +7,7 @@ use core::{ffi::c_int, ptr::null_mut};
 /// Maximum number of threads that have a row.
 pub(super) const ROWS: usize = 64;
 /// Size of the text in bytes.
-const ROOM: usize = 1 << 20;
+const TEXT_BYTES: usize = 1 << 20;
 /// Number that stands for no function and no other code.
 pub(crate) const NOBODY: u32 = u32::MAX;
 
@@ -31,7 +31,7 @@ pub(super) struct Board {
     pub(super) programs: [AtomicI32; 64],
     /// Number of valid bytes of the text.
     len: AtomicU64,
-    text: [AtomicU8; ROOM],
+    text: [AtomicU8; TEXT_BYTES],
 }
 
 /// Row of one thread.
@@ -68,7 +68,7 @@ impl Board {
     /// out.
     pub(super) fn add(&self, line: &str) {
         let at = self.len.load(Ordering::Relaxed);
-        let from = usize::try_from(at).unwrap_or(ROOM);
+        let from = usize::try_from(at).unwrap_or(TEXT_BYTES);
         let rest = self.text.get(from..).unwrap_or_default();
         if rest.len() <= line.len() {
             return;

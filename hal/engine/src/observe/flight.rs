@@ -32,7 +32,7 @@ const DEFAULT_BYTES: u64 = 16 << 20;
 /// Permitted sizes of that memory, in bytes.
 const BYTES: core::ops::RangeInclusive<u64> = 1 << 12..=1 << 32;
 /// Minimum capacity of the queue of changes.
-const ROOM: usize = 1 << 16;
+const MIN_QUEUE: usize = 1 << 16;
 impl Engine {
     /// Executes `flight on`. A recorder that is already on is replaced.
     pub(crate) fn begin_flight(&mut self, mut spec: FlightSpec) -> Result<(), Error> {
@@ -181,7 +181,7 @@ impl Engine {
         let (nodes, groups) = self.groups(&flight);
         let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
         let last = sources.iter().map(|_| AtomicU64::new(0)).collect();
-        let room = ROOM.max(sources.len() * 4);
+        let room = MIN_QUEUE.max(sources.len() * 4);
         let probe = Arc::new(Probe::changes(sources, last, room));
         // The first sample reports every value, so nothing is missed between the old probe and the
         // new one.

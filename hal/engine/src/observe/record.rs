@@ -26,7 +26,7 @@ use std::{
 pub(crate) use tape::Tape;
 
 /// Minimum capacity of the queue of changes.
-const ROOM: usize = 1 << 16;
+const MIN_QUEUE: usize = 1 << 16;
 
 /// Locks the tape, which the guard also uses.
 fn lock(tape: &Mutex<Tape>) -> MutexGuard<'_, Tape> {
@@ -91,7 +91,7 @@ impl Engine {
         }
         let sources: Box<[_]> = nodes.iter().filter_map(|ix| self.source(*ix)).collect();
         let last = sources.iter().map(|s| AtomicU64::new(s.bits())).collect();
-        let probe = Probe::changes(sources, last, ROOM.max(nodes.len() * 4));
+        let probe = Probe::changes(sources, last, MIN_QUEUE.max(nodes.len() * 4));
         let probe = Arc::new(probe.noting(ends::lost()));
         let file = r.file.take().map_or_else(|| Growing::create(Path::new(&r.path)), Ok);
         let begun = file.and_then(|file| {

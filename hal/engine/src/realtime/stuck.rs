@@ -32,7 +32,7 @@ const LOOKS: u32 = 3;
 /// disk or a device that cannot be interrupted.
 const TIMEOUT_NS: i64 = 1_000_000_000;
 /// Number of threads for which memory is reserved at the start.
-const ROOM: usize = 64;
+const RESERVED_THREADS: usize = 64;
 
 /// Observation of a thread that is inside a function.
 #[derive(Clone, Copy, Debug)]
@@ -158,7 +158,7 @@ impl Watch {
         if !others.is_empty() {
             os::processors::stay_among(&others);
         }
-        let (cases, left_inside) = (Vec::with_capacity(ROOM), Vec::with_capacity(ROOM));
+        let (cases, left_inside) = (Vec::with_capacity(RESERVED_THREADS), Vec::with_capacity(RESERVED_THREADS));
         Self { shared, cpu, others, cases, near: false, left_inside }
     }
 

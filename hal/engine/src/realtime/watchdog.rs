@@ -20,7 +20,7 @@ const LOOK: Duration = Duration::from_millis(500);
 /// with them as well.
 const LOOKS: u32 = 5;
 /// Number of threads for which memory is reserved at the start.
-const ROOM: usize = 64;
+const RESERVED_THREADS: usize = 64;
 
 /// The observing thread; it ends when this value is dropped.
 #[derive(Debug)]
@@ -46,7 +46,7 @@ impl Watchdog {
         let run = move || {
             // Allocates all the memory that it needs for the first observation, so that a running
             // engine takes no more memory later.
-            let mut seen = Vec::with_capacity(ROOM);
+            let mut seen = Vec::with_capacity(RESERVED_THREADS);
             look(&shared, &mut seen);
             drop(ready);
             while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {

@@ -139,7 +139,7 @@ impl Session<'_> {
 
     /// Returns whether the line that runs may use a name that does not exist in a dry run.
     fn is_covered(&mut self, name: &str) -> bool {
-        let at = self.standing();
+        let at = self.current_line();
         self.unknown_names().covers(name, &at)
     }
 
@@ -161,7 +161,7 @@ impl Session<'_> {
 
     /// Handles `loadusr`. The pins of our own programs are known; those of other programs are not.
     fn expect_program(&mut self, launch: &Launch) -> Result<(), Error> {
-        let at = self.standing();
+        let at = self.current_line();
         let base = launch.program.rsplit('/').next().unwrap_or_default().to_owned();
         if base == hal_manualtoolchange::NAME {
             return Ok(hal_manualtoolchange::join(self.link)?);
@@ -216,7 +216,7 @@ impl Session<'_> {
     /// Expects the names of a component that could not be loaded, so that they cause no further
     /// errors.
     fn expect_module(&mut self, module: &str, args: &[String]) {
-        let at = self.standing();
+        let at = self.current_line();
         let unknown = self.unknown_names();
         let maker = Maker::Module(module.to_owned());
         let name = module.replace('_', "-");

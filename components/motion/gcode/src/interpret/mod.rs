@@ -44,7 +44,7 @@ pub enum Step {
 
 /// The place of a problem on its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum TroubleAt {
+pub(crate) enum BlockErrorAt {
     /// The whole line.
     Line,
     /// The number of bytes from the place to the end of the cleaned line.
@@ -55,14 +55,14 @@ pub(crate) enum TroubleAt {
 
 /// A problem and its place on the line.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Trouble {
-    pub(crate) at: TroubleAt,
+pub(crate) struct BlockError {
+    pub(crate) at: BlockErrorAt,
     pub(crate) problem: Problem,
 }
 
-impl From<Problem> for Trouble {
+impl From<Problem> for BlockError {
     fn from(problem: Problem) -> Self {
-        Self { at: TroubleAt::Line, problem }
+        Self { at: BlockErrorAt::Line, problem }
     }
 }
 
@@ -234,7 +234,7 @@ impl Interpreter {
         cursor: Cursor,
         env: &dyn Environment,
         line: &mut Vec<u8>,
-    ) -> Result<Option<Cursor>, Trouble> {
+    ) -> Result<Option<Cursor>, BlockError> {
         let longest = self.state.settings.limits.line_length;
         Ok(self.sources.line(file, cursor, longest, env, line)?)
     }
@@ -252,19 +252,19 @@ impl Interpreter {
         result
     }
 
-    pub(crate) fn error(&self, trouble: Trouble, raw: &[u8]) -> Error {
+    pub(crate) fn error(&self, error: BlockError, raw: &[u8]) -> Error {
         let mut places = self.places();
         let mut place = places.pop().unwrap_or_default();
         place.line = self.state.line;
-        place.column = match trouble.at {
-            TroubleAt::Line => 0,
-            TroubleAt::Raw(byte) => u32::try_from(byte).unwrap_or(u32::MAX).saturating_add(1),
-            TroubleAt::Left(left) => {
+        place.column = match error.at {
+            BlockErrorAt::Line => 0,
+            BlockErrorAt::Raw(byte) => u32::try_from(byte).unwrap_or(u32::MAX).saturating_add(1),
+            BlockErrorAt::Left(left) => {
                 let left = usize::try_from(left).unwrap_or(0);
                 let offset = self.cleaned.len().saturating_sub(left);
                 crate::text::clean::column(raw, offset)
             }
         };
-        Error { place, problem: trouble.problem, calls: places }
+        Error { place, problem: error.problem, calls: places }
     }
 }

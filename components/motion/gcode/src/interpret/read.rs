@@ -1,7 +1,7 @@
 //! Reading of a line: limits, end of the program, words to values.
 
 use super::{
-    Interpreter, Run, Step, Trouble, TroubleAt,
+    Interpreter, Run, Step, BlockError, BlockErrorAt,
     block::Block,
     execute::Asked,
     hal::{Asking, Before},
@@ -54,7 +54,7 @@ impl Interpreter {
                 let result = self.run_text(&raw, at, &asking, out);
                 let missing = asking.missing();
                 if missing.is_empty() {
-                    result.map_err(|trouble| self.error(trouble, &raw))
+                    result.map_err(|error| self.error(error, &raw))
                 } else {
                     Ok(self.ask_hal(before, missing, known))
                 }
@@ -70,13 +70,13 @@ impl Interpreter {
         at: Cursor,
         env: &Asking<'_>,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         let limit = self.state.settings.limits.line_length;
         if raw.len() > limit {
             return Err(Problem::LineTooLong { limit }.into());
         }
         clean::clean(raw, &mut self.cleaned)
-            .map_err(|(at, problem)| Trouble { at: TroubleAt::Raw(at), problem })?;
+            .map_err(|(at, problem)| BlockError { at: BlockErrorAt::Raw(at), problem })?;
         if self.cleaned.is_empty() {
             return Ok(Step::Line);
         }
@@ -84,8 +84,8 @@ impl Interpreter {
             return self.percent(out);
         }
         let mut line = core::mem::take(&mut self.line);
-        let parsed = line.parse(&self.cleaned).map_err(|fault| Trouble {
-            at: TroubleAt::Left(crate::text::expression::left(fault.at)),
+        let parsed = line.parse(&self.cleaned).map_err(|fault| BlockError {
+            at: BlockErrorAt::Left(crate::text::expression::left(fault.at)),
             problem: fault.problem,
         });
         let result = parsed.and_then(|()| self.run_parsed(&line, at, env, out));
@@ -99,7 +99,7 @@ impl Interpreter {
         at: Cursor,
         env: &Asking<'_>,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         let is_left_out = line.deletable && self.state.settings.block_delete;
         if is_left_out || env.lacks(line, &self.cleaned) {
             return Ok(Step::Line);
@@ -125,7 +125,7 @@ impl Interpreter {
         block: &mut Block,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         *block = Block::default();
         block.number = line.number;
         self.values(line, block, env)?;
@@ -147,7 +147,7 @@ impl Interpreter {
         answer: &Answer,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         let Pending { request, block, step } = pending;
         let mut run = Run::new(&mut self.state, env, out);
         run.number = block.number;
@@ -164,7 +164,7 @@ impl Interpreter {
         asked: Asked,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         if let Some((pause, step)) = asked {
             return self.pause(block, pause, step, env, out);
         }
@@ -189,14 +189,14 @@ impl Interpreter {
         line: &Line,
         block: &mut Block,
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         let reader = system::Reader { state: &self.state, environment: env };
-        let lost = |(at, problem)| Trouble { at: TroubleAt::Left(at), problem };
+        let lost = |(at, problem)| BlockError { at: BlockErrorAt::Left(at), problem };
         for word in &line.words {
             let value = evaluate(&word.value, word.at, &reader).map_err(lost)?;
             block
                 .add(word.letter, word.at, value, &self.state.settings.remaps)
-                .map_err(|problem| Trouble { at: TroubleAt::Left(word.at), problem })?;
+                .map_err(|problem| BlockError { at: BlockErrorAt::Left(word.at), problem })?;
         }
         if line.assignments.is_empty() {
             return Ok(());
@@ -204,7 +204,7 @@ impl Interpreter {
         let mut numbered: Vec<(i32, f64)> = Vec::new();
         let mut named: Vec<(&str, f64)> = Vec::new();
         for (at, target, expr) in &line.assignments {
-            let here = |problem| Trouble { at: TroubleAt::Left(*at), problem };
+            let here = |problem| BlockError { at: BlockErrorAt::Left(*at), problem };
             let value = evaluate(expr, *at, &reader).map_err(lost)?;
             match target {
                 Target::Numbered(index) => {
@@ -238,7 +238,7 @@ impl Interpreter {
         Ok(())
     }
 
-    fn percent(&mut self, out: &mut Vec<Issued>) -> Result<Step, Trouble> {
+    fn percent(&mut self, out: &mut Vec<Issued>) -> Result<Step, BlockError> {
         let level = self.state.levels.last();
         let Some(Level { kind: LevelKind::Main { percent: true }, cursor, .. }) = level else {
             return Err(Problem::BadCharacter { shown: "%".into() }.into());
@@ -277,7 +277,7 @@ impl Interpreter {
         None
     }
 
-    fn end_of_file(&mut self, out: &mut Vec<Issued>) -> Result<Step, Trouble> {
+    fn end_of_file(&mut self, out: &mut Vec<Issued>) -> Result<Step, BlockError> {
         match self.state.levels.last().map(|l| &l.kind) {
             Some(LevelKind::Mdi) => {
                 self.state.ended = true;
@@ -299,7 +299,7 @@ fn located(
     problem: Problem,
     block: &Block,
     focus: Option<crate::text::expression::Left>,
-) -> Trouble {
+) -> BlockError {
     let letter = match &problem {
         Problem::UnusedWord { letter, .. }
         | Problem::NegativeWord { letter }
@@ -310,11 +310,11 @@ fn located(
         _ => None,
     };
     let at = match (letter, focus) {
-        (Some(letter), _) => TroubleAt::Left(block.place(letter)),
-        (None, Some(left)) => TroubleAt::Left(left),
-        (None, None) => TroubleAt::Line,
+        (Some(letter), _) => BlockErrorAt::Left(block.place(letter)),
+        (None, Some(left)) => BlockErrorAt::Left(left),
+        (None, None) => BlockErrorAt::Line,
     };
-    Trouble { at, problem }
+    BlockError { at, problem }
 }
 
 /// An environment without anything.

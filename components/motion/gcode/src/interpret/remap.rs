@@ -1,7 +1,7 @@
 //! Remapped codes of a block: the call of their subroutine and the rest of the block after it.
 
 use super::{
-    Interpreter, Run, Step, Trouble,
+    Interpreter, Run, Step, BlockError,
     block::Block,
     codes::GGroup,
     execute::{Part, Pause},
@@ -76,7 +76,7 @@ impl Interpreter {
         step: u8,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         let Some(remap) = self.state.settings.remaps.get(index).cloned() else {
             return Ok(Step::Line);
         };
@@ -90,7 +90,7 @@ impl Interpreter {
         self.check_levels()?;
         let (file, start) = self.locate(Found::Sub(&remap.ngc), &remap.ngc, env).map_err(|_| {
             let (code, name) = (remap.code.to_string().into(), remap.ngc.clone());
-            Trouble::from(Problem::RemapFile { code, name })
+            BlockError::from(Problem::RemapFile { code, name })
         })?;
         let mut level = Level::new(file, start, LevelKind::Sub);
         level.label.clone_from(&remap.ngc);
@@ -124,7 +124,7 @@ impl Interpreter {
         remapped: &Remapped,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         if let Some(level) = self.state.levels.last() {
             self.state.line = level.cursor.line;
         }
@@ -141,7 +141,7 @@ impl Interpreter {
         remap: &Remap,
         hook: Hook,
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         let Some(name) = remap.hook(hook) else { return Ok(()) };
         match env.hook(hook, name, &mut self.state) {
             Some(Ok(())) => Ok(()),
@@ -161,7 +161,7 @@ impl Interpreter {
         step: u8,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         match pause {
             Pause::Remap(index) => self.begin_remap(index, block.clone(), step, env, out),
             Pause::Profile => self.profile(block, step, env, out),

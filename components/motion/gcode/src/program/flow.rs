@@ -4,7 +4,7 @@ use super::{Found, scan::o_word};
 use crate::{
     environment::Environment,
     error::Problem,
-    interpret::{Interpreter, Trouble, TroubleAt},
+    interpret::{Interpreter, BlockError, BlockErrorAt},
     parameters::system::Reader,
     remap::Hook,
     state::{Cursor, Level, LevelKind, Open, OpenKind},
@@ -22,7 +22,7 @@ impl Interpreter {
         word: &OWord,
         at: Cursor,
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         let label = self.label(&word.label, env)?;
         match &word.action {
             Action::Bare => Ok(()),
@@ -68,20 +68,20 @@ impl Interpreter {
         }
     }
 
-    fn label(&self, label: &Label, env: &dyn Environment) -> Result<Box<str>, Trouble> {
+    fn label(&self, label: &Label, env: &dyn Environment) -> Result<Box<str>, BlockError> {
         match label {
             Label::Name(name) => Ok(name.clone()),
             Label::Computed(expr) => Ok(integer(self.value(expr, env)?)?.to_string().into()),
         }
     }
 
-    fn value(&self, expr: &Expr, env: &dyn Environment) -> Result<f64, Trouble> {
+    fn value(&self, expr: &Expr, env: &dyn Environment) -> Result<f64, BlockError> {
         let reader = Reader { state: &self.state, environment: env };
         evaluate(expr, 0, &reader)
-            .map_err(|(at, problem)| Trouble { at: TroubleAt::Left(at), problem })
+            .map_err(|(at, problem)| BlockError { at: BlockErrorAt::Left(at), problem })
     }
 
-    fn level(&mut self) -> Result<&mut Level, Trouble> {
+    fn level(&mut self) -> Result<&mut Level, BlockError> {
         self.state.levels.last_mut().ok_or_else(|| Problem::NoProgramEnd.into())
     }
 
@@ -96,7 +96,7 @@ impl Interpreter {
         }
     }
 
-    fn open(&mut self, label: Box<str>, kind: OpenKind) -> Result<(), Trouble> {
+    fn open(&mut self, label: Box<str>, kind: OpenKind) -> Result<(), BlockError> {
         let limit = self.state.settings.limits.open;
         let level = self.level()?;
         if level.open.len() >= usize::try_from(limit).unwrap_or(usize::MAX) {
@@ -112,7 +112,7 @@ impl Interpreter {
         label: &str,
         word: &'static str,
         fits: impl Fn(&OpenKind) -> bool,
-    ) -> Result<Open, Trouble> {
+    ) -> Result<Open, BlockError> {
         let level = self.level()?;
         let last = level.open.pop_if(|o| &*o.label == label && fits(&o.kind));
         last.ok_or_else(|| Problem::NotInLoop { label: label.into(), word }.into())
@@ -124,7 +124,7 @@ impl Interpreter {
         condition: &Expr,
         at: Cursor,
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         let truth = self.value(condition, env)? != 0.0;
         let level = self.level()?;
         let closes = level.open.last().and_then(|o| match o.kind {
@@ -145,7 +145,7 @@ impl Interpreter {
         self.seek(&label, &["endwhile"], env).map(|_| ())
     }
 
-    fn end_repeat(&mut self, label: &str) -> Result<(), Trouble> {
+    fn end_repeat(&mut self, label: &str) -> Result<(), BlockError> {
         let open = self.close(label, "endrepeat", |k| matches!(k, OpenKind::Repeat(..)))?;
         if let OpenKind::Repeat(start, left) = open.kind
             && left > 1
@@ -157,7 +157,7 @@ impl Interpreter {
     }
 
     /// Looks for the branch of a condition that applies after one that does not.
-    fn next_branch(&mut self, label: Box<str>, env: &dyn Environment) -> Result<(), Trouble> {
+    fn next_branch(&mut self, label: Box<str>, env: &dyn Environment) -> Result<(), BlockError> {
         loop {
             let (word, rest, _) = self.seek(&label, &["elseif", "else", "endif"], env)?;
             match word {
@@ -183,7 +183,7 @@ impl Interpreter {
         label: &str,
         word: &'static str,
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         self.close(label, word, |k| matches!(k, OpenKind::If))?;
         self.seek(label, &["endif"], env).map(|_| ())
     }
@@ -193,7 +193,7 @@ impl Interpreter {
         label: &str,
         word: &'static str,
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         let level = self.level()?;
         let inner = level.open.iter().rposition(|o| &*o.label == label && o.kind != OpenKind::If);
         let Some(inner) = inner else {
@@ -228,7 +228,7 @@ impl Interpreter {
         label: &str,
         words: &[&'static str],
         env: &dyn Environment,
-    ) -> Result<(&'static str, Vec<u8>, Cursor), Trouble> {
+    ) -> Result<(&'static str, Vec<u8>, Cursor), BlockError> {
         let from = self.cursor();
         let file = self.level()?.file.clone();
         let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
@@ -249,7 +249,7 @@ impl Interpreter {
         Err(Problem::EndMissing { label: label.into(), line: from.line }.into())
     }
 
-    fn skip_definition(&mut self, label: &str, env: &dyn Environment) -> Result<(), Trouble> {
+    fn skip_definition(&mut self, label: &str, env: &dyn Environment) -> Result<(), BlockError> {
         let level = self.level()?;
         let (file, cursor, in_sub) =
             (level.file.clone(), level.cursor, level.kind == LevelKind::Sub);
@@ -285,7 +285,7 @@ impl Interpreter {
         word: &'static str,
         value: Option<&Expr>,
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         let value = value.map(|v| self.value(v, env)).transpose()?;
         let level = self.level()?;
         if level.kind != LevelKind::Sub || &*level.label != label {
@@ -296,7 +296,7 @@ impl Interpreter {
     }
 
     /// Ends the innermost level and returns to its caller.
-    pub(crate) fn pop_level(&mut self, env: &dyn Environment) -> Result<(), Trouble> {
+    pub(crate) fn pop_level(&mut self, env: &dyn Environment) -> Result<(), BlockError> {
         let ended = self.state.levels.last().and_then(|l| l.remapped.as_ref()).map(|r| r.index);
         if let Some(remap) = ended.and_then(|i| self.state.settings.remaps.get(i).cloned()) {
             self.hook(&remap, Hook::Epilog, env)?;
@@ -314,7 +314,7 @@ impl Interpreter {
         Ok(())
     }
 
-    pub(crate) fn check_levels(&self) -> Result<(), Trouble> {
+    pub(crate) fn check_levels(&self) -> Result<(), BlockError> {
         let limit = self.state.settings.limits.levels;
         let used = self.state.levels.len();
         if used >= usize::try_from(limit).unwrap_or(usize::MAX) {
@@ -328,7 +328,7 @@ impl Interpreter {
         label: &str,
         arguments: &[Expr],
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         let values: Vec<f64> =
             arguments.iter().map(|a| self.value(a, env)).collect::<Result<_, _>>()?;
         self.check_levels()?;
@@ -348,7 +348,7 @@ impl Interpreter {
         wanted: Found<'_>,
         label: &str,
         env: &dyn Environment,
-    ) -> Result<(Box<str>, Cursor), Trouble> {
+    ) -> Result<(Box<str>, Cursor), BlockError> {
         let files: Vec<Box<str>> = self.state.levels.iter().rev().map(|l| l.file.clone()).collect();
         let longest = self.state.settings.limits.line_length;
         for file in files {
@@ -368,7 +368,7 @@ impl Interpreter {
         part: i32,
         repeats: i32,
         env: &dyn Environment,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), BlockError> {
         let label = part.to_string();
         let Some(repeats) = u32::try_from(repeats).ok().filter(|r| *r > 0) else {
             return Ok(());
@@ -382,7 +382,7 @@ impl Interpreter {
     }
 
     /// Runs M99. Returns false in the main program.
-    pub(crate) fn end_part(&mut self, env: &dyn Environment) -> Result<bool, Trouble> {
+    pub(crate) fn end_part(&mut self, env: &dyn Environment) -> Result<bool, BlockError> {
         let level = self.level()?;
         match level.kind {
             LevelKind::Part(start, left) if left > 1 => {

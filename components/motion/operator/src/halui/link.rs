@@ -16,39 +16,39 @@ const SILENCE: u32 = 100;
 
 /// Requests for the task, and its state.
 #[derive(Debug, Default)]
-struct Desk {
+struct LinkState {
     requests: VecDeque<OperatorRequest>,
     view: Option<OperatorView>,
     /// Looks at the pins since the task has shown its state.
     silent: u32,
 }
 
-/// The desk between `halui` and the worker of the task.
+/// The state between `halui` and the worker of the task.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Task(Arc<Mutex<Desk>>);
+pub(crate) struct Task(Arc<Mutex<LinkState>>);
 
 impl Task {
-    fn desk(&self) -> MutexGuard<'_, Desk> {
+    fn state(&self) -> MutexGuard<'_, LinkState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns the state of the task, if there is one.
     pub(crate) fn view(&self) -> Option<OperatorView> {
-        let mut desk = self.desk();
-        desk.silent = desk.silent.saturating_add(1);
-        if desk.silent > SILENCE {
-            desk.view = None;
-            desk.requests.clear();
+        let mut state = self.state();
+        state.silent = state.silent.saturating_add(1);
+        if state.silent > SILENCE {
+            state.view = None;
+            state.requests.clear();
         }
-        desk.view
+        state.view
     }
 
     /// Sends a request; returns false if there is no task, or no room.
     fn send(&self, request: OperatorRequest) -> bool {
-        let mut desk = self.desk();
-        let goes = desk.view.is_some() && desk.requests.len() < ROOM;
+        let mut state = self.state();
+        let goes = state.view.is_some() && state.requests.len() < ROOM;
         if goes {
-            desk.requests.push_back(request);
+            state.requests.push_back(request);
         }
         goes
     }
@@ -56,13 +56,13 @@ impl Task {
 
 impl Operator for Task {
     fn take(&self) -> Option<OperatorRequest> {
-        self.desk().requests.pop_front()
+        self.state().requests.pop_front()
     }
 
     fn show(&self, view: &OperatorView) {
-        let mut desk = self.desk();
-        desk.view = Some(*view);
-        desk.silent = 0;
+        let mut state = self.state();
+        state.view = Some(*view);
+        state.silent = 0;
     }
 }
 

@@ -35,12 +35,12 @@ pub(crate) fn sorted(n: usize, arcs: &[Arc]) -> Vec<usize> {
     }
     let kept = without_circles(n, arcs);
     let orders = [pulled(n, &kept), pushed(n, &kept)];
-    let better = orders.into_iter().min_by_key(|order| n - standing(order).len());
+    let better = orders.into_iter().min_by_key(|order| n - unmoved(order).len());
     better.filter(|order| cost(&ByIndex::places(order, n), arcs) < before).unwrap_or(user)
 }
 
 /// Returns the longest increasing subsequence of an order: the functions that need not move.
-pub(crate) fn standing(order: &[usize]) -> Vec<usize> {
+pub(crate) fn unmoved(order: &[usize]) -> Vec<usize> {
     // Smallest last number of an increasing subsequence of each length, and the predecessor of each
     // number.
     let mut ends: Vec<usize> = Vec::new();

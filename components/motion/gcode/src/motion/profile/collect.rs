@@ -5,7 +5,7 @@ use crate::{
     canon::Issued,
     environment::Environment,
     error::Problem,
-    interpret::{Interpreter, Run, Step, Trouble, block::Block, codes::GGroup},
+    interpret::{Interpreter, Run, Step, BlockError, block::Block, codes::GGroup},
     motion::geometry::Point,
     parameters::system::Reader,
     program::Found,
@@ -27,7 +27,7 @@ impl Interpreter {
         step: u8,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
-    ) -> Result<Step, Trouble> {
+    ) -> Result<Step, BlockError> {
         let label = Run::new(&mut self.state, env, out).begin_profile(block)?;
         let (file, start) = self.locate(Found::Sub(&label), &label, env)?;
         // The subroutine has parameters of its own.
@@ -55,7 +55,7 @@ impl Interpreter {
         start: Cursor,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
-    ) -> Result<Vec<Piece>, Trouble> {
+    ) -> Result<Vec<Piece>, BlockError> {
         let position = self.state.position;
         let mut at = Point::new(position.z, position.x);
         let (mut pieces, mut corners): (Vec<Piece>, Vec<Corner>) = (Vec::new(), Vec::new());
@@ -69,8 +69,8 @@ impl Interpreter {
                 return Err(Problem::EndMissing { label, line }.into());
             };
             cursor = next;
-            clean::clean(&raw, &mut cleaned).map_err(|(_, problem)| Trouble::from(problem))?;
-            line.parse(&cleaned).map_err(|fault| Trouble::from(fault.problem))?;
+            clean::clean(&raw, &mut cleaned).map_err(|(_, problem)| BlockError::from(problem))?;
+            line.parse(&cleaned).map_err(|fault| BlockError::from(fault.problem))?;
             if let Some(word) = &line.oword {
                 if matches!(word.action, Action::Endsub(_)) {
                     break;
@@ -109,12 +109,12 @@ impl Interpreter {
     }
 
     /// Returns the words of a line.
-    fn words(&self, line: &Line, env: &dyn Environment) -> Result<Block, Trouble> {
+    fn words(&self, line: &Line, env: &dyn Environment) -> Result<Block, BlockError> {
         let reader = Reader { state: &self.state, environment: env };
         let mut block = Block::default();
         for word in &line.words {
             let value =
-                evaluate(&word.value, word.at, &reader).map_err(|(_, p)| Trouble::from(p))?;
+                evaluate(&word.value, word.at, &reader).map_err(|(_, p)| BlockError::from(p))?;
             block.add(word.letter, word.at, value, &self.state.settings.remaps)?;
         }
         Ok(block)

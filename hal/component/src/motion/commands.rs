@@ -7,24 +7,24 @@ use crate::abi::{Ticket, TicketState};
 const SLOTS: u64 = 4096;
 
 /// State of the service, used by one caller at a time.
-pub(super) struct Desk {
+pub(super) struct CommandTickets {
     owner: Option<(u64, String)>,
     last_token: u64,
     last_id: u64,
     /// Numbers of the commands. The command with the number `n` is at the place `n % SLOTS`.
     ids: Vec<Option<u64>>,
-    /// Tickets of the commands. None is freed before the desk, because a provider may keep a handle.
+    /// Tickets of the commands. None is freed before the commands, because a provider may keep a handle.
     tickets: Box<[Ticket]>,
 }
 
-impl Default for Desk {
+impl Default for CommandTickets {
     fn default() -> Self {
         let (ids, tickets) = (0..SLOTS).map(|_| (None, Ticket::new())).unzip::<_, _, _, Vec<_>>();
         Self { owner: None, last_token: 0, last_id: 0, ids, tickets: tickets.into() }
     }
 }
 
-impl Desk {
+impl CommandTickets {
     /// Returns the token of a new owner.
     pub(super) fn acquire(&mut self, name: &str) -> Result<u64, String> {
         if let Some((_, owner)) = self.owner.as_ref().filter(|(_, owner)| owner != name) {
@@ -87,51 +87,51 @@ fn place(id: u64) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{Desk, MotionEnd, SLOTS};
+    use super::{CommandTickets, MotionEnd, SLOTS};
 
-    fn ticket(desk: &mut Desk) -> (u64, &'static super::Ticket) {
-        let (id, ticket) = desk.open().unwrap();
-        // SAFETY: the desk outlives every test's use of it.
+    fn ticket(commands: &mut CommandTickets) -> (u64, &'static super::Ticket) {
+        let (id, ticket) = commands.open().unwrap();
+        // SAFETY: the commands outlives every test's use of it.
         (id, unsafe { &*ticket })
     }
 
     #[test]
     fn one_owner_holds_the_token() {
-        let mut desk = Desk::default();
-        assert!(!desk.owns(0) && !desk.owns(1) && !desk.release(1));
-        let first = desk.acquire("task").unwrap();
-        assert_eq!(desk.acquire("other").unwrap_err(), "motion belongs to task");
-        let again = desk.acquire("task").unwrap();
-        assert!(again != first && desk.owns(again) && !desk.owns(first) && !desk.owns(0));
-        assert!(!desk.release(first) && desk.owns(again));
-        assert!(desk.release(again) && !desk.owns(again));
-        assert!(desk.acquire("other").is_ok());
+        let mut commands = CommandTickets::default();
+        assert!(!commands.owns(0) && !commands.owns(1) && !commands.release(1));
+        let first = commands.acquire("task").unwrap();
+        assert_eq!(commands.acquire("other").unwrap_err(), "motion belongs to task");
+        let again = commands.acquire("task").unwrap();
+        assert!(again != first && commands.owns(again) && !commands.owns(first) && !commands.owns(0));
+        assert!(!commands.release(first) && commands.owns(again));
+        assert!(commands.release(again) && !commands.owns(again));
+        assert!(commands.acquire("other").is_ok());
     }
 
     #[test]
     fn ends_are_known_until_the_place_is_needed() {
-        let mut desk = Desk::default();
-        assert_eq!(desk.end_of(0), MotionEnd::Forgotten);
-        let (first, held) = ticket(&mut desk);
-        let (second, done) = ticket(&mut desk);
+        let mut commands = CommandTickets::default();
+        assert_eq!(commands.end_of(0), MotionEnd::Forgotten);
+        let (first, held) = ticket(&mut commands);
+        let (second, done) = ticket(&mut commands);
         assert_eq!(
-            (desk.end_of(first), desk.end_of(second)),
+            (commands.end_of(first), commands.end_of(second)),
             (MotionEnd::Pending, MotionEnd::Pending)
         );
         done.fail_with("no {} in {pin} at {}", &[1.5, 2.0]);
-        assert_eq!(desk.end_of(second), MotionEnd::Failed("no 1.5 in pin at 2".to_owned()));
+        assert_eq!(commands.end_of(second), MotionEnd::Failed("no 1.5 in pin at 2".to_owned()));
         let mut others = Vec::new();
         for _ in 2..SLOTS {
-            others.push(ticket(&mut desk).1);
+            others.push(ticket(&mut commands).1);
         }
         // The place of the second is free, that of the first is not.
-        let (next, ticket_of_next) = ticket(&mut desk);
-        assert_eq!((next, desk.end_of(second)), (SLOTS + 2, MotionEnd::Forgotten));
-        assert!(desk.open().is_none(), "all commands are in progress");
+        let (next, ticket_of_next) = ticket(&mut commands);
+        assert_eq!((next, commands.end_of(second)), (SLOTS + 2, MotionEnd::Forgotten));
+        assert!(commands.open().is_none(), "all commands are in progress");
         ticket_of_next.done();
         held.done();
-        assert_eq!((desk.end_of(next), desk.end_of(first)), (MotionEnd::Done, MotionEnd::Done));
-        assert!(desk.open().is_some());
+        assert_eq!((commands.end_of(next), commands.end_of(first)), (MotionEnd::Done, MotionEnd::Done));
+        assert!(commands.open().is_some());
         others.iter().for_each(|t| t.done());
     }
 }

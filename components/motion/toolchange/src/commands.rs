@@ -5,18 +5,18 @@ use crate::{
     estop::{self, Shared},
     pins::Pins,
     service::Reply,
-    task::Ask,
+    task::Request,
 };
 use hal_component::{Arg, Builder, Call, Error, Gives, Sender, TicketHandle, abi::ArgSpec};
 
-type To = Sender<(Ask, Reply)>;
+type To = Sender<(Request, Reply)>;
 
 /// A command that the task executes.
 struct Row {
     name: &'static str,
     doc: &'static str,
     args: &'static [&'static ArgSpec],
-    read: fn(&Call<'_>) -> Result<Ask, Error>,
+    read: fn(&Call<'_>) -> Result<Request, Error>,
 }
 
 const TOOL: ArgSpec = Arg::int("tool", "Number of the tool, 0 for none.").required();
@@ -32,7 +32,7 @@ const ROWS: &[Row] = &[
             &POCKET,
             &Arg::int("index", "Place in the tool table; the pocket if missing."),
         ],
-        read: |call| tool(call).map(Ask::Prepare),
+        read: |call| tool(call).map(Request::Prepare),
     },
     Row {
         name: "iocontrol.change",
@@ -41,13 +41,13 @@ Asks the changer to put the prepared tool into the spindle, and waits for it.
 
 Nothing happens when it is there already.",
         args: &[],
-        read: |_| Ok(Ask::Change),
+        read: |_| Ok(Request::Change),
     },
     Row {
         name: "iocontrol.set-tool",
         doc: "Says which tool is in the spindle; nothing is changed.",
         args: &[&TOOL, &POCKET],
-        read: |call| tool(call).map(Ask::SetTool),
+        read: |call| tool(call).map(Request::SetTool),
     },
     Row {
         name: "iocontrol.coolant",
@@ -58,7 +58,7 @@ Nothing happens when it is there already.",
             &Arg::bit("lube", "Lubrication."),
         ],
         read: |call| {
-            Ok(Ask::Coolant {
+            Ok(Request::Coolant {
                 mist: call.bit("mist"),
                 flood: call.bit("flood"),
                 lube: call.bit("lube"),
@@ -69,7 +69,7 @@ Nothing happens when it is there already.",
         name: "iocontrol.abort",
         doc: "Switches coolant off and withdraws what the changer was asked.",
         args: &[],
-        read: |_| Ok(Ask::Abort),
+        read: |_| Ok(Request::Abort),
     },
 ];
 
@@ -95,13 +95,13 @@ pub(crate) fn open(
         } else {
             call.ticket()?
         };
-        send(&to_stop, Ask::Estop { reads }, ticket)
+        send(&to_stop, Request::Estop { reads }, ticket)
     })?;
     b.command(
         "iocontrol.estop-reset",
         "Leaves e-stop, if nothing outside holds it.",
         &[],
-        move |call| ask(&to_reset, Ask::EstopReset { stops: reset.stops() }, call),
+        move |call| ask(&to_reset, Request::EstopReset { stops: reset.stops() }, call),
     )?;
     b.command(
         "iocontrol.status",
@@ -121,13 +121,13 @@ It fails if emc-enable-in stays TRUE, which says that the chain of e-stop contac
 user-enable-out, and if motion no longer reads the interlock. While emc-enable-in is TRUE the
 caller waits for the answer, with --wait or without, for ten cycles of iocontrol at the most.";
 
-fn ask(to: &To, ask: Ask, call: &Call<'_>) -> Result<(), Error> {
-    send(to, ask, call.ticket()?)
+fn ask(to: &To, request: Request, call: &Call<'_>) -> Result<(), Error> {
+    send(to, request, call.ticket()?)
 }
 
-fn send(to: &To, ask: Ask, ticket: TicketHandle) -> Result<(), Error> {
-    let is_estop = matches!(ask, Ask::Estop { .. });
-    to.send((ask, Reply::Ticket(ticket))).map_err(|_| {
+fn send(to: &To, request: Request, ticket: TicketHandle) -> Result<(), Error> {
+    let is_estop = matches!(request, Request::Estop { .. });
+    to.send((request, Reply::Ticket(ticket))).map_err(|_| {
         ticket.fail("too many commands wait");
         Error::new(if is_estop {
             "the machine is in e-stop, but too many commands wait for iocontrol to see whether \
