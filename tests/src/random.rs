@@ -1,3 +1,3 @@
 //! Pseudo-random numbers, the same in every run.
 
-pub use hal_component::bench::Random;
+pub use hal_bench::Random;

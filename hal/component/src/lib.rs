@@ -35,7 +35,6 @@
 extern crate self as hal_component;
 
 mod args;
-pub mod bench;
 mod builder;
 mod call;
 mod channels;
@@ -61,7 +60,6 @@ mod snapshot;
 mod solved;
 mod stream;
 mod sync;
-pub mod trace;
 mod worker;
 
 pub use args::Arg;

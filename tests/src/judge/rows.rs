@@ -9,7 +9,7 @@ use hal_protocol::{Link, Request, Value};
 use std::fmt::Write;
 
 /// Returns the table with the outputs of LinuxCNC's component; a value that agrees keeps its spelling.
-/// `hal_component::trace` documents the format of a table.
+/// `hal_bench::trace` documents the format of a table.
 ///
 /// # Errors
 /// LinuxCNC has no such component, or refuses a command; the message names the line.

@@ -44,6 +44,7 @@ fn arrows_point_only_downward() {
         ("hal-abi", &[][..]),
         ("hal-derive", &[]),
         ("hal-component", &["hal-abi", "hal-derive"]),
+        ("hal-bench", &["hal-component"]),
         ("hal-protocol", &["hal-abi"]),
         ("hal-ini", &[]),
         ("hal-output", &[]),

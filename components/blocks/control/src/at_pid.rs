@@ -39,7 +39,7 @@ impl Component for AtPid {
 mod tests {
     use super::AtPid;
     use crate::pid::Pid;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     #[test]
     fn is_pid() {

@@ -335,7 +335,7 @@ fn limited(x: f64, most: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::Pid;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

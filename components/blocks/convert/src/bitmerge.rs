@@ -55,7 +55,7 @@ impl Update for Bitmerge {
 #[cfg(test)]
 mod tests {
     use super::Bitmerge;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn each_bit_has_its_worth() {

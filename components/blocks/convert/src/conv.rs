@@ -77,7 +77,8 @@ where
 #[cfg(test)]
 mod tests {
     use super::Conv;
-    use hal_component::{Component, bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
+    use hal_component::Component;
 
     macro_rules! recorded {
         ($($name:ident: $a:ty, $b:ty, $rows:literal;)*) => {$(

@@ -70,7 +70,7 @@ impl Update for Gray2bin {
 #[cfg(test)]
 mod tests {
     use super::{Bin2gray, Gray2bin};
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -123,7 +123,7 @@ impl Update for Biquad {
 #[cfg(test)]
 mod tests {
     use super::Biquad;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

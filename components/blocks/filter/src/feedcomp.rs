@@ -44,7 +44,7 @@ impl Update for Feedcomp {
 #[cfg(test)]
 mod tests {
     use super::Feedcomp;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn in_proportion_if_enabled() {

@@ -117,7 +117,7 @@ impl FilterKalman {
 #[cfg(test)]
 mod tests {
     use super::FilterKalman;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn the_estimate_follows() {

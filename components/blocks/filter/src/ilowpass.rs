@@ -48,11 +48,11 @@ impl Update for Ilowpass {
 #[cfg(test)]
 mod tests {
     use super::Ilowpass;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn what_is_too_large_for_64_bits_is_zero() {
-        let mut bench = hal_component::bench::Bench::new();
+        let mut bench = hal_bench::Bench::new();
         bench.load::<Ilowpass>(&[]).unwrap();
         bench.set("ilowpass.0.in", 1);
         bench.set("ilowpass.0.scale", 1e30);

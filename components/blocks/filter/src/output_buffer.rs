@@ -64,7 +64,7 @@ impl Update for OutputBuffer {
 #[cfg(test)]
 mod tests {
     use super::OutputBuffer;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn through_or_off() {

@@ -41,7 +41,7 @@ impl Update for SampleHold {
 #[cfg(test)]
 mod tests {
     use super::SampleHold;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn held_and_followed() {

@@ -53,7 +53,7 @@ impl Update for Bitwise {
 #[cfg(test)]
 mod tests {
     use super::Bitwise;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn every_pair_of_bits() {

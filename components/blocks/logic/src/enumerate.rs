@@ -129,7 +129,7 @@ impl Update for Decode {
 #[cfg(test)]
 mod tests {
     use super::Enum;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn both_ways() {

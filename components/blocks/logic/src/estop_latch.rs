@@ -63,7 +63,7 @@ impl Update for EstopLatch {
 #[cfg(test)]
 mod tests {
     use super::EstopLatch;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

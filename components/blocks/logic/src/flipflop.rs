@@ -62,7 +62,7 @@ impl Update for Flipflop {
 #[cfg(test)]
 mod tests {
     use super::Flipflop;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -47,7 +47,7 @@ mod readme {}
 #[cfg(test)]
 mod tests {
     use super::{and2::And2, not::Not, or2::Or2, xor2::Xor2};
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn truth_tables_of_the_simple_gates() {

@@ -102,7 +102,7 @@ impl Update for Logic {
 #[cfg(test)]
 mod tests {
     use super::Logic;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn every_output_as_recorded() {

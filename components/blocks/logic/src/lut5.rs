@@ -52,7 +52,7 @@ impl Update for Lut5 {
 #[cfg(test)]
 mod tests {
     use super::Lut5;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn every_number_as_recorded() {

@@ -42,7 +42,7 @@ impl Update for Maj3 {
 #[cfg(test)]
 mod tests {
     use super::Maj3;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn truth_table_as_recorded() {

@@ -79,7 +79,7 @@ impl Update for Match8 {
 #[cfg(test)]
 mod tests {
     use super::Match8;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn each_bit_as_recorded() {

@@ -122,7 +122,7 @@ impl Update for Switch {
 #[cfg(test)]
 mod tests {
     use super::Multiswitch;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn it_goes_round_both_ways() {

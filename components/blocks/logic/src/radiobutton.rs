@@ -91,7 +91,7 @@ impl Update for Radiobutton {
 #[cfg(test)]
 mod tests {
     use super::Radiobutton;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn one_is_down() {

@@ -101,7 +101,7 @@ impl Update for SafetyLatch {
 #[cfg(test)]
 mod tests {
     use super::SafetyLatch;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     const PINS: &str = "run safety-latch.0
         in safety-latch.0.error-in safety-latch.0.reset safety-latch.0.enable

@@ -61,7 +61,7 @@ impl Update for Toggle {
 #[cfg(test)]
 mod tests {
     use super::Toggle;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -85,7 +85,7 @@ impl Update for TristateFloat {
 #[cfg(test)]
 mod tests {
     use super::{TristateBit, TristateFloat};
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn nothing_is_written_while_not_enabled() {

@@ -45,7 +45,7 @@ impl Update for Abs {
 #[cfg(test)]
 mod tests {
     use super::Abs;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -42,7 +42,7 @@ impl Update for AbsS32 {
 #[cfg(test)]
 mod tests {
     use super::AbsS32;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

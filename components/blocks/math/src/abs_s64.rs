@@ -42,7 +42,7 @@ impl Update for AbsS64 {
 #[cfg(test)]
 mod tests {
     use super::AbsS64;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn every_kind_of_number() {

@@ -48,7 +48,7 @@ impl Update for Comp {
 #[cfg(test)]
 mod tests {
     use super::Comp;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -34,7 +34,7 @@ impl Update for Constant {
 #[cfg(test)]
 mod tests {
     use super::Constant;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn it_follows_its_parameter() {

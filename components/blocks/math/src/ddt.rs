@@ -39,7 +39,7 @@ impl Update for Ddt {
 #[cfg(test)]
 mod tests {
     use super::Ddt;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     /// The backward difference of a ramp is its slope, and that of a parabola x = a·t²/2 is a·(t - T/2): in the middle
     /// of the period.

@@ -47,7 +47,7 @@ impl Update for Deadzone {
 #[cfg(test)]
 mod tests {
     use super::Deadzone;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -38,7 +38,7 @@ impl Update for Div2 {
 #[cfg(test)]
 mod tests {
     use super::Div2;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -38,7 +38,7 @@ impl Update for Hypot {
 #[cfg(test)]
 mod tests {
     use super::Hypot;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

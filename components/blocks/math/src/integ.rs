@@ -50,7 +50,7 @@ impl Update for Integ {
 #[cfg(test)]
 mod tests {
     use super::Integ;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     /// Each cycle adds a rectangle: a constant c gives c·t, a ramp r·t gives r·t·(t + T)/2, and a full cycle of a sine
     /// gives 0.

@@ -35,7 +35,7 @@ impl Update for Invert {
 #[cfg(test)]
 mod tests {
     use super::Invert;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -40,7 +40,7 @@ impl Update for Limit1 {
 #[cfg(test)]
 mod tests {
     use super::Limit1;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -54,7 +54,7 @@ impl Update for Limit2 {
 #[cfg(test)]
 mod tests {
     use super::Limit2;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -197,7 +197,7 @@ fn capped(x: f64, min: f64, max: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::Limit3;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

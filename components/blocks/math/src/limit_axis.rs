@@ -154,7 +154,7 @@ impl Update for LimitAxis {
 #[cfg(test)]
 mod tests {
     use super::LimitAxis;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     const TWO: &str = "load limit_axis
          set limit-axis.0.min-range-00 0

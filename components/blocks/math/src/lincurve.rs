@@ -112,7 +112,7 @@ impl Lincurve {
 #[cfg(test)]
 mod tests {
     use super::Lincurve;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn lines_between_points_and_level_beyond() {

@@ -50,10 +50,7 @@ impl Update for Lowpass {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "how many runs")]
 mod tests {
     use super::Lowpass;
-    use hal_component::{
-        bench::{Bench, response},
-        trace::replay,
-    };
+    use hal_bench::{Bench, response, trace::replay};
 
     const NS: i64 = 1_000_000;
     const GAINS: [f64; 6] = [0.001, 0.02, 0.1, 0.5, 0.9, 1.0];

@@ -49,7 +49,7 @@ impl Update for Minmax {
 #[cfg(test)]
 mod tests {
     use super::Minmax;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -92,7 +92,7 @@ impl Update for Direction {
 #[cfg(test)]
 mod tests {
     use super::Modmath;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -34,7 +34,7 @@ impl Update for Mult2 {
 #[cfg(test)]
 mod tests {
     use super::Mult2;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

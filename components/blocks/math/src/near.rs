@@ -50,7 +50,7 @@ impl Update for Near {
 #[cfg(test)]
 mod tests {
     use super::Near;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

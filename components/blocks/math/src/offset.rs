@@ -79,7 +79,7 @@ impl Update for Feedback {
 #[cfg(test)]
 mod tests {
     use super::Offset;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -37,7 +37,7 @@ impl Update for Scale {
 #[cfg(test)]
 mod tests {
     use super::Scale;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

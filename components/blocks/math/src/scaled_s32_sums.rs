@@ -61,7 +61,7 @@ impl Update for ScaledS32Sums {
 #[cfg(test)]
 mod tests {
     use super::ScaledS32Sums;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn each_has_its_scale() {

@@ -45,7 +45,7 @@ impl Update for Sum2 {
 #[cfg(test)]
 mod tests {
     use super::Sum2;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -84,7 +84,7 @@ impl Update for Sums {
 #[cfg(test)]
 mod tests {
     use super::WeightedSum;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn a_binary_number_and_more() {

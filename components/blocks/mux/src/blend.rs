@@ -49,7 +49,7 @@ fn below(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::Blend;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -78,7 +78,7 @@ impl Update for Demux {
 #[cfg(test)]
 mod tests {
     use super::Demux;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -91,7 +91,7 @@ impl Update for Demux {
 #[cfg(test)]
 mod tests {
     use super::DemuxGeneric;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn one_has_the_value_and_the_others_nothing() {

@@ -92,7 +92,7 @@ fn from_gray(bits: u8) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::Mux16;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

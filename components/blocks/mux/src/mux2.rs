@@ -39,7 +39,7 @@ impl Update for Mux2 {
 #[cfg(test)]
 mod tests {
     use super::Mux2;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -51,7 +51,7 @@ impl Update for Mux4 {
 #[cfg(test)]
 mod tests {
     use super::Mux4;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -65,7 +65,7 @@ impl Update for Mux8 {
 #[cfg(test)]
 mod tests {
     use super::Mux8;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

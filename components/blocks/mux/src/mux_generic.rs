@@ -84,7 +84,7 @@ impl Update for Mux {
 #[cfg(test)]
 mod tests {
     use super::MuxGeneric;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn numbers_and_bits_choose() {

@@ -39,7 +39,7 @@ impl Update for Select8 {
 #[cfg(test)]
 mod tests {
     use super::Select8;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

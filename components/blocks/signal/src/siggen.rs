@@ -146,7 +146,7 @@ impl Update for Generator {
 #[cfg(test)]
 mod tests {
     use super::Siggen;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

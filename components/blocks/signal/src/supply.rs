@@ -73,7 +73,7 @@ impl Update for Supply {
 #[cfg(test)]
 mod tests {
     use super::Supply;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn both_and_their_opposites() {

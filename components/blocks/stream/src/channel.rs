@@ -184,7 +184,7 @@ any! {
 #[cfg(test)]
 mod tests {
     use crate::{sampler::Sampler, streamer::Streamer};
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     #[test]
     fn refusals() {

@@ -103,11 +103,8 @@ impl Update for Sampling {
 #[cfg(test)]
 mod tests {
     use super::Sampler;
-    use hal_component::{
-        Value,
-        abi::{Consumer, Got},
-        bench::Bench,
-    };
+    use hal_bench::Bench;
+    use hal_component::{Value, abi::{Consumer, Got}};
 
     fn record(reader: &mut Consumer) -> Option<(u64, Vec<u64>)> {
         let mut values = Vec::new();

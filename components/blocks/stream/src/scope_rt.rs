@@ -49,7 +49,7 @@ impl Update for Sample {
 #[cfg(test)]
 mod tests {
     use super::ScopeRt;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     #[test]
     fn a_function_that_touches_nothing() {

@@ -117,7 +117,7 @@ impl Update for Streaming {
 #[cfg(test)]
 mod tests {
     use super::Streamer;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     /// Inputs and results of a cycle: `enable clock`, then `curr-depth underruns` and the number of records taken so
     /// far.

@@ -61,7 +61,7 @@ impl Component for Threads {
 #[cfg(test)]
 mod tests {
     use super::Threads;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     /// As measured on LinuxCNC 2.9.
     #[test]

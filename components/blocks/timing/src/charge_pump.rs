@@ -72,7 +72,7 @@ impl Update for ChargePump {
 #[cfg(test)]
 mod tests {
     use super::ChargePump;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -52,7 +52,7 @@ impl Update for Dbounce {
 #[cfg(test)]
 mod tests {
     use super::Dbounce;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn it_must_hold() {

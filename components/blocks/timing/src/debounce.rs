@@ -100,7 +100,7 @@ impl Update for Group {
 #[cfg(test)]
 mod tests {
     use super::Debounce;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

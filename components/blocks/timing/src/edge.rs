@@ -69,7 +69,7 @@ impl Update for Edge {
 #[cfg(test)]
 mod tests {
     use super::Edge;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

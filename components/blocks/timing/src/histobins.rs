@@ -223,7 +223,7 @@ impl Histobins {
 #[cfg(test)]
 mod tests {
     use super::Histobins;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn bins_and_what_is_beside_them() {

@@ -155,7 +155,7 @@ impl Update for Tp {
 #[cfg(test)]
 mod tests {
     use super::{Tof, Ton, Tp};
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     const MS: &str = "period 250000000\nset $.0.pt 0.75\nrun $.0\nin $.0.in\nout $.0.q $.0.et\n";
 

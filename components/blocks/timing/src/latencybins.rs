@@ -183,7 +183,7 @@ const fn wrapped(variance: f64) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::Latencybins;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     fn ran(bench: &Bench, after: i64) {
         bench.pass(after);

@@ -152,7 +152,7 @@ impl Multiclick {
 #[cfg(test)]
 mod tests {
     use super::Multiclick;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     const PINS: &str = "load multiclick
         set multiclick.0.max-hold-ns 3000000

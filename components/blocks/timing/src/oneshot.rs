@@ -83,7 +83,7 @@ impl Oneshot {
 #[cfg(test)]
 mod tests {
     use super::Oneshot;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

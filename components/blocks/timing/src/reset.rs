@@ -76,7 +76,7 @@ impl Update for Reset {
 #[cfg(test)]
 mod tests {
     use super::Reset;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn at_edges_alone() {

@@ -51,7 +51,7 @@ impl Update for Reset {
 #[cfg(test)]
 mod tests {
     use super::Threadtest;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     #[test]
     fn counts_and_begins_anew() {

@@ -62,7 +62,7 @@ impl Update for Time {
 #[cfg(test)]
 mod tests {
     use super::Time;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -57,7 +57,7 @@ impl Update for Timedelay {
 #[cfg(test)]
 mod tests {
     use super::Timedelay;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -127,7 +127,7 @@ const fn wrapped(ns: i64) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::Timedelta;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     fn ran(bench: &Bench, after: i64) {
         bench.pass(after);

@@ -82,7 +82,7 @@ impl Updown {
 #[cfg(test)]
 mod tests {
     use super::Updown;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -182,7 +182,7 @@ impl Update for SetTimeouts {
 #[cfg(test)]
 mod tests {
     use super::{Watchdog, nanoseconds};
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

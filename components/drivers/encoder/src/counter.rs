@@ -197,7 +197,7 @@ impl Update for Captures {
 #[cfg(test)]
 mod tests {
     use super::Counter;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

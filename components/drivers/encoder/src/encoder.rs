@@ -126,7 +126,7 @@ pins! {
 #[cfg(test)]
 mod tests {
     use super::Encoder;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -189,7 +189,7 @@ impl Update for Updates {
 #[cfg(test)]
 mod tests {
     use super::EncoderRatio;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn slave_and_master() {

@@ -233,7 +233,7 @@ impl Update for MakePulses {
 #[cfg(test)]
 mod tests {
     use super::SimEncoder;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -4,7 +4,7 @@ mod ports;
 mod reset;
 
 use crate::Parport;
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 
 const MS: i64 = 1_000_000;
 

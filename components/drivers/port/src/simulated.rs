@@ -259,7 +259,8 @@ fn ones(mask: u8) -> impl Iterator<Item = (u8, u8)> {
 mod tests {
     use super::Simulated;
     use crate::Access;
-    use hal_component::{Builder, Component, Error, In, Out, Period, Touch, Update, bench::Bench};
+    use hal_bench::Bench;
+    use hal_component::{Builder, Component, Error, In, Out, Period, Touch, Update};
 
     /// Component that makes one access per cycle: the value read, and the value to write.
     #[derive(Touch)]

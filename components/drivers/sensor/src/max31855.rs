@@ -166,7 +166,7 @@ impl Update for Max31855 {
 #[cfg(test)]
 mod tests {
     use super::Max31855;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     /// Simulated chip: outputs its word on a line, the highest bit when selected, the next at each falling clock edge;
     /// the line is low while the chip is not selected.

@@ -171,7 +171,7 @@ impl Update for All {
 #[cfg(test)]
 mod tests {
     use super::SimAxisHardware;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn switches_along_an_axis() {

@@ -74,7 +74,7 @@ impl Update for SimHomeSwitch {
 #[cfg(test)]
 mod tests {
     use super::SimHomeSwitch;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -78,7 +78,7 @@ impl Update for SimMatrixKb {
 #[cfg(test)]
 mod tests {
     use super::SimMatrixKb;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn keys_one_by_one() {

@@ -115,7 +115,7 @@ impl Update for Reset {
 #[cfg(test)]
 mod tests {
     use super::SimParport;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn lines_go_through() {

@@ -47,7 +47,7 @@ impl Update for SimSpindle {
 #[cfg(test)]
 mod tests {
     use super::SimSpindle;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -56,7 +56,7 @@ impl Update for Sphereprobe {
 #[cfg(test)]
 mod tests {
     use super::Sphereprobe;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn table_and_sphere() {

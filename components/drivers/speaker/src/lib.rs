@@ -112,7 +112,7 @@ fn release(device: &Device) -> Result<(), Lost> {
 #[cfg(test)]
 mod tests {
     use super::Speaker;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn a_click_for_each_change() {

@@ -152,7 +152,7 @@ impl Channel<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::Stepgen;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -1,6 +1,6 @@
 //! Test of `stepgen` against its parameters: distances, rates, and timing of pulses and direction changes.
 
-use hal_component::bench::Random;
+use hal_bench::Random;
 use rig::Rig;
 
 mod rig;

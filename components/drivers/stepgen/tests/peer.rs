@@ -1,6 +1,6 @@
 //! Replay of scripts that LinuxCNC ran: every sample must be equal.
 
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use stepgen::Stepgen;
 
 mod replay;

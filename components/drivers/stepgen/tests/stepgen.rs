@@ -1,6 +1,6 @@
 //! Tests of `stepgen`.
 
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use rig::Rig;
 use stepgen::Stepgen;
 

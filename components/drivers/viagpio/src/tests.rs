@@ -6,7 +6,8 @@ use crate::{
     device::simulated,
     hardware::Hardware,
 };
-use hal_component::{Builder, Component, Error, In, Period, Touch, Update, abi, bench::Bench};
+use hal_bench::Bench;
+use hal_component::{Builder, Component, Error, In, Period, Touch, Update, abi};
 use port::{Access, Lost, Simulated};
 use std::fs;
 

@@ -1,7 +1,8 @@
 //! Edge-case tests that all kinematics share.
 
 use crate::testing::{Rig, Space};
-use hal_component::{Component, Pose, Solved, Unsolved, bench::Random};
+use hal_bench::Random;
+use hal_component::{Component, Pose, Solved, Unsolved};
 
 /// Asserts that odd inputs produce finite numbers or an error, and that an error changes nothing.
 pub(crate) fn edges<C: Component>(args: &[&str], space: &Space<'_>) {

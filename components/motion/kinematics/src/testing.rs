@@ -1,11 +1,8 @@
 //! Tests that all kinematics share: do forward and inverse agree, and what happens at the edges.
 
 use crate::rotation::{from_abc, to_vector};
-use hal_component::{
-    Builder, Component, Error, KinematicsRef, Pose, Unsolved,
-    abi::component_flags,
-    bench::{Bench, Random},
-};
+use hal_bench::{Bench, Random};
+use hal_component::{Builder, Component, Error, KinematicsRef, Pose, Unsolved, abi::component_flags};
 use nalgebra::DMatrix;
 use std::cell::Cell;
 

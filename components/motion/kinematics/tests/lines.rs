@@ -1,11 +1,8 @@
 //! Machines whose joints are not axes move their tools along straight lines.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
-use hal_component::{
-    Builder, Component, Error, KinematicsRef,
-    abi::{TicketState, component_flags},
-    bench::Bench,
-};
+use hal_bench::Bench;
+use hal_component::{Builder, Component, Error, KinematicsRef, abi::{TicketState, component_flags}};
 use kinematics::{Corexykins, FiveAxiskins, Lineardeltakins, Pumakins, Scarakins, XyzacTrt};
 use std::cell::Cell;
 

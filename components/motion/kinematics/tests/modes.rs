@@ -1,11 +1,8 @@
 //! Axes move only where forward and inverse kinematics lead back to the same joints.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
-use hal_component::{
-    Builder, Component, Error, KinematicsRef,
-    abi::{TicketState, component_flags},
-    bench::{Bench, Random},
-};
+use hal_bench::{Bench, Random};
+use hal_component::{Builder, Component, Error, KinematicsRef, abi::{TicketState, component_flags}};
 use kinematics as k;
 use std::cell::Cell;
 

@@ -48,7 +48,7 @@ included! {
 #[cfg(test)]
 mod tests {
     use super::{Homemod, Tpmod};
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     #[test]
     fn names_alone() {

@@ -28,7 +28,8 @@ mod watch;
 mod world;
 
 use crate::Motmod;
-use hal_component::{Component, abi::TicketState, bench::Bench};
+use hal_bench::Bench;
+use hal_component::{Component, abi::TicketState};
 use trivkins::Trivkins;
 
 /// Servo period in nanoseconds, and in seconds.

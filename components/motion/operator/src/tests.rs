@@ -7,9 +7,8 @@ mod settings;
 mod task;
 
 use crate::{halui::Halui, inihal::Inihal};
-use hal_component::{
-    Builder, Component, Error, OperatorRef, OperatorRequest, OperatorView, bench::Bench,
-};
+use hal_bench::Bench;
+use hal_component::{Builder, Component, Error, OperatorRef, OperatorRequest, OperatorView};
 use motion::Motmod;
 use std::cell::RefCell;
 use toolchange::Iocontrol;

@@ -5,7 +5,8 @@ mod explore;
 mod service;
 
 use crate::{Io, Iocontrol, Iov2};
-use hal_component::{abi::TicketState, bench::Bench};
+use hal_bench::Bench;
+use hal_component::abi::TicketState;
 
 const BITS: [&str; 7] = [
     "user-enable-out",

@@ -107,7 +107,8 @@ hal_component::export!(Trivkins);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hal_component::{In, Period, Update, bench::Bench};
+    use hal_bench::Bench;
+    use hal_component::{In, Period, Update};
 
     /// Component that runs the kinematics of the bench on pins, as `motmod` would.
     struct User;

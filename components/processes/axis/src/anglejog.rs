@@ -245,7 +245,7 @@ impl Jog {
 #[cfg(test)]
 mod tests {
     use super::Anglejog;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     const PINS: &str = "run anglejog.0
         in anglejog.0.enable-in anglejog.0.counts-in

@@ -63,7 +63,7 @@ impl Jog for Ahead {
 #[cfg(test)]
 mod tests {
     use super::Axistest;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -52,7 +52,7 @@ impl Update for CorexyByHal {
 #[cfg(test)]
 mod tests {
     use super::CorexyByHal;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn there_and_back() {

@@ -52,7 +52,7 @@ impl Update for Differential {
 #[cfg(test)]
 mod tests {
     use super::Differential;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn there_and_back() {

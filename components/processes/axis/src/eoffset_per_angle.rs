@@ -243,7 +243,7 @@ impl Offset {
 #[cfg(test)]
 mod tests {
     use super::EoffsetPerAngle;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     /// Returns a bench in state 2, with the machine on.
     fn following(settings: &[(&str, f64)]) -> Bench {

@@ -185,7 +185,7 @@ impl Update for Write {
 #[cfg(test)]
 mod tests {
     use super::Gantry;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

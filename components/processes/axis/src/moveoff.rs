@@ -395,7 +395,7 @@ impl Update for Write {
 #[cfg(test)]
 mod tests {
     use super::Moveoff;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     const SERVO: i64 = 1_000_000;
 

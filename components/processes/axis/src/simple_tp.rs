@@ -58,7 +58,7 @@ impl Update for SimpleTp {
 #[cfg(test)]
 mod tests {
     use super::SimpleTp;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn starts_and_stops() {

@@ -71,7 +71,7 @@ impl Jog for BySpeed {
 #[cfg(test)]
 mod tests {
     use super::Steptest;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -1,7 +1,7 @@
 //! Replay of scripts that LinuxCNC ran: every sample must be equal.
 
 use axis::Steptest;
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use stepgen::Stepgen;
 
 #[path = "../../../drivers/stepgen/tests/replay/mod.rs"]

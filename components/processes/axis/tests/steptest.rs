@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use axis::Steptest;
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 
 const NS: i64 = 1_000_000;
 

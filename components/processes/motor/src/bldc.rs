@@ -248,7 +248,7 @@ fn init(b: &mut Builder<'_>, name: &str) -> Result<(In<bool>, Out<bool>), Error>
 #[cfg(test)]
 mod tests {
     use super::Bldc;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -44,7 +44,7 @@ impl Update for Clarke2 {
 #[cfg(test)]
 mod tests {
     use super::Clarke2;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn phases() {

@@ -51,7 +51,7 @@ impl Update for Clarke3 {
 #[cfg(test)]
 mod tests {
     use super::Clarke3;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn phases() {

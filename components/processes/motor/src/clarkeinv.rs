@@ -58,7 +58,7 @@ impl Update for Clarkeinv {
 #[cfg(test)]
 mod tests {
     use super::Clarkeinv;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn phases() {

@@ -4,10 +4,8 @@
 
 use crate::{clarke2::Clarke2, clarke3::Clarke3, clarkeinv::Clarkeinv};
 use core::f64::consts::{SQRT_2, TAU};
-use hal_component::{
-    Component,
-    bench::{Bench, Random},
-};
+use hal_bench::{Bench, Random};
+use hal_component::Component;
 
 /// Error bound of factors with 15 digits, and of the arithmetic.
 const DIGITS: f64 = 4e-15;

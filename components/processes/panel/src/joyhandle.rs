@@ -86,7 +86,7 @@ impl Update for Joyhandle {
 #[cfg(test)]
 mod tests {
     use super::Joyhandle;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn curves() {

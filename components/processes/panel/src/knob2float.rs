@@ -60,7 +60,7 @@ impl Update for Knob2float {
 #[cfg(test)]
 mod tests {
     use super::Knob2float;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn turns_within_limits() {

@@ -280,7 +280,7 @@ fn level(contrast: f64) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::Lcd;
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     const BEGIN: &str = "\r\n^\r\n^\r\n^\r\n^<";
     const CLEAR: &str = "<-!";

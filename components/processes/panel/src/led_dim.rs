@@ -43,7 +43,7 @@ impl Update for LedDim {
 #[cfg(test)]
 mod tests {
     use super::LedDim;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn cie_1931() {

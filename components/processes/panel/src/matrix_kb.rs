@@ -314,7 +314,7 @@ impl Scan {
 #[cfg(test)]
 mod tests {
     use super::MatrixKb;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn codes() {

@@ -101,7 +101,7 @@ impl Update for Run {
 #[cfg(test)]
 mod tests {
     use super::{Message, lasting};
-    use hal_component::bench::Bench;
+    use hal_bench::Bench;
 
     #[test]
     fn each_time_it_is_due() {

@@ -167,7 +167,7 @@ impl Update for Momentary2nist {
 #[cfg(test)]
 mod tests {
     use super::{Momentary2nist, Toggle2nist};
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn both_edges_of_a_switch() {

@@ -92,7 +92,7 @@ fn whole(number: f64) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::XhcHb04Util;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn button() {

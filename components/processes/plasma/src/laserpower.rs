@@ -130,7 +130,7 @@ fn above_0(number: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::Laserpower;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn in_proportion_to_speed() {

@@ -88,7 +88,7 @@ impl Update for Ohmic {
 #[cfg(test)]
 mod tests {
     use super::Ohmic;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn volts() {

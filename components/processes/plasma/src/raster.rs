@@ -205,7 +205,8 @@ impl Raster {
 #[cfg(test)]
 mod tests {
     use super::Raster;
-    use hal_component::{Port, bench::Bench};
+    use hal_bench::Bench;
+    use hal_component::Port;
 
     fn with(line: &str) -> Bench {
         let mut b = Bench::new();

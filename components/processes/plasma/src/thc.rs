@@ -134,7 +134,7 @@ impl Update for Run {
 #[cfg(test)]
 mod tests {
     use super::Thc;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -115,7 +115,7 @@ impl Update for Run {
 #[cfg(test)]
 mod tests {
     use super::Thcud;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -88,7 +88,7 @@ impl Update for Gearchange {
 #[cfg(test)]
 mod tests {
     use super::Gearchange;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn both_gears() {

@@ -195,7 +195,7 @@ impl Update for Orient {
 #[cfg(test)]
 mod tests {
     use super::Orient;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

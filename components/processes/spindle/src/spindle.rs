@@ -230,7 +230,7 @@ fn towards(wanted: f32, now: f32, up: f32, down: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::Spindle;
-    use hal_component::{bench::Bench, trace::replay};
+    use hal_bench::{Bench, trace::replay};
 
     #[test]
     fn as_recorded() {

@@ -71,7 +71,7 @@ impl Update for SpindleMonitor {
 #[cfg(test)]
 mod tests {
     use super::SpindleMonitor;
-    use hal_component::trace::replay;
+    use hal_bench::trace::replay;
 
     #[test]
     fn as_recorded() {

@@ -4,7 +4,7 @@
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "a test that shows a table")]
 
 use axis::Steptest;
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use stepgen::Stepgen;
 use stepper::Stepper;
 

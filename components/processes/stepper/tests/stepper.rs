@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use stepper::Stepper;
 
 const TICK_NS: i64 = 100_000;

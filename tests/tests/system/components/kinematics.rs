@@ -7,9 +7,8 @@
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 #![expect(clippy::print_stderr, reason = "what is skipped is said")]
 
-use hal_component::{
-    Builder, Component, Error, KinematicsRef, Pose, abi::component_flags, bench::Bench,
-};
+use hal_bench::Bench;
+use hal_component::{Builder, Component, Error, KinematicsRef, Pose, abi::component_flags};
 use hal_tests::{foreign::installed, golden, programs::root, tools};
 use kinematics as k;
 use std::{

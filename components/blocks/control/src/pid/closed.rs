@@ -4,7 +4,7 @@
 #![expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "how many poles")]
 
 use super::Pid;
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use nalgebra::{Complex, DMatrix, DVector};
 
 const NS: i64 = 1_000_000;

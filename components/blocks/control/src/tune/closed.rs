@@ -6,7 +6,7 @@
 
 use crate::pid::Pid;
 use core::f64::consts::PI;
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 
 const NS: i64 = 1_000_000;
 const DT: f64 = 0.001;

@@ -3,10 +3,8 @@
 //! reverse order with one more bit set.
 
 use super::{Bin2gray, Gray2bin};
-use hal_component::{
-    Component,
-    bench::{Bench, Random},
-};
+use hal_bench::{Bench, Random};
+use hal_component::Component;
 
 struct Rig(Bench, &'static str);
 

@@ -6,7 +6,7 @@
 
 use super::Biquad;
 use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
-use hal_component::bench::{Bench, response};
+use hal_bench::{Bench, response};
 use nalgebra::Complex;
 
 const NS: i64 = 1_000_000;

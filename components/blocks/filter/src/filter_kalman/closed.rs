@@ -7,7 +7,7 @@
 //! State between cycles is rounded to single precision.
 
 use super::FilterKalman;
-use hal_component::bench::{Bench, Random};
+use hal_bench::{Bench, Random};
 
 /// Rounding error of the state, relative.
 const ROUND: f64 = 1.0 / (1 << 24) as f64;

@@ -9,7 +9,7 @@
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "how many runs")]
 
 use super::{Limit3, NEAR};
-use hal_component::bench::{Bench, Random};
+use hal_bench::{Bench, Random};
 
 /// Distance from the target at which a time ends, as a multiple of a·T².
 const LAST: f64 = 4.0;

@@ -4,7 +4,7 @@
 
 use super::{PI, Siggen};
 use core::f64::consts::TAU;
-use hal_component::bench::{Bench, Random};
+use hal_bench::{Bench, Random};
 
 const NS: i64 = 1_000_000;
 const DT: f64 = 0.001;

@@ -4,7 +4,7 @@
 #![expect(clippy::cast_possible_truncation, reason = "places are small")]
 
 use super::Encoder;
-use hal_component::bench::{Bench, Random};
+use hal_bench::{Bench, Random};
 
 /// Period of the fast function and of the slow function, in nanoseconds.
 const BASE: i64 = 50_000;

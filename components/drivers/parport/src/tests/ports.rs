@@ -6,7 +6,7 @@ use crate::{
     config::{Mode, PortConfig, PortLocation},
     hardware::{Hardware, Refused, System},
 };
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use std::fs;
 
 #[test]

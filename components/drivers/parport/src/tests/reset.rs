@@ -2,7 +2,8 @@
 
 use super::{MS, load, set, sim};
 use crate::Parport;
-use hal_component::{Builder, Clock, Component, Error, Out, Period, Touch, Update, bench::Bench};
+use hal_bench::Bench;
+use hal_component::{Builder, Clock, Component, Error, Out, Period, Touch, Update};
 
 /// Makes a step in every period: high in write, low in reset.
 #[test]

@@ -12,7 +12,7 @@
     reason = "a test"
 )]
 
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use std::{collections::BTreeMap, fs, path::PathBuf};
 
 /// Function that loads the component of a `loadrt` line, or returns false if it is not under test.

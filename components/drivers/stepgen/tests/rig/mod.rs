@@ -3,7 +3,7 @@
 #![allow(dead_code, clippy::allow_attributes, reason = "each test uses its part")]
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use stepgen::Stepgen;
 
 /// Base thread, with a period of 100 µs by default, and a servo thread with ten times its period.

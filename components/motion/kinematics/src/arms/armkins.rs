@@ -298,7 +298,7 @@ mod tests {
         arms::genserkins::Genserkins,
         testing::{Joint as Range, Rig, Space, close, serial},
     };
-    use hal_component::bench::Random;
+    use hal_bench::Random;
 
     const SPACE: Space<'static> = Space {
         size: 985.0,
@@ -380,7 +380,7 @@ mod tests {
             rig.bench.set(&format!("armkins.{pin}"), value);
             assert_eq!(rig.no_joints(pose), Unsolved::Geometry);
         }
-        let mut bench = hal_component::bench::Bench::new();
+        let mut bench = hal_bench::Bench::new();
         let refused = bench.load::<Armkins>(&["model=rx91"]);
         assert_eq!(refused.unwrap_err(), "model is 'rx91', must be rx90 or rs03n");
     }

@@ -300,7 +300,7 @@ mod tests {
         arms::pumakins::Pumakins,
         testing::{Joint, Rig, Space, close, serial},
     };
-    use hal_component::bench::Random;
+    use hal_bench::Random;
 
     const LINE: Joint = Joint::linear(100.0);
     const TURN: Joint = Joint::rotary(180.0);
@@ -368,7 +368,7 @@ mod tests {
             (["max_limits=1,2,x,4,5,6"], "max_limits: 'x' is no angle in degrees"),
             (["max_limits=1,2,nan,4,5,6"], "max_limits: 'nan' is no angle in degrees"),
         ] {
-            let refused = hal_component::bench::Bench::new().load::<Genserkins>(&args);
+            let refused = hal_bench::Bench::new().load::<Genserkins>(&args);
             assert_eq!(refused.unwrap_err(), text);
         }
     }

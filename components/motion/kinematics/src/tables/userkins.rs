@@ -99,7 +99,7 @@ mod tests {
             (&["count=0"][..], "count is 0, must be between 1 and 16"),
             (&["count=2", "names=a,b"], "count= and names= are mutually exclusive"),
         ] {
-            let refused = hal_component::bench::Bench::new().load::<Userkins>(args);
+            let refused = hal_bench::Bench::new().load::<Userkins>(args);
             assert_eq!(refused.unwrap_err(), text);
         }
     }

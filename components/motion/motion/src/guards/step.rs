@@ -160,7 +160,7 @@ fn less(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hal_component::bench::Random;
+    use hal_bench::Random;
 
     const DT: f64 = 1e-3;
     const ON: MotorCommand = MotorCommand {

@@ -2,7 +2,8 @@
 
 use super::{Rig, near};
 use crate::Motmod;
-use hal_component::{abi::TicketState, bench::Bench};
+use hal_bench::Bench;
+use hal_component::abi::TicketState;
 use trivkins::Trivkins;
 
 #[test]

@@ -196,7 +196,7 @@ fn a_wheel_does_not_go_farther_onto_an_overridden_switch() {
 
 #[test]
 fn switches_of_joints_that_are_not_configured_do_nothing() {
-    let mut bench = hal_component::bench::Bench::new();
+    let mut bench = hal_bench::Bench::new();
     bench.load::<trivkins::Trivkins>(&[]).unwrap();
     bench.load::<crate::Motmod>(&["num_joints=2"]).unwrap();
     bench.command("motion.configure", &["joint=0", "max-velocity=5"]).unwrap();

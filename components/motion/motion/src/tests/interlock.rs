@@ -1,7 +1,8 @@
 //! The e-stop of iocontrol, which no wiring can bypass.
 
 use super::{PERIOD, Rig, near};
-use hal_component::{abi::TicketState, bench::Bench};
+use hal_bench::Bench;
+use hal_component::abi::TicketState;
 use toolchange::Iocontrol;
 use trivkins::Trivkins;
 

@@ -1,7 +1,8 @@
 //! The tables of `README.md`: commands of the service `motion`, and fields of its status.
 
 use super::Rig;
-use hal_component::{bench::Described, motion_kind, motion_setting};
+use hal_bench::Described;
+use hal_component::{motion_kind, motion_setting};
 use std::fmt::Write;
 
 const BEGIN: &str = "<!-- written by UPDATE_EXPECT=1 cargo test -p motion page -->\n";

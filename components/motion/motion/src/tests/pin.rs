@@ -1,7 +1,7 @@
 //! Names, types, directions, defaults and old names.
 
 use crate::{Motmod, pins::LETTERS};
-use hal_component::bench::Bench;
+use hal_bench::Bench;
 use trivkins::Trivkins;
 
 const JOINT: &str = "\

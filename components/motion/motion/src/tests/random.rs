@@ -1,7 +1,7 @@
 //! Random machines: orderly ones, which must keep every limit, and ones that receive invalid input.
 
 use super::{LIMITS, Rig};
-use hal_component::bench::Random;
+use hal_bench::Random;
 
 pub(super) fn orderly(random: &mut Random) -> String {
     let joint = random.pick(&[0, 1, 2]);

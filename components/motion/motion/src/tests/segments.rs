@@ -3,7 +3,7 @@
 
 use super::{DT, LIMITS, Rig};
 use hal_component::MotionStatus;
-use hal_component::bench::Random;
+use hal_bench::Random;
 use hal_watchman::{Limits, Report, Watchman};
 
 /// A machine with random commands, and its judge.

@@ -2,7 +2,7 @@
 
 use crate::Motmod;
 use hal_component::MotionStatus;
-use hal_component::bench::{Bench, Random};
+use hal_bench::{Bench, Random};
 use std::time::Instant;
 use trivkins::Trivkins;
 

@@ -8,9 +8,8 @@ use crate::{
     status,
     worker::{Files, Shared, Worker},
 };
-use hal_component::{
-    Builder, Component, Error, MotionRef, MotionStatus, abi::component_flags, bench::Bench,
-};
+use hal_bench::Bench;
+use hal_component::{Builder, Component, Error, MotionRef, MotionStatus, abi::component_flags};
 use hal_job::{Machine, World};
 use motion::Motmod;
 use std::{cell::RefCell, collections::BTreeMap};

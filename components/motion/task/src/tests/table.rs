@@ -1,10 +1,8 @@
 //! The tables of `README.md`: commands, and fields of the snapshot.
 
 use crate::{commands, status, status::TaskStatus, worker::Shared};
-use hal_component::{
-    Builder, Component, Error,
-    bench::{Bench, Described},
-};
+use hal_bench::{Bench, Described};
+use hal_component::{Builder, Component, Error};
 use std::fmt::Write;
 
 const BEGIN: &str = "<!-- written by UPDATE_EXPECT=1 cargo test -p task page -->\n";

@@ -1,5 +1,5 @@
 use super::Carousel;
-use hal_component::{bench::Bench, trace::replay};
+use hal_bench::{Bench, trace::replay};
 
 #[test]
 fn as_recorded() {

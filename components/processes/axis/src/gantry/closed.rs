@@ -4,7 +4,7 @@
 //! holds exactly.
 
 use super::Gantry;
-use hal_component::bench::{Bench, Random};
+use hal_bench::{Bench, Random};
 
 const STEP: f64 = 1.0 / 64.0;
 

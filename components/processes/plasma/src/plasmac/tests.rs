@@ -1,5 +1,5 @@
 use super::Plasmac;
-use hal_component::{bench::Bench, trace::replay};
+use hal_bench::{Bench, trace::replay};
 
 mod height;
 mod messages;

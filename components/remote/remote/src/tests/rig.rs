@@ -1,7 +1,8 @@
 //! A machine with a remote operator, whose pulses and beats take time.
 
 use crate::Remote;
-use hal_component::{Builder, Component, Error, MotionRef, MotionToken, bench::Bench};
+use hal_bench::Bench;
+use hal_component::{Builder, Component, Error, MotionRef, MotionToken};
 use motion::Motmod;
 use std::{cell::RefCell, collections::VecDeque};
 use trivkins::Trivkins;

@@ -1,6 +1,6 @@
 //! State of the bench, and the arguments of components and commands.
 
-use crate::abi::{
+use hal_component::abi::{
     self, ArgSpec, ArgValue, CommandRun, Free, PortQueue, Run, Slot, Str, StreamRef, Ticket, Use,
     Work, arg,
 };

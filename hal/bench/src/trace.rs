@@ -21,7 +21,8 @@
 //! signal, which `set` then sets. Numbers must be equal, or differ by no more than `within`. Bits
 //! are 0 and 1. `nan` equals itself.
 
-use crate::{Component, bench::Bench};
+use crate::Bench;
+use hal_component::Component;
 
 /// Replays every block of `table` with component type `C`. Returns the number of compared rows.
 ///
@@ -173,7 +174,7 @@ fn integer<T: core::str::FromStr>(word: &str) -> Result<T, String> {
 #[cfg(test)]
 mod tests {
     use super::Block;
-    use crate::{Builder, Component, Error, In, Out, Period, Touch, Update, Uses};
+    use hal_component::{Builder, Component, Error, In, Out, Period, Touch, Update, Uses};
 
     struct Twice {
         from: In<f64>,

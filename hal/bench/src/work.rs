@@ -5,7 +5,7 @@ use super::{
     host::{table, text, uses},
     table::Code,
 };
-use crate::{
+use hal_component::{
     Plain,
     abi::{
         self, FieldSpec, Page, PageReader, Record, SnapshotRef, SnapshotSpec, Status, WorkerSpec,

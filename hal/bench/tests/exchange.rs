@@ -1,9 +1,7 @@
 //! Rings, seqlocks and plain records, as an author uses them.
 
-use hal_component::{
-    Builder, Component, Error, In, Out, Period, Plain, RingReader, RingWriter, SeqReader,
-    SeqWriter, Touch, Update, abi::ty, bench::Bench,
-};
+use hal_bench::Bench;
+use hal_component::{Builder, Component, Error, In, Out, Period, Plain, RingReader, RingWriter, SeqReader, SeqWriter, Touch, Update, abi::ty};
 
 /// A record with every kind of field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Plain)]

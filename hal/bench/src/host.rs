@@ -1,7 +1,7 @@
 //! C side of the bench: the functions in the `Host` and `CallHost` records.
 
 use super::table::{Code, Laid, Table};
-use crate::abi::{
+use hal_component::abi::{
     self, ActionSpec, ArgValue, CommandSpec, FunctSpec, ItemSpec, Record, Ring, ServiceRef,
     ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
 };

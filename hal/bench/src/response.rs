@@ -11,7 +11,7 @@ use core::f64::consts::TAU;
 /// negative phase means that the output lags.
 ///
 /// ```
-/// use hal_component::bench::response;
+/// use hal_bench::response;
 ///
 /// let mut last = 0.0;
 /// let late = |x| std::mem::replace(&mut last, x) * 0.5;

@@ -27,7 +27,7 @@ impl Bench {
         let table = self.table.borrow();
         let (args, _) =
             table.commands.get(command).unwrap_or_else(|| panic!("no command {command}"));
-        let one = |a: &crate::abi::ArgSpec| Described {
+        let one = |a: &hal_component::abi::ArgSpec| Described {
             name: text(a.name),
             ty: String::new(),
             doc: text(a.doc),
@@ -42,7 +42,7 @@ impl Bench {
         let table = self.table.borrow();
         let page =
             table.snapshots.get(snapshot).unwrap_or_else(|| panic!("no snapshot {snapshot}"));
-        let one = |f: &crate::abi::FieldSpec| {
+        let one = |f: &hal_component::abi::FieldSpec| {
             let ty = types.get(usize::from(f.ty)).unwrap_or(&"?");
             let ty = if f.count == 1 { (*ty).to_owned() } else { format!("{ty} × {}", f.count) };
             Described { name: text(f.name), ty, doc: text(f.doc) }

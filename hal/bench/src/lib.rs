@@ -1,7 +1,8 @@
 //! Test bench for one or a few components without an engine: set pins, run functions, read pins.
 //!
 //! ```
-//! # use hal_component::{Component, In, Out, Period, Update, bench::Bench};
+//! # use hal_bench::Bench;
+//! # use hal_component::{Component, In, Out, Period, Update};
 //! # /// Inverts.
 //! # #[derive(Component)]
 //! # struct Not {
@@ -22,18 +23,21 @@
 //! assert!(bench.get::<bool>("not.1.out"));
 //! ```
 
+#![expect(unsafe_code, reason = "calls components through the binary contract")]
+
 mod describe;
 mod host;
 mod random;
 mod response;
 mod table;
+pub mod trace;
 mod work;
 
 pub use describe::Described;
 pub use random::Random;
 pub use response::response;
 
-use crate::{
+use hal_component::{
     Component, Value,
     abi::{
         self, CallHost, CommandRun, Host, PortQueue, Slot, Str, TicketState, Use, component_flags,
@@ -181,7 +185,7 @@ impl Bench {
                 snapshot: Some(work::snapshot),
             };
             // SAFETY: `host` lives for the duration of the call.
-            let status = unsafe { crate::create::<C>(&raw const host) };
+            let status = unsafe { hal_component::create::<C>(&raw const host) };
             if !status.is_ok() {
                 let text = core::mem::take(&mut self.table.borrow_mut().failed);
                 return Err(if text.is_empty() { format!("{status:?}") } else { text });
@@ -254,7 +258,7 @@ impl Bench {
         let queue = Box::new(unsafe { PortQueue::new(data.as_ptr(), size as u64) });
         let bits = (&raw const *queue).expose_provenance() as u64;
         // SAFETY: the slot belongs to the bench and points at its own or its signal's cell.
-        unsafe { Slot::cell(self.slot::<crate::Port>(name)) }.store(bits);
+        unsafe { Slot::cell(self.slot::<hal_component::Port>(name)) }.store(bits);
         self.table.borrow_mut().ports.push((queue, data));
     }
 
