@@ -1,11 +1,11 @@
 //! C side of the bench: the functions in the `Host` and `CallHost` records.
 
 use super::table::{Code, Laid, Table};
+use core::ffi::c_void;
 use hal_component::abi::{
     self, ActionSpec, ArgValue, CommandSpec, FunctSpec, ItemSpec, Record, Ring, ServiceRef,
     ServiceSpec, Slot, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use,
 };
-use core::ffi::c_void;
 use std::{cell::RefCell, sync::atomic::Ordering::Relaxed};
 
 pub(super) fn table<'t>(ctx: *const c_void) -> &'t RefCell<Table> {

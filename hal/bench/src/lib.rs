@@ -37,6 +37,7 @@ pub use describe::Described;
 pub use random::Random;
 pub use response::response;
 
+use core::ffi::c_void;
 use hal_component::{
     Component, Value,
     abi::{
@@ -44,7 +45,6 @@ use hal_component::{
         host_flags,
     },
 };
-use core::ffi::c_void;
 use std::{
     cell::RefCell,
     sync::atomic::{AtomicU8, Ordering::Relaxed},

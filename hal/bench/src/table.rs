@@ -1,10 +1,10 @@
 //! State of the bench, and the arguments of components and commands.
 
+use core::ffi::c_void;
 use hal_component::abi::{
     self, ArgSpec, ArgValue, CommandRun, Free, PortQueue, Run, Slot, Str, StreamRef, Ticket, Use,
     Work, arg,
 };
-use core::ffi::c_void;
 use std::{
     cell::{Cell, RefCell},
     collections::BTreeMap,

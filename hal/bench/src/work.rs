@@ -5,13 +5,13 @@ use super::{
     host::{table, text, uses},
     table::Code,
 };
+use core::ffi::c_void;
 use hal_component::{
     Plain,
     abi::{
         self, FieldSpec, Page, PageReader, Record, SnapshotRef, SnapshotSpec, Status, WorkerSpec,
     },
 };
-use core::ffi::c_void;
 
 /// Memory of a snapshot's page.
 pub(super) struct Memory {

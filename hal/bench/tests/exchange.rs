@@ -1,7 +1,10 @@
 //! Rings, seqlocks and plain records, as an author uses them.
 
 use hal_bench::Bench;
-use hal_component::{Builder, Component, Error, In, Out, Period, Plain, RingReader, RingWriter, SeqReader, SeqWriter, Touch, Update, abi::ty};
+use hal_component::{
+    Builder, Component, Error, In, Out, Period, Plain, RingReader, RingWriter, SeqReader,
+    SeqWriter, Touch, Update, abi::ty,
+};
 
 /// A record with every kind of field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Plain)]

@@ -8,8 +8,8 @@ use crate::{
     abi::{self, MOTION_TEXT, MotionAnswer, MotionCommand, Record, Status, Str, motion_source},
     shim,
 };
-use core::ffi::c_void;
 use commands::CommandTickets;
+use core::ffi::c_void;
 use std::sync::{Mutex, PoisonError};
 pub use user::{MotionEnd, MotionId, MotionRef, MotionRefusal, MotionToken};
 

@@ -104,7 +104,10 @@ impl Update for Sampling {
 mod tests {
     use super::Sampler;
     use hal_bench::Bench;
-    use hal_component::{Value, abi::{Consumer, Got}};
+    use hal_component::{
+        Value,
+        abi::{Consumer, Got},
+    };
 
     fn record(reader: &mut Consumer) -> Option<(u64, Vec<u64>)> {
         let mut values = Vec::new();

@@ -2,7 +2,9 @@
 
 use crate::rotation::{from_abc, to_vector};
 use hal_bench::{Bench, Random};
-use hal_component::{Builder, Component, Error, KinematicsRef, Pose, Unsolved, abi::component_flags};
+use hal_component::{
+    Builder, Component, Error, KinematicsRef, Pose, Unsolved, abi::component_flags,
+};
 use nalgebra::DMatrix;
 use std::cell::Cell;
 

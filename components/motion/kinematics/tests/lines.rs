@@ -2,7 +2,10 @@
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
 use hal_bench::Bench;
-use hal_component::{Builder, Component, Error, KinematicsRef, abi::{TicketState, component_flags}};
+use hal_component::{
+    Builder, Component, Error, KinematicsRef,
+    abi::{TicketState, component_flags},
+};
 use kinematics::{Corexykins, FiveAxiskins, Lineardeltakins, Pumakins, Scarakins, XyzacTrt};
 use std::cell::Cell;
 

@@ -2,7 +2,10 @@
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
 use hal_bench::{Bench, Random};
-use hal_component::{Builder, Component, Error, KinematicsRef, abi::{TicketState, component_flags}};
+use hal_component::{
+    Builder, Component, Error, KinematicsRef,
+    abi::{TicketState, component_flags},
+};
 use kinematics as k;
 use std::cell::Cell;
 

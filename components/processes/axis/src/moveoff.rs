@@ -2,7 +2,7 @@
 
 use crate::{
     follower::Follower,
-    waypoints::{EPSILON, MAX, Path, Phase, MAX_WAYPOINTS, MAX_TEST_WAYPOINTS},
+    waypoints::{EPSILON, MAX, MAX_TEST_WAYPOINTS, MAX_WAYPOINTS, Path, Phase},
 };
 use hal_component::{
     Builder, Clock, Component, Error, Gives, In, Messages, Out, Period, Takes, Touch, Update,
@@ -230,7 +230,11 @@ impl Read {
                 p.epsilon = if epsilon > EPSILON { epsilon } else { EPSILON };
                 p.seconds = self.waypoint_sample_secs.get();
                 p.threshold = self.waypoint_threshold.get();
-                p.room = if self.dbg_waypoint_limit_test.get() { MAX_TEST_WAYPOINTS } else { MAX_WAYPOINTS };
+                p.room = if self.dbg_waypoint_limit_test.get() {
+                    MAX_TEST_WAYPOINTS
+                } else {
+                    MAX_WAYPOINTS
+                };
                 p.count = 0;
                 if !enabled {
                     return CLEAR;

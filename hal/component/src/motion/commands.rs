@@ -102,7 +102,9 @@ mod tests {
         let first = commands.acquire("task").unwrap();
         assert_eq!(commands.acquire("other").unwrap_err(), "motion belongs to task");
         let again = commands.acquire("task").unwrap();
-        assert!(again != first && commands.owns(again) && !commands.owns(first) && !commands.owns(0));
+        assert!(
+            again != first && commands.owns(again) && !commands.owns(first) && !commands.owns(0)
+        );
         assert!(!commands.release(first) && commands.owns(again));
         assert!(commands.release(again) && !commands.owns(again));
         assert!(commands.acquire("other").is_ok());
@@ -130,7 +132,10 @@ mod tests {
         assert!(commands.open().is_none(), "all commands are in progress");
         ticket_of_next.done();
         held.done();
-        assert_eq!((commands.end_of(next), commands.end_of(first)), (MotionEnd::Done, MotionEnd::Done));
+        assert_eq!(
+            (commands.end_of(next), commands.end_of(first)),
+            (MotionEnd::Done, MotionEnd::Done)
+        );
         assert!(commands.open().is_some());
         others.iter().for_each(|t| t.done());
     }

@@ -158,7 +158,8 @@ impl Watch {
         if !others.is_empty() {
             os::processors::stay_among(&others);
         }
-        let (cases, left_inside) = (Vec::with_capacity(RESERVED_THREADS), Vec::with_capacity(RESERVED_THREADS));
+        let (cases, left_inside) =
+            (Vec::with_capacity(RESERVED_THREADS), Vec::with_capacity(RESERVED_THREADS));
         Self { shared, cpu, others, cases, near: false, left_inside }
     }
 

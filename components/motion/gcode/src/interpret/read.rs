@@ -1,7 +1,7 @@
 //! Reading of a line: limits, end of the program, words to values.
 
 use super::{
-    Interpreter, Run, Step, BlockError, BlockErrorAt,
+    BlockError, BlockErrorAt, Interpreter, Run, Step,
     block::Block,
     execute::Asked,
     hal::{Asking, Before},

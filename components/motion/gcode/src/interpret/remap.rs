@@ -1,7 +1,7 @@
 //! Remapped codes of a block: the call of their subroutine and the rest of the block after it.
 
 use super::{
-    Interpreter, Run, Step, BlockError,
+    BlockError, Interpreter, Run, Step,
     block::Block,
     codes::GGroup,
     execute::{Part, Pause},

@@ -4,7 +4,7 @@ use super::{Found, scan::o_word};
 use crate::{
     environment::Environment,
     error::Problem,
-    interpret::{Interpreter, BlockError, BlockErrorAt},
+    interpret::{BlockError, BlockErrorAt, Interpreter},
     parameters::system::Reader,
     remap::Hook,
     state::{Cursor, Level, LevelKind, Open, OpenKind},

@@ -4,14 +4,18 @@ use crate::{
     canon::{PathMode, Plane, Unit},
     environment::Environment,
     error::Problem,
-    interpret::{Interpreter, Run, BlockError, block::Block, codes::MGroup},
+    interpret::{BlockError, Interpreter, Run, block::Block, codes::MGroup},
     question::Request,
     state::{FeedMode, LevelKind, Modal, Saved},
 };
 
 impl Interpreter {
     /// Restores a saved state at the end of a subroutine.
-    pub(crate) fn restore(&mut self, saved: &Saved, env: &dyn Environment) -> Result<(), BlockError> {
+    pub(crate) fn restore(
+        &mut self,
+        saved: &Saved,
+        env: &dyn Environment,
+    ) -> Result<(), BlockError> {
         let mut out = core::mem::take(&mut self.late);
         let result = Run::new(&mut self.state, env, &mut out).restore(&saved.modal);
         self.late = out;

@@ -3,7 +3,10 @@
 use super::{DT, LIMITS, Rig, near};
 use crate::{controller::Controller, joint::Joint, make};
 use hal_bench::{Bench, Random};
-use hal_component::{Builder, Component, Error, In, Period, Touch, Update, abi::{ArgSpec, component_flags}};
+use hal_component::{
+    Builder, Component, Error, In, Period, Touch, Update,
+    abi::{ArgSpec, component_flags},
+};
 
 /// `motmod` with an error while `wrong.how` is not 0.
 pub(super) struct Wrong;

@@ -2,7 +2,10 @@
 
 use super::{DT, LIMITS, Rig};
 use hal_bench::Bench;
-use hal_component::{Builder, Component, Error, Kinematics, KinematicsKind, Pose, Solution, Solved, Touch, Unsolved, abi::component_flags};
+use hal_component::{
+    Builder, Component, Error, Kinematics, KinematicsKind, Pose, Solution, Solved, Touch, Unsolved,
+    abi::component_flags,
+};
 
 /// Returns the distance of a point from the line between two others.
 fn off_line(p: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {

@@ -2,8 +2,8 @@
 //! jogs at random moments.
 
 use super::{DT, LIMITS, Rig};
-use hal_component::MotionStatus;
 use hal_bench::Random;
+use hal_component::MotionStatus;
 use hal_watchman::{Limits, Report, Watchman};
 
 /// A machine with random commands, and its judge.

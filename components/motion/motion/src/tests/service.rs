@@ -2,7 +2,11 @@
 
 use super::{PERIOD, Rig};
 use hal_bench::{Bench, Random};
-use hal_component::{Builder, Component, Error, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal, MotionStatus, MotionToken, abi::TicketState, motion_flags as flags, motion_kind as kind, motion_setting, motion_source};
+use hal_component::{
+    Builder, Component, Error, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal,
+    MotionStatus, MotionToken, abi::TicketState, motion_flags as flags, motion_kind as kind,
+    motion_setting, motion_source,
+};
 use std::cell::RefCell;
 use trivkins::Trivkins;
 

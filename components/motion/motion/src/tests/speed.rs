@@ -1,8 +1,8 @@
 //! Cost of a cycle of nine joints, at rest and along a path.
 
 use crate::Motmod;
-use hal_component::MotionStatus;
 use hal_bench::{Bench, Random};
+use hal_component::MotionStatus;
 use std::time::Instant;
 use trivkins::Trivkins;
 

@@ -3,7 +3,10 @@
 use super::Rig;
 use crate::Iocontrol;
 use hal_bench::Bench;
-use hal_component::{Builder, Component, Error, InterlockRef, Out, Period, Touch, Update, abi::{TicketState, component_flags}};
+use hal_component::{
+    Builder, Component, Error, InterlockRef, Out, Period, Touch, Update,
+    abi::{TicketState, component_flags},
+};
 
 const STAYS: &str = "{iocontrol.0.emc-enable-in} stays TRUE: the e-stop chain does not follow \
                      {iocontrol.0.user-enable-out}, and what hangs at the chain goes on. Lead \

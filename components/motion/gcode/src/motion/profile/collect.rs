@@ -5,7 +5,7 @@ use crate::{
     canon::Issued,
     environment::Environment,
     error::Problem,
-    interpret::{Interpreter, Run, Step, BlockError, block::Block, codes::GGroup},
+    interpret::{BlockError, Interpreter, Run, Step, block::Block, codes::GGroup},
     motion::geometry::Point,
     parameters::system::Reader,
     program::Found,
