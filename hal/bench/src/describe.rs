@@ -13,6 +13,12 @@ pub struct Described {
     pub doc: String,
 }
 
+impl core::fmt::Debug for Bench {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Bench").field("items", &self.names()).finish_non_exhaustive()
+    }
+}
+
 #[expect(clippy::panic, reason = "a table for tests")]
 impl Bench {
     /// Returns the names of all commands, sorted.

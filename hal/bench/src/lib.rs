@@ -68,12 +68,6 @@ impl Default for Bench {
     }
 }
 
-impl core::fmt::Debug for Bench {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Bench").field("items", &self.names()).finish_non_exhaustive()
-    }
-}
-
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a table for tests")]
 impl Bench {
     /// Returns an empty bench with simulated hardware and a virtual clock at zero.
