@@ -197,6 +197,7 @@ pub enum Error {
         thread: Box<str>,
         funct: Box<str>,
     },
+    ThreadsLate,
     WorkerStuck {
         worker: Box<str>,
         component: Box<str>,
@@ -360,6 +361,10 @@ impl core::fmt::Display for Error {
             Self::Stuck { thread, funct } => {
                 write!(f, "thread '{thread}' is stuck in its cycle, in function '{funct}'")
             }
+            Self::ThreadsLate => f.write_str(
+                "no thread has begun a cycle: this computer gives them no time; try again when it \
+                 is less busy",
+            ),
             Self::WorkerStuck { worker, component } => {
                 write!(f, "worker '{worker}' of component '{component}' does not return")
             }

@@ -14,7 +14,7 @@ use super::{
     who,
 };
 use crate::{
-    os::progress::{self, processor_time},
+    os::progress::{self, Turn, processor_time},
     sync::{Arc, Ordering},
 };
 use std::sync::{Mutex, MutexGuard, TryLockError};
@@ -37,6 +37,8 @@ const STOP_LOOKS: u32 = 32;
 /// Time to wait for threads to leave their cycles, and for a lock that another thread holds, in
 /// milliseconds.
 const WAIT_MS: u32 = 100;
+/// Longest wait for threads that are inside their cycles but get no processor, in milliseconds.
+const LATE_WAIT_MS: u32 = 1000;
 /// Longest wait for the recording, in milliseconds: another thread may be writing to a busy disk.
 const TAPE_WAIT_MS: u32 = 1000;
 
@@ -276,13 +278,18 @@ impl Instance {
     /// left.
     fn is_still(&self) -> bool {
         let threads = self.shared.threads.load_full();
-        (0..WAIT_MS).any(|_| {
-            let still = threads.iter().all(|t| !t.gate.is_inside() || crash::has_crashed(t));
-            if !still {
-                sys::nap(1);
+        let mut held: Option<(u32, Turn)> = None;
+        for n in 0..LATE_WAIT_MS {
+            let mut inside = threads.iter().filter(|t| t.gate.is_inside());
+            let Some(thread) = inside.find(|t| !crash::has_crashed(t)) else { return true };
+            let turn = held.filter(|h| h.0 == thread.id).map_or_else(|| thread.turn(), |h| h.1);
+            held = Some((thread.id, turn));
+            if n >= WAIT_MS && !turn.is_denied() {
+                return false;
             }
-            still
-        })
+            sys::nap(1);
+        }
+        false
     }
 
     fn save(&self, why: &str) {

@@ -21,6 +21,7 @@ impl Error {
             Self::OutOfMemory => -12,
             Self::InUseBy { .. }
             | Self::Stuck { .. }
+            | Self::ThreadsLate
             | Self::WorkerStuck { .. }
             | Self::StreamTaken { .. } => -16,
             Self::Duplicate { .. } | Self::ModuleExists { .. } | Self::ServiceTaken { .. } => -17,

@@ -33,6 +33,31 @@ pub(crate) fn processor_time(tid: i32) -> Option<i64> {
     (status == 0).then_some(t.tv_sec * 1_000_000_000 + t.tv_nsec)
 }
 
+/// Observation of a thread, from which [`Turn::is_denied`] tells later whether the thread got a
+/// processor since.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn {
+    tid: i32,
+    used_ns: i64,
+    begun_ns: i64,
+}
+
+impl Turn {
+    /// Begins to observe a thread.
+    pub(crate) fn begin(tid: i32) -> Self {
+        let used_ns = processor_time(tid).unwrap_or(0);
+        Self { tid, used_ns, begun_ns: super::monotonic_ns() }
+    }
+
+    /// Returns whether the thread would have run since, but mostly waited for a processor: on a
+    /// busy computer such a thread is late, not stuck.
+    pub(crate) fn is_denied(self) -> bool {
+        let used = processor_time(self.tid).map(|now| now.saturating_sub(self.used_ns));
+        let passed = super::monotonic_ns().saturating_sub(self.begun_ns);
+        used.is_some_and(|used| used < passed / 4) && doing(self.tid) == Doing::Runs
+    }
+}
+
 /// Returns the current activity of a thread.
 pub(crate) fn doing(tid: i32) -> Doing {
     let mut path = [0; 48];
@@ -61,7 +86,39 @@ fn state(line: &[u8]) -> Doing {
 
 #[cfg(test)]
 mod tests {
-    use super::{Doing, doing, processor_time, state, this_thread};
+    use super::{Doing, Turn, doing, processor_time, state, this_thread};
+
+    #[test]
+    fn a_thread_that_computes_or_waits_is_not_denied_its_turn() {
+        let turn = Turn::begin(this_thread());
+        let begun = crate::os::monotonic_ns();
+        let mut used = 0;
+        while used < 5_000_000 {
+            used = processor_time(this_thread()).unwrap() - turn.used_ns;
+        }
+        let passed = crate::os::monotonic_ns() - begun;
+        // On a busy machine this thread may have been denied in truth.
+        assert!(!turn.is_denied() || used < passed / 2, "{used} of {passed}");
+        // A thread that has used nothing of the time that has passed.
+        let denied = Turn { begun_ns: turn.begun_ns - 3_600_000_000_000, ..turn };
+        assert!(denied.is_denied());
+        let (tell, told) = std::sync::mpsc::channel();
+        let (end, ended) = std::sync::mpsc::channel::<()>();
+        let waits = std::thread::spawn(move || {
+            tell.send(this_thread()).unwrap();
+            ended.recv().unwrap_err();
+        });
+        let tid = told.recv().unwrap();
+        while doing(tid) != Doing::Waits {
+            std::thread::yield_now();
+        }
+        assert!(
+            !Turn { begun_ns: 0, ..Turn::begin(tid) }.is_denied(),
+            "it waits in a call of its own"
+        );
+        drop(end);
+        waits.join().unwrap();
+    }
 
     #[test]
     fn states() {

@@ -180,18 +180,14 @@ impl Runtime {
         self.shared.fault.clear();
     }
 
-    /// Returns the error that names the thread that does not leave its cycle.
+    /// Returns the error that names the thread that does not leave its cycle, if one is inside.
     pub(crate) fn stuck(&self) -> Error {
         let threads = self.shared.threads.load();
-        let inside = threads.iter().find(|t| t.gate.is_inside());
-        let (thread, funct) = inside.map_or_else(
-            || ("?".into(), "?".into()),
-            |t| {
-                let funct = t.running().map_or("?".into(), |(_, funct)| funct.as_str().into());
-                (t.name.as_str().into(), funct)
-            },
-        );
-        Error::Stuck { thread, funct }
+        let Some(inside) = threads.iter().find(|t| t.gate.is_inside()) else {
+            return Error::ThreadsLate;
+        };
+        let funct = inside.running().map_or("?".into(), |(_, funct)| funct.as_str().into());
+        Error::Stuck { thread: inside.name.as_str().into(), funct }
     }
 
     /// Returns the function that does not return: as the watchdog found it, or the one whose thread

@@ -7,7 +7,7 @@ use crate::{
     load::code::Code,
     name::Name,
     observe::probe::Probe,
-    os,
+    os::{self, progress::Turn},
     realtime::account::Account,
     realtime::shared::Shared,
     sync::{Arc, AtomicBool, AtomicI32, AtomicI64, AtomicU32, AtomicU64, Ordering},
@@ -139,6 +139,11 @@ impl Thread {
             latency: [const { AtomicU64::new(0) }; BINS],
             end: AtomicBool::new(false),
         }
+    }
+
+    /// Begins to observe whether this thread gets a processor.
+    pub(crate) fn turn(&self) -> Turn {
+        Turn::begin(self.tid.load(Ordering::Relaxed))
     }
 
     /// Runs one cycle at this machine time, if threads are started. Returns the function that took

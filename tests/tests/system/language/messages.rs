@@ -37,6 +37,10 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ),
     ("this client has not joined as a component", "tests/tests/system/faults/clients.rs"),
     ("thread '*' is stuck in its cycle, in function '*'", "tests/tests/system/faults/edits.rs"),
+    (
+        "no thread has begun a cycle: this computer gives them no time; try again when it is less busy",
+        "a computer that runs no thread for ten seconds",
+    ),
     ("signal '*' is a port and cannot have I/O pin(s)", REFUSALS),
     ("signal '*' is a port and can only have one input pin", REFUSALS),
     ("there is no thread to sample in", SAMPLES),

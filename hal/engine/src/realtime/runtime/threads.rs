@@ -11,6 +11,9 @@ use crate::{
     sync::{Arc, Ordering},
 };
 
+/// Time after [`TIMEOUT_NS`] for which threads that get no processor are waited for, in nanoseconds.
+const LATE_NS: i64 = 8_000_000_000;
+
 /// Changes.
 impl Runtime {
     /// Carries out a change: directly if no cycle can see a part of it, otherwise at a boundary.
@@ -39,17 +42,21 @@ impl Runtime {
         boundary.offer(change);
         // The fastest thread may first have to finish a whole period.
         let round = self.shared.threads.load().first().map_or(0, |t| t.period_ns);
-        let limit = os::monotonic_ns().saturating_add(self.settle_ns).saturating_add(round);
+        let limit_ns = self.settle_ns.saturating_add(round);
         self.control().be_patient();
-        while !boundary.is_taken() {
-            if os::monotonic_ns() > limit && boundary.withdraw() {
-                self.control().have_waited();
-                return Err(self.stuck());
-            }
+        let taken = self.shared.wait_within(limit_ns, self.late_ns(), || boundary.is_taken());
+        let withdrawn = !taken && boundary.withdraw();
+        // A change that cannot be withdrawn is being carried out.
+        while !withdrawn && !boundary.is_taken() {
             os::sleep_until(os::monotonic_ns() + 20_000);
         }
         self.control().have_waited();
-        Ok(())
+        if withdrawn { Err(self.stuck()) } else { Ok(()) }
+    }
+
+    /// Returns the time for which a wait for threads goes on while none gets a processor.
+    const fn late_ns(&self) -> i64 {
+        if self.settle_ns < TIMEOUT_NS { 0 } else { LATE_NS }
     }
 
     /// Returns whether lists or threads can be freed.
@@ -71,7 +78,8 @@ impl Runtime {
             return Ok(());
         }
         self.control().be_patient();
-        self.quiet = self.shared.settle_within(self.settle_ns);
+        let quiet = || !self.shared.is_inside();
+        self.quiet = self.shared.wait_within(self.settle_ns, self.late_ns(), quiet);
         self.control().have_waited();
         if self.quiet { Ok(()) } else { Err(self.stuck()) }
     }
