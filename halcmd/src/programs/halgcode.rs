@@ -9,6 +9,7 @@
 //! | `path` | the way of the tool in machine coordinates |
 //! | `plot`, `views` | `plot`: pictures of the way |
 //! | `format`, `tokens`, `metric` | `format`: tidy text, line numbers, millimetres for inches |
+//! | `language` | the option for the dialect of a program |
 //! | `state` | `state`: the interpreter's state at a line |
 //! | `apt`, `apt/` | `apt`: cutter-location files for a robot arm: its cell from an INI file, the report, the files written |
 
@@ -18,6 +19,7 @@ mod check;
 mod clock;
 mod filter;
 mod format;
+mod language;
 mod metric;
 mod plot;
 mod printer;

@@ -10,6 +10,7 @@
 //! | [`motion`] | moves, arcs, compensation, cycles, splines, probing, threads |
 //! | [`canon`] | canonical calls and the frame from program to machine |
 //! | [`tool`] | tools and tool tables |
+//! | [`dialect`] | the languages of programs: LinuxCNC's, RS274-D |
 //! | [`environment`] | the world's facts |
 //! | [`question`] | the questions to the machine and its answers |
 //! | [`remap`] | codes that run a subroutine, as an INI file asks |
@@ -25,6 +26,7 @@
 
 pub mod axis;
 pub mod canon;
+pub mod dialect;
 pub mod environment;
 pub mod error;
 pub mod interpret;
@@ -38,6 +40,7 @@ pub mod text;
 pub mod tool;
 
 pub use canon::{Call, Issued};
+pub use dialect::Dialect;
 pub use environment::{Environment, Source, Text};
 pub use error::Error;
 pub use interpret::{Interpreter, Step};

@@ -7,6 +7,7 @@ mod changer;
 mod golden;
 mod input;
 mod oracle;
+mod rs274d;
 mod state;
 mod support;
 mod world;
