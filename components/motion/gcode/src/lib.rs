@@ -9,6 +9,7 @@
 //! | [`interpret`] | a block: its groups, checks and order |
 //! | [`motion`] | moves, arcs, compensation, cycles, splines, probing, threads |
 //! | [`canon`] | canonical calls and the frame from program to machine |
+//! | [`ticks`] | T-mode: a program as single steps of X, Y and Z |
 //! | [`tool`] | tools and tool tables |
 //! | [`dialect`] | the languages of programs: LinuxCNC's, RS274-D |
 //! | [`environment`] | the world's facts |
@@ -37,6 +38,7 @@ pub mod question;
 pub mod remap;
 pub mod state;
 pub mod text;
+pub mod ticks;
 pub mod tool;
 
 pub use canon::{Call, Issued};

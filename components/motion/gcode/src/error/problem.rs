@@ -184,6 +184,11 @@ problems! {
     NurbsOrder: "L word out of range for G5.2", "";
     NurbsNotOpen: "Cannot use G5.3 without G5.2 first", "";
 
+    // Ticks.
+    NoTicks { what: &'static str }: "T-mode has no {what}", "it has straight lines, and arcs in XY";
+    TicksTooMany { limit: u64 }: "more than {limit} ticks", "use fewer steps to the inch";
+    TicksTooFar: "the place is more than 2147483647 steps away", "use fewer steps to the inch";
+
     // Cycles.
     CycleRepeats: "Cannot do zero repeats of cycle", "";
     CycleR { letter: char, plane: &'static str }: "R less than {letter} in cycle in {plane} plane", "";

@@ -10,4 +10,5 @@ mod oracle;
 mod rs274d;
 mod state;
 mod support;
+mod ticks;
 mod world;
