@@ -7,7 +7,7 @@ use hal_gcode::{
     Call, Dialect, Interpreter, Issued, Numbered, Settings,
     axis::{AxisMask, Position},
     canon::{Frame, Plane, Unit},
-    ticks::{Kind, Move, Resolution, Step, Ticks, arc, line},
+    ticks::{Figures, Kind, Move, Resolution, Step, Ticks, arc, line},
 };
 
 use crate::support::{World, run_with};
@@ -256,4 +256,100 @@ fn what_t_mode_has_not_is_refused_by_name() {
     }
     let nan = follow(&[], Resolution { scale: f64::NAN, ..Resolution::default() });
     assert!(nan.is_err());
+}
+
+fn part(name: &str) -> String {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../configs/maxnc");
+    std::fs::read_to_string(format!("{folder}/{name}.nc")).unwrap()
+}
+
+fn figures(text: &str) -> Figures {
+    let (steps, moves, _) = follow(&interpreted(text), Resolution::default()).unwrap();
+    let mut out = Figures::default();
+    steps.iter().for_each(|s| out.step(*s));
+    moves.iter().for_each(|m| out.moved(m));
+    out
+}
+
+/// The table of the two parts, cell by cell: as they are in inches, and in millimetres.
+#[test]
+fn the_two_parts_have_the_ticks_of_the_reference() {
+    let rows = [
+        (
+            "scissors-a",
+            114_968,
+            [96_936, 18_032, 0],
+            [90_000, 26_000, 17_000],
+            [32_000, 6000],
+            29.8629,
+            119.45,
+            [6, 17, 5, 1],
+        ),
+        (
+            "scissors-b",
+            109_796,
+            [86_592, 23_204, 0],
+            [78_000, 42_000, 13_000],
+            [26_000, 10_000],
+            28.8787,
+            115.51,
+            [7, 17, 6, 1],
+        ),
+        (
+            "scissors-b-plunged",
+            113_796,
+            [90_592, 23_204, 0],
+            [78_000, 42_000, 17_000],
+            [26_000, 10_000],
+            29.8787,
+            119.51,
+            [7, 18, 6, 1],
+        ),
+    ];
+    for (name, ticks, by_axes, steps, [x, y], length, seconds, moves) in rows {
+        let inches = part(name);
+        for text in [inches.clone(), in_millimetres(&inches)] {
+            let f = figures(&text);
+            assert_eq!((f.ticks, f.by_axes, f.steps), (ticks, by_axes, steps), "{name}");
+            assert_eq!((f.low, f.high), ([0, 0, -1000], [x, y, 1000]), "{name}");
+            assert_eq!((f.place, f.moves), ([0; 3], moves), "{name}");
+            assert!((f.length - length).abs() < 5e-5, "{name}: {}", f.length);
+            assert!((f.seconds - seconds).abs() < 5e-3, "{name}: {}", f.seconds);
+        }
+    }
+}
+
+/// Returns a program in inches with G21 and each word of a length times 25.4.
+fn in_millimetres(text: &str) -> String {
+    let mut out = String::new();
+    for line in text.lines() {
+        let code = line.split('#').next().unwrap_or_default().replace("G20", "G21");
+        let mut rest = code.as_str();
+        while let Some(at) = rest.find(['X', 'Y', 'Z', 'I', 'J']) {
+            out.push_str(&rest[..=at]);
+            rest = &rest[at + 1..];
+            let end = rest.find(char::is_alphabetic).unwrap_or(rest.len());
+            let value: f64 = rest[..end].trim().parse().unwrap();
+            out.push_str(&format!("{:.5} ", value * 25.4));
+            rest = &rest[end..];
+        }
+        out.push_str(rest);
+        out.push('\n');
+    }
+    out
+}
+
+/// As printed, both parts contradict themselves in line 7.
+#[test]
+fn the_printed_parts_are_refused_in_line_7() {
+    for name in ["scissors-a-printed", "scissors-b-printed"] {
+        let settings = Settings { dialect: Dialect::Rs274d, ..Settings::default() };
+        let mut it = Interpreter::new(settings, Numbered::default());
+        it.load(name, Arc::new(part(name).into_bytes()));
+        let (_, error) = run_with(&mut it, &World::new(), |_| {});
+        let error = error.unwrap();
+        assert_eq!((error.place.line, error.place.column), (7, 1), "{error}");
+        let wanted = "Radius to end of arc differs from radius to start";
+        assert!(error.to_string().contains(wanted), "{error}");
+    }
 }

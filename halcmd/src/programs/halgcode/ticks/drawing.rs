@@ -167,7 +167,7 @@ impl Picture for Drawing {
             self.scale
         );
         root.draw_text(&said, &left(13, PALE), (16, 38))?;
-        // The part lies in a square, whose side is the smaller one of the picture.
+        // Both directions have the same scale.
         let axes = self.axes();
         let ends = axes.iter().map(|(_, end)| self.project(*end));
         let all = self.chains.iter().flat_map(|c| &c.points).map(|p| self.project(*p));
@@ -177,8 +177,9 @@ impl Picture for Drawing {
             high = (high.0.max(x), high.1.max(y));
         }
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
-        let side = (width.min(height - TOP) - 2.0 * MARGIN).max(10.0);
-        let scale = side / (high.0 - low.0).max(high.1 - low.1).max(1e-9);
+        let room = (width - 2.0 * MARGIN, height - TOP - 2.0 * MARGIN);
+        let fits = |room: f64, low: f64, high: f64| room.max(10.0) / (high - low).max(1e-9);
+        let scale = fits(room.0, low.0, high.0).min(fits(room.1, low.1, high.1));
         let centre = (f64::midpoint(low.0, high.0), f64::midpoint(low.1, high.1));
         let pixel = |point: [f64; 3]| {
             let (x, y) = self.project(point);
