@@ -175,6 +175,7 @@ const AT_REST: Step = Step {
     feed: 0.0,
     highest: 0.0,
     moving: false,
+    rests: true,
 };
 
 impl Path {
@@ -253,7 +254,7 @@ impl Path {
         let retracts = self.retracts(&drive);
         let session = self.session.as_mut()?;
         let is_paused = self.paused && !retracts;
-        let mut holds = self.stop.is_some() || is_paused || !self.last.moving && !drive.may_begin;
+        let mut holds = self.stop.is_some() || is_paused || self.last.rests && !drive.may_begin;
         let mut reverse = self.reverse != drive.reverse;
         let (scale, mut top) = match retracts {
             true => (drive.retract, drive.retract_top),

@@ -1,6 +1,6 @@
 //! Paths: arcs, blends, outputs on the way, pauses, steps, reverse motion, and refusals before anything moves.
 
-use super::{DT, Rig};
+use super::{DT, LIMITS, Rig};
 use hal_component::MotionStatus;
 use hal_component::abi::TicketState;
 
@@ -135,7 +135,9 @@ fn corners_are_blended_within_their_tolerance() {
         lines.dedup();
         assert_eq!(lines, [0, 1, 2, 3, 0], "{mode}");
         assert!(seen > 10 && nearest < 2.0 * tolerance + 1e-9, "{mode}: {nearest}");
-        assert_eq!(slowest < 1e-6, mode == "stop", "{mode}: {slowest}");
+        // An exact stop passes the corner itself, and what moves in the cycles beside it only begins or ends.
+        assert_eq!(nearest < 1e-9, mode == "stop", "{mode}: {nearest}");
+        assert!(mode != "stop" || slowest < 0.5 * LIMITS[0].1 * DT, "{mode}: {slowest}");
         assert_eq!(rig.places(), [0.0; 3]);
         times.push(cycles);
     }
