@@ -155,8 +155,9 @@ pub(crate) struct Path {
     velocity: f64,
     /// Travel since the start of the current move.
     travelled: f64,
-    /// Direction in x and y, in degrees.
+    /// Direction in x and y, in degrees, and a step in that direction.
     heading: f64,
+    direction: [f64; 2],
     scale: f64,
     /// Reason of the last move that the planner refused, until it is taken.
     refused: Option<Refusal>,
@@ -208,6 +209,7 @@ impl Path {
             velocity: 0.0,
             travelled: 0.0,
             heading: 0.0,
+            direction: [0.0; 2],
             scale: 1.0,
             refused: None,
             failed: None,

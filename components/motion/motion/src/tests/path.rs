@@ -27,8 +27,14 @@ fn pins_and_snapshot_tell_about_the_current_move() {
     rig.say("motion.arc center-x=20 velocity=30 line=7");
     rig.say("motion.tool-offset z=-12.5 x=0.25");
     rig.begin();
-    rig.cycles(500);
-    assert!(rig.is("motion.interp.iscircle"));
+    rig.cycles(5);
+    let (slow, up) = (rig.float("tc.0.vel"), rig.float("tc.0.acc"));
+    rig.cycle();
+    assert!(
+        up > 100.0 && (rig.float("tc.0.acc") - (rig.float("tc.0.vel") - slow) / DT).abs() < 1e-6
+    );
+    rig.cycles(494);
+    assert!(rig.is("motion.interp.iscircle") && rig.float("tc.0.acc").abs() < 1e-6);
     assert_eq!(rig.float("motion.interp.feedrate"), 30.0);
     assert_eq!(rig.bench.get::<i32>("motion.interp.line-number"), 7);
     assert_eq!(rig.bench.get::<i32>("motion.interp.motion-type"), 3);
