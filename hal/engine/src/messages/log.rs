@@ -84,7 +84,7 @@ impl Log {
 
     /// Logs the messages of components. `left` are components without a name that may still send
     /// some.
-    pub(crate) fn hear(&mut self, shared: &Shared, graph: &Graph, left: &[Ix]) {
+    pub(crate) fn drain_messages(&mut self, shared: &Shared, graph: &Graph, left: &[Ix]) {
         let mut heard = Vec::new();
         while let Some(m) = shared.mailbox.message() {
             self.voices.get(&m.component).inspect(|voice| voice.heard());

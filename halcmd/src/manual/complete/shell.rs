@@ -6,7 +6,7 @@ use crate::{
     programs::{
         hal_manualtoolchange, halcmd, halgcode, halrun, halsampler, halscope, halsetup,
         halstreamer, haltest,
-        options::{Opt, Subcommand},
+        options::{Opt, Subcommand, VERSION_HELP},
     },
     session::remote::Remote,
 };
@@ -32,6 +32,9 @@ pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
         "hal_manualtoolchange" => option_or_file(&hal_manualtoolchange::completable(), rest, &word),
         _ => program_words(name, &halcmd::completable(), rest, &word),
     };
+    if rest.is_empty() && word.starts_with('-') && "--version".starts_with(&word) {
+        found.candidates.push(Candidate::new("--version", VERSION_HELP));
+    }
     let cut = current.and_then(|c| word.strip_suffix(c)).map_or(0, str::len);
     for candidate in &mut found.candidates {
         candidate.word = candidate.word.get(cut..).unwrap_or_default().to_owned();

@@ -15,7 +15,7 @@ impl Flight {
             if still {
                 probe.look(now);
             }
-            self.hear(&probe, &columns, true);
+            self.read_changes(&probe, &columns, true);
             self.probe = Some((id, probe, columns));
         }
         self.event(now, &format!("crash: {why}"));
@@ -28,7 +28,7 @@ impl Flight {
 
     /// Reads queued changes. `whole` says that no sample is in progress, so no more changes of the
     /// latest one will come.
-    pub(super) fn hear(&mut self, probe: &Probe, columns: &[u32], whole: bool) {
+    pub(super) fn read_changes(&mut self, probe: &Probe, columns: &[u32], whole: bool) {
         let looks = probe.looks();
         while let Some((time, which, bits)) = probe.change() {
             let Some(column) = columns.get(which as usize).copied() else { continue };
