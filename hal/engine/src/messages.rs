@@ -28,6 +28,6 @@ impl Engine {
 
     /// Logs the messages of components.
     pub(crate) fn drain_messages(&mut self) {
-        self.log.drain_messages(self.runtime.shared(), self.model.graph(), self.model.left());
+        self.log.drain_messages(self.runtime.shared(), self.model.graph(), self.model.departed());
     }
 }

@@ -132,7 +132,7 @@ impl Engine {
 
     /// Carries out the staged effects.
     fn commit(&mut self) -> Result<Taken, Error> {
-        self.part_probes(&self.model.removed_nodes());
+        self.end_probes(&self.model.removed_nodes());
         let staged = self.model.staged();
         let (dry, starts) = (staged.is_dry(), staged.starts());
         let faulty = starts && self.runtime.fault().is_some();
@@ -148,8 +148,9 @@ impl Engine {
             }
         }
         let threads = self.runtime.has_threads() || self.model.staged().has_new_threads();
-        let seen = threads && self.runtime.is_running() && !self.runtime.is_virtual();
-        let (early, change) = if seen { self.model.split(change)? } else { (Vec::new(), change) };
+        let is_visible = threads && self.runtime.is_running() && !self.runtime.is_virtual();
+        let (early, change) =
+            if is_visible { self.model.split(change)? } else { (Vec::new(), change) };
         let taken = Taken { stores: change.stores.len(), lists: change.lists.len() };
         if dry {
             self.roll_back();
@@ -202,12 +203,13 @@ impl Engine {
         if done.starts() {
             self.run_threads();
         }
-        let (pending_removal, parting) = (done.take_going(), done.take_parting());
+        let (pending_removal, ended_probes) =
+            (done.take_pending_removal(), done.take_ended_probes());
         let (_log, _orders, before) = done.into_log();
         self.model.keep(before);
         if !pending_removal.is_empty() {
             self.model.has_left(pending_removal.iter().filter_map(PendingRemoval::component));
-            self.have_parted(parting);
+            self.remove_probes(ended_probes);
             pending_removal.iter().for_each(|removal| self.release(*removal));
             self.reap();
             if !self.runtime.is_virtual() && self.runtime.is_running() {
@@ -224,7 +226,7 @@ impl Engine {
     /// is kept until it ends.
     fn roll_back(&mut self) {
         let mut staged = self.model.take_staged();
-        let pending_removal = staged.take_going();
+        let pending_removal = staged.take_pending_removal();
         let (log, orders, before) = staged.into_log();
         let Some(before) = before else { return };
         pending_removal

@@ -74,7 +74,7 @@ impl Default for Joiner {
 impl Joiner {
     /// Adds a message. `text` has `{}` in place of numbers, or something else that is the same for
     /// all messages of the site.
-    pub(crate) fn say(
+    pub(crate) fn add(
         &mut self,
         at: i64,
         (component, name): (u32, &str),
@@ -255,7 +255,7 @@ mod tests {
         let mut lines = Vec::new();
         let name = ["one", "two", "three"][who as usize];
         let said = Said::Numbers(numbers.to_vec());
-        joiner.say(ms * MS, (who, name), (1, text), said, &mut lines);
+        joiner.add(ms * MS, (who, name), (1, text), said, &mut lines);
         lines.into_iter().map(|l| l.text).collect()
     }
 
@@ -356,7 +356,7 @@ mod tests {
         let mut joiner = Joiner::default();
         let mut lines = Vec::new();
         for (ms, n) in [(0, 7), (10, 5), (20, 6), (2000, 1)] {
-            joiner.say(ms * MS, (0, "one"), (2, "{} lost"), Said::Count(n), &mut lines);
+            joiner.add(ms * MS, (0, "one"), (2, "{} lost"), Said::Count(n), &mut lines);
         }
         let lines: Vec<String> = lines.into_iter().map(|l| l.text).collect();
         assert_eq!(lines, ["one: 7 lost", "one: 11 lost", "one: 1 lost"]);

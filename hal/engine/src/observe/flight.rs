@@ -132,7 +132,7 @@ impl Engine {
             && self.runtime.is_virtual()
         {
             // A script may have changed values while time stood still.
-            probe.look(now);
+            probe.sample(now);
         }
         self.drain_flight();
         let at_once = self.runtime.is_virtual();

@@ -157,7 +157,13 @@ fn option_words(options: &[Opt<()>]) -> Vec<Candidate> {
 
 /// Completes the value of an option.
 fn value_of(option: &Opt<()>, word: &str) -> Completion {
+    let one_of = |words: &[&str]| {
+        let all = words.iter().map(|word| Candidate::new(*word, option.help)).collect();
+        Completion { candidates: begun(all, word), ..Completion::default() }
+    };
     match option.value {
+        _ if option.long == Some("clock") => one_of(&["real", "virtual"]),
+        _ if option.long == Some("compat") => one_of(&["2.9", "2.10"]),
         Some("FILE") => Completion { files: true, ..Completion::default() },
         Some("NAME") => {
             Completion { candidates: begun(instances(), word), ..Completion::default() }
