@@ -9,6 +9,7 @@ pub mod halsampler;
 pub mod halscope;
 pub mod halsetup;
 pub mod halstreamer;
+pub mod haltcl;
 pub mod haltest;
 pub mod options;
 mod picture;

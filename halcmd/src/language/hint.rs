@@ -46,6 +46,10 @@ impl Error {
             | Self::NotApplied { why, .. } => Some(why.to_string()),
             Self::IniNotFound { folders, .. } => Some(format!("looked in {folders}")),
             Self::NotYet { instead, .. } => Some((*instead).to_owned()),
+            Self::NoTclsh => Some("apt-get install tcl".to_owned()),
+            Self::LoadsDiffer { .. } => {
+                Some("with TWOPASS all loadrt lines of a component become one".to_owned())
+            }
             _ => None,
         }
     }
