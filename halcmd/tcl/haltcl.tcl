@@ -93,7 +93,7 @@ if {[info exists env(FERRULE_TRIAL)]} {
 ::ferrule::commands
 ::ferrule::passes
 ::ferrule::keep_own_hal
-if {[info exists env(FERRULE_TCL)] || $::ferrule::ini ne {}} { parse_ini }
+parse_ini
 if {$argv eq {}} { ::ferrule::prompt }
 set argv0 [lindex $argv 0]
 set argv [lrange $argv 1 end]

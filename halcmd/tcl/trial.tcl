@@ -4,7 +4,7 @@
 namespace eval ::ferrule {
     # The safe interpreter.
     variable child {}
-    # Files that the script would have written, which it may read again.
+    # Contents of files that the script would have written, by name.
     variable written {}
     # What the script printed last.
     variable said {}
@@ -25,7 +25,7 @@ proc ::ferrule::trial {words} {
     foreach name {hal parse_ini} { copy ::$name }
     copy ::ferrule::commands
     $child eval [list namespace eval ::ferrule [list variable here $here]]
-    $child alias ::ferrule::request ::ferrule::request
+    $child alias ::ferrule::request ::ferrule::trial_request
     $child eval {rename puts ::ferrule::puts; rename package ::ferrule::package}
     foreach name {puts package source file open after} { $child alias $name ::ferrule::trial_$name }
     foreach name {glob pwd} { $child alias $name ::$name }
@@ -73,6 +73,18 @@ proc ::ferrule::outside {name args} {
     return -code error -errorcode {FERRULE UNKNOWN} "'$name' is not executed in a check"
 }
 
+# Sends a request of the script. The file that `save` would write is kept here.
+proc ::ferrule::trial_request {args} {
+    variable written
+    if {[lindex $args 0] ne "do" || [lindex $args 3] ne "save" || [llength $args] != 6} {
+        return [request {*}$args]
+    }
+    set answer [request {*}[lrange $args 0 4]]
+    if {[lindex $answer 0] ne "ok"} { return $answer }
+    dict set written [file normalize [lindex $args 5]] [lindex $answer 1]\n
+    return {ok {}}
+}
+
 proc ::ferrule::trial_source {args} {
     variable child
     $child invokehidden source {*}$args
@@ -107,24 +119,29 @@ proc ::ferrule::trial_file {verb args} {
     switch $verb {
         delete - copy - rename - mkdir - attributes - link { return }
         exists - isfile - readable {
-            if {[file normalize [lindex $args 0]] in $written} { return 1 }
+            if {[dict exists $written [file normalize [lindex $args 0]]]} { return 1 }
         }
     }
     file $verb {*}$args
 }
 
-# Opens a file for reading. One that the script has written is empty.
+# Opens a file for reading. What a script writes itself goes nowhere, and is not there when it is read.
 proc ::ferrule::trial_open {path {mode r} args} {
     variable child
     variable written
     if {[string index [string trimleft $path] 0] eq "|"} { outside "open $path" }
     set whole [file normalize $path]
-    if {$mode ni {r rb} || $whole in $written} {
-        lappend written $whole
-        set path /dev/null
-        if {[string match *w* $mode] || [string match *a* $mode]} { set mode w }
+    if {$mode ni {r rb}} {
+        dict set written $whole {}
+        set channel [open /dev/null w]
+    } elseif {[dict exists $written $whole]} {
+        set channel [file tempfile name]
+        file delete $name
+        puts -nonewline $channel [dict get $written $whole]
+        seek $channel 0
+    } else {
+        set channel [open $path $mode]
     }
-    set channel [open $path $mode]
     interp transfer {} $channel $child
     return $channel
 }

@@ -162,9 +162,14 @@ impl Session<'_> {
             }
             Ok(Command::Source(_)) | Err(_) => true,
             // A Tcl script may depend on what there is.
-            Ok(Command::Value(_) | Command::TypeOf(_) | Command::List(..) | Command::Show(..)) => {
-                is_second || reads
-            }
+            Ok(
+                Command::Value(_)
+                | Command::TypeOf(_)
+                | Command::List(..)
+                | Command::Show(..)
+                | Command::Save(..)
+                | Command::Status(_),
+            ) => is_second || reads,
             Ok(_) => is_second,
         };
         Ok(runs.then_some(command))

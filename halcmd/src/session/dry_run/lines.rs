@@ -53,6 +53,7 @@ impl Session<'_> {
             other @ (Command::Value(_)
             | Command::TypeOf(_)
             | Command::Show(..)
+            | Command::Save(_, None)
             | Command::List(..))
                 if self.returned.is_some() =>
             {

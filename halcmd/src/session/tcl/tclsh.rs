@@ -81,15 +81,19 @@ impl Tclsh {
         let ready = {
             let mut fds = [PollFd::new(&self.from, PollFlags::IN)];
             match poll(&mut fds, Some(&wait)) {
-                Ok(_) => fds.iter().any(|fd| fd.revents().contains(PollFlags::IN)),
-                Err(Errno::INTR) => false,
+                Ok(_) => fds.iter().fold(PollFlags::empty(), |all, fd| all | fd.revents()),
+                Err(Errno::INTR) => PollFlags::empty(),
                 Err(error) => return Err(error.into()),
             }
         };
-        if ready {
+        if ready.contains(PollFlags::IN) {
             let mut chunk = [0; 65536];
             let n = read(&self.from, &mut chunk)?;
             return Ok(Event::Bytes(chunk.get(..n).unwrap_or_default().to_vec()));
+        }
+        if !ready.is_empty() {
+            // It has closed the pipe, as it does when it ends.
+            return self.child.wait().map(Event::Ended);
         }
         let ended = self.child.try_wait()?;
         Ok(ended.map_or(Event::Nothing, Event::Ended))
