@@ -11,6 +11,7 @@ pub mod halsetup;
 pub mod halstreamer;
 pub mod haltcl;
 pub mod haltest;
+pub mod linuxcnc;
 pub mod options;
 mod picture;
 pub mod profile;

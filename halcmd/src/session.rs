@@ -16,6 +16,7 @@ pub(crate) mod twopass;
 use crate::{
     Error, Fault, Lines, Terminal,
     ini::Ini,
+    language::joined::Pass,
     language::lex::{Line, Reader, without_comment},
     language::source::Bytes,
     language::syntax::Statement,
@@ -23,7 +24,6 @@ use crate::{
     session::apply::Plan,
     session::dry_run::DryRunResult,
     session::trailer::Trailer,
-    session::twopass::Pass,
 };
 use hal_output::Unwritten;
 use hal_protocol::{At, Link, Reply, Request};
@@ -328,7 +328,8 @@ impl<'a> Session<'a> {
             return Ok(Step::Quit);
         }
         let command = statement.command();
-        let Some(command) = self.in_pass(statement, command).map_err(|e| statement.blame(e))? else {
+        let Some(command) = self.in_pass(statement, command).map_err(|e| statement.blame(e))?
+        else {
             return Ok(Step::On);
         };
         if let Some(dry_run) = &mut self.dry_run {

@@ -42,6 +42,8 @@ proc ::ferrule::keep_own_hal {} {
     proc ::hal args { tailcall ::ferrule::hal {*}$args }
     proc ::load {args} {
         if {[file tail [lindex $args 0]] eq "hal[info sharedlibextension]"} {
+            # The procedure that runs now stays, under another name: `info frame` reads the commands of all levels.
+            rename ::hal ::ferrule::loader[incr ::ferrule::loaders]
             proc ::hal args { tailcall ::ferrule::hal {*}$args }
             return
         }

@@ -5,7 +5,7 @@ use crate::{
     programs::halrun::folders::Folders,
     programs::options::{Opt, options, usage},
     session::remote::instance_option,
-    session::tcl::{tcl_command, tcl_folder},
+    session::tcl::tclsh,
     terminal::{Stdio, Terminal, ended},
 };
 use std::{
@@ -19,19 +19,19 @@ use std::{
 const HALSHOW: &str = "/usr/lib/tcltk/linuxcnc/bin/halshow.tcl";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Id {
+enum Word {
     Ini,
     Instance,
     Help,
 }
 
-const OPTIONS: &[Opt<Id>] = &[
+const OPTIONS: &[Opt<Word>] = &[
     Opt {
         help: "make an array of each section of this INI file",
-        ..Opt::short_with(Id::Ini, 'i', "FILE")
+        ..Opt::short_with(Word::Ini, 'i', "FILE")
     },
-    instance_option(Id::Instance),
-    Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
+    instance_option(Word::Instance),
+    Opt { long: Some("help"), help: "print this", ..Opt::flag(Word::Help, 'h') },
 ];
 
 /// Runs haltcl with these command line arguments.
@@ -44,13 +44,13 @@ pub fn main(words: &[String]) -> ExitCode {
         Ok(parsed) => parsed,
         Err(error) => return ended(Err(error.whole())),
     };
-    if given.iter().any(|(id, _)| *id == Id::Help) {
+    if given.iter().any(|(id, _)| *id == Word::Help) {
         return ended(Stdio.out(&help()).map_err(|unwritten| unwritten.to_string()));
     }
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
-    let ini = value(Id::Ini).map(|file| ["-i".to_owned(), file]);
+    let ini = value(Word::Ini).map(|file| ["-i".to_owned(), file]);
     let args: Vec<String> = ini.into_iter().flatten().chain(rest).collect();
-    ended(Err(execute("haltcl", &args, value(Id::Instance))))
+    ended(Err(execute("haltcl", &args, value(Word::Instance))))
 }
 
 /// Runs LinuxCNC's halshow with these command line arguments.
@@ -66,7 +66,7 @@ pub fn halshow(words: &[String]) -> ExitCode {
 
 /// Replaces this process by the interpreter. Returns the reason why it cannot.
 fn execute(program: &str, args: &[String], instance: Option<String>) -> String {
-    let folder = match tcl_folder() {
+    let folder = match tclsh::folder() {
         Ok(folder) => folder,
         Err(folder) => {
             let folder = folder.display().to_string().into();
@@ -74,7 +74,7 @@ fn execute(program: &str, args: &[String], instance: Option<String>) -> String {
         }
     };
     let libraries: Vec<PathBuf> = Folders::of(Path::new("")).libraries;
-    let mut command = tcl_command(&folder, &libraries);
+    let mut command = tclsh::command(&folder, &libraries);
     command.args(args).envs(instance.map(|name| ("HAL_INSTANCE", name)));
     let error = command.exec();
     let text = match error.kind() {

@@ -84,9 +84,8 @@ impl Session<'_> {
             Command::Status(kind) => self.status(kind)?,
             Command::Check(words) => {
                 let before = check::Before { ini: None, json: self.style.json };
-                let status = self.printed_by(|link, terminal| {
-                    check::main(&words, before, link, terminal)
-                })?;
+                let status =
+                    self.printed_by(|link, terminal| check::main(&words, before, link, terminal))?;
                 if status > 1 {
                     return Err(Error::AlreadyReported);
                 }
@@ -191,7 +190,11 @@ impl Session<'_> {
         reply: &Reply,
         words: impl FnOnce(&Reply) -> String,
     ) -> Result<(), Error> {
-        if self.style.silent && self.returned.is_none() { Ok(()) } else { self.print(reply, |reply| Some(words(reply))) }
+        if self.style.silent && self.returned.is_none() {
+            Ok(())
+        } else {
+            self.print(reply, |reply| Some(words(reply)))
+        }
     }
 
     fn unload(&mut self, name: String) -> Result<(), Error> {

@@ -2,39 +2,24 @@
 //! still while a line executes, as it does for the lines of a `.hal` file.
 
 mod answer;
-mod tclsh;
+pub(crate) mod tclsh;
 pub(crate) mod wire;
 
-pub(crate) use answer::Script;
-pub(crate) use tclsh::{command as tcl_command, folder as tcl_folder, packages as tcl_packages};
-
 use crate::{Error, Outcome, Session};
+use answer::Script;
 use hal_protocol::{At, Request};
 use rustix::io::Errno;
 use std::{
     ffi::OsString,
     io,
-    path::{Path, PathBuf},
+    path::Path,
     process::ExitStatus,
 };
-use tclsh::{Event, TCLSH, Tclsh};
+use tclsh::{Event, TCLSH, TclFile, Tclsh};
 use wire::Incoming;
 
 /// Number of waits without a request after which a dry run ends an interpreter: about 10 s.
 const MOST_WAITS: u32 = 2000;
-
-/// A Tcl file and its arguments.
-#[derive(Clone, Debug)]
-pub(crate) struct TclFile<'a> {
-    /// Name for messages.
-    pub(crate) shown: &'a str,
-    /// Path of the file.
-    pub(crate) path: &'a Path,
-    /// Arguments, as `argv`.
-    pub(crate) args: &'a [String],
-    /// Folders with HAL files, the first of which is `HALLIB_DIR`.
-    pub(crate) libraries: &'a [PathBuf],
-}
 
 impl Session<'_> {
     /// Executes a Tcl file. A dry run executes it where it can affect nothing outside.
@@ -52,12 +37,12 @@ impl Session<'_> {
 
     fn run_tcl(&mut self, file: &TclFile<'_>) -> Result<Outcome, Error> {
         let why = |e: &io::Error| crate::ini::plain(e);
-        let unreadable =
-            |e: &io::Error| Error::NoFile { path: file.shown.into(), why: why(e) };
+        let unreadable = |e: &io::Error| Error::NoFile { path: file.shown.into(), why: why(e) };
         std::fs::metadata(file.path).map_err(|e| unreadable(&e))?;
         let whole = std::path::absolute(file.path).map_err(|e| unreadable(&e))?;
-        let folder = tclsh::folder()
-            .map_err(|folder| Error::NoTclPackage { folder: folder.display().to_string().into() })?;
+        let folder = tclsh::folder().map_err(|folder| Error::NoTclPackage {
+            folder: folder.display().to_string().into(),
+        })?;
         let mut command = tclsh::command(&folder, file.libraries);
         command.arg(&whole).args(file.args).envs(self.tcl_variables());
         let start = Tclsh::start(command, !self.style.reads_input && !self.is_dry_run());
@@ -75,10 +60,8 @@ impl Session<'_> {
         );
         let ended = self.follow(&mut tclsh, &mut script);
         tclsh.end();
-        let Some(status) = ended.map_err(|e| Error::NotStarted {
-            program: TCLSH.into(),
-            why: why(&e),
-        })?
+        let Some(status) =
+            ended.map_err(|e| Error::NotStarted { program: TCLSH.into(), why: why(&e) })?
         else {
             return Ok(Outcome::Ended);
         };
@@ -93,11 +76,7 @@ impl Session<'_> {
     }
 
     /// Answers requests until the interpreter ends. Returns `None` if the instance ends first.
-    fn follow(
-        &mut self,
-        tclsh: &mut Tclsh,
-        script: &mut Script,
-    ) -> io::Result<Option<ExitStatus>> {
+    fn follow(&mut self, tclsh: &mut Tclsh, script: &mut Script) -> io::Result<Option<ExitStatus>> {
         let mut incoming = Incoming::default();
         let mut waits = 0;
         loop {

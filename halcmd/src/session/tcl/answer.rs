@@ -91,7 +91,10 @@ impl Session<'_> {
         let Err(fault) = result else { return vec![OK.to_owned(), out] };
         if self.is_beyond(words, &fault) {
             self.stop_following(&at, &words.join(" "));
-            return vec![UNKNOWN.to_owned(), format!("only the machine knows: {}", words.join(" "))];
+            return vec![
+                UNKNOWN.to_owned(),
+                format!("only the machine knows: {}", words.join(" ")),
+            ];
         }
         let mut lines = fault.error.before();
         match &*fault.error {

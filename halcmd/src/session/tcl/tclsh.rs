@@ -31,6 +31,19 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Time that a request is waited for before the engine serves its clients.
 const WAIT_NS: i64 = 5_000_000;
 
+/// A Tcl file and its arguments.
+#[derive(Clone, Debug)]
+pub(crate) struct TclFile<'a> {
+    /// Name for messages.
+    pub(crate) shown: &'a str,
+    /// Path of the file.
+    pub(crate) path: &'a Path,
+    /// Arguments, as `argv`.
+    pub(crate) args: &'a [String],
+    /// Folders with HAL files, the first of which is `HALLIB_DIR`.
+    pub(crate) libraries: &'a [PathBuf],
+}
+
 /// A running interpreter.
 #[derive(Debug)]
 pub(crate) struct Tclsh {
