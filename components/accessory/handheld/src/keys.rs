@@ -48,6 +48,12 @@ impl KeySet {
         Self(self.0 & !other.0)
     }
 
+    /// Returns the keys of this set that are in the other, too.
+    #[must_use]
+    pub const fn within(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
     /// Returns whether the set is empty.
     #[must_use]
     pub const fn is_empty(self) -> bool {
