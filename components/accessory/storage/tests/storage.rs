@@ -1,5 +1,5 @@
 //! The double image: swaps, busy hosts, power cuts, full and damaged images.
-#![expect(clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::print_stderr, reason = "tests")]
 
 mod rig;
 

@@ -77,7 +77,7 @@ impl Write for MemoryImage {
         let is_lost = kept.lost_after.is_some_and(|(side, at)| side == self.side && self.at >= at);
         let pages = &mut kept.pages[self.side as usize];
         let is_new = !pages.contains_key(&(self.at / PAGE));
-        if !is_lost && !(is_new && bytes[..len].iter().all(|b| *b == 0)) {
+        if !(is_lost || is_new && bytes[..len].iter().all(|b| *b == 0)) {
             let page = pages.entry(self.at / PAGE).or_insert_with(|| vec![0; 4096]);
             page[from..from + len].copy_from_slice(&bytes[..len]);
         }
