@@ -55,6 +55,12 @@ impl Keypad {
         self.age < STALE
     }
 
+    /// Returns whether no virtual key is down, and the time after the last one has passed.
+    #[must_use]
+    pub const fn is_free(&self) -> bool {
+        self.down == 0 && self.up == 0
+    }
+
     /// Releases the virtual key, at once.
     pub const fn release(&mut self) {
         (self.down, self.up) = (0, 0);

@@ -1,5 +1,5 @@
 //! Frames of keys, virtual keys and their lines.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::indexing_slicing, reason = "tests")]
 
 use hal_handheld::{
     Check, FrameFormat, FrameReader, KeySet, Keypad, LineReader, Press, WrongFormat,

@@ -1,5 +1,5 @@
 //! The decoder of the display, and readers of its screens.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use hal_handheld::{
     Decode, RECORD_LEN, ScreenReader, Screens, St7920, TEXT_LEN,

@@ -1,5 +1,5 @@
 //! The closed loop without HAL: keys in frames, a screen from the bytes to the display.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use hal_handheld::{
     Decode, FrameFormat, FrameReader, KeySet, Keypad, Press, Screens, St7920,
@@ -94,7 +94,7 @@ impl Rig {
         for _ in 0..ms {
             self.ms += 1;
             self.since += 1;
-            if self.ms % 20 == 0 && !self.is_cut {
+            if self.ms.is_multiple_of(20) && !self.is_cut {
                 let keys = self.keypad.period(self.held, || self.waiting.pop_front());
                 let (bytes, len) = self.format.encode(keys);
                 for byte in &bytes[..len] {
