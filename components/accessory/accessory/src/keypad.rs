@@ -57,7 +57,7 @@ with `--simulate` neither the device nor the pipe is opened; the bytes come and 
 serve in any case.
 
 Keys of the NK105 have names for `keypad.press`: 0 to 9, `.`, `-`, OK, STOP, X+, X-, Y+, Y-, Z+, Z-, RUN, ORIGIN, HOME,
-MODE, UP, DOWN, SPINDLE, HIGH, SHIFT; a digit is the key with this digit, and `#N` the key with number N.
+MODE, UP, DOWN, SPINDLE, HIGH, SHIFT. Any other key is its number, 1 to 48.
 
 # Example
 
@@ -160,7 +160,7 @@ pub(crate) fn format(b: &Builder<'_>) -> Result<FrameFormat, Error> {
 
 fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Sender<Entry>) -> Result<(), Error> {
     const PRESS: &[&ArgSpec] = &[
-        &Arg::text("key", "Name of the key, or `#N` for the key with number N.").required(),
+        &Arg::text("key", "Name of the key, or its number.").required(),
         &Arg::int("hold", "Time for which it is down; three periods without it.")
             .within(1.0, 10_000.0)
             .unit("ms"),
@@ -207,12 +207,9 @@ fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Sender<Entry>) -> Result<
 }
 
 fn key_number(name: &str, keys: u8) -> Result<u8, Error> {
-    let number = match name.strip_prefix('#') {
-        Some(digits) => digits.parse().ok(),
-        None => number_of(name),
-    };
+    let number = number_of(name).or_else(|| name.parse().ok());
     number.filter(|key| (1..=keys).contains(key)).ok_or_else(|| {
-        Error::new(format!("there is no key '{name}': #1 to #{keys}, or a name such as OK or X+"))
+        Error::new(format!("there is no key '{name}': 1 to {keys}, or a name such as OK or X+"))
     })
 }
 

@@ -135,10 +135,8 @@ impl PipeReader {
                     self.read.extend_from_slice(buffer.get(..read).unwrap_or_default());
                 }
                 Some(Err(e)) if e.kind() != ErrorKind::WouldBlock => {
-                    self.messages.error(
-                        "keypad: the pipe has failed: its lines press nothing any more",
-                        &[],
-                    );
+                    self.messages
+                        .error("the pipe has failed: its lines press nothing any more", &[]);
                     self.pipe = None;
                     return false;
                 }
@@ -164,14 +162,12 @@ impl PipeReader {
 /// Returns the message about a line.
 const fn message(bad: BadLine) -> &'static str {
     match bad {
-        BadLine::Empty => "keypad: an empty line of the pipe presses nothing: a line is N, or N MS",
-        BadLine::Long => "keypad: a line of the pipe of more than 32 bytes presses nothing",
-        BadLine::Encoding => "keypad: a line of the pipe that is not ASCII text presses nothing",
-        BadLine::Number => {
-            "keypad: a line of the pipe with a word that is no whole number presses nothing"
-        }
-        BadLine::Key(_) => "keypad: a line of the pipe names no key: keys are 1 to {}",
-        BadLine::Time => "keypad: a line of the pipe has a time that is not 1 to 10000 ms",
-        BadLine::Words => "keypad: a line of the pipe with more than two words presses nothing",
+        BadLine::Empty => "an empty line of the pipe presses nothing: a line is N, or N MS",
+        BadLine::Long => "a line of the pipe of more than 32 bytes presses nothing",
+        BadLine::Encoding => "a line of the pipe that is not ASCII text presses nothing",
+        BadLine::Number => "a line of the pipe with a word that is no whole number presses nothing",
+        BadLine::Key(_) => "a line of the pipe names no key: keys are 1 to {}",
+        BadLine::Time => "a line of the pipe has a time that is not 1 to 10000 ms",
+        BadLine::Words => "a line of the pipe with more than two words presses nothing",
     }
 }

@@ -120,7 +120,7 @@ impl Server {
             if self.readers.len() >= READERS {
                 // Those that have gone are noticed when a screen is sent to them.
                 self.messages.warn(
-                    "lcd: {} readers are connected already: another is refused",
+                    "{} readers are connected already: another is refused",
                     &[READERS as f64],
                 );
             } else if stream.set_nonblocking(true).is_ok() {

@@ -242,7 +242,7 @@ impl Host {
             None => {}
             Some(Ok(files)) => self.names.extend(files.into_iter().take(FILES).map(|f| f.name)),
             Some(Err(e)) => {
-                let text = self.texts.keep(&format!("sim-nk105: the medium cannot be read: {e}"));
+                let text = self.texts.keep(&format!("the medium cannot be read: {e}"));
                 self.messages.error(text, &[]);
             }
         }
@@ -271,7 +271,7 @@ impl Host {
             Ok(text) => text,
             Err(e) => {
                 put(UNREADABLE, [0.0; 4]);
-                let text = self.texts.keep(&format!("sim-nk105: {name} cannot be read: {e}"));
+                let text = self.texts.keep(&format!("{name} cannot be read: {e}"));
                 self.messages.error(text, &[]);
                 return;
             }
@@ -294,7 +294,7 @@ impl Host {
             Err(why) => {
                 let kind = if matches!(why, WrongJob::Travel(_)) { BEYOND } else { WRONG_LINE };
                 put(kind, [f64::from(why.line()), 0.0, 0.0, 0.0]);
-                let text = self.texts.keep(&format!("sim-nk105: {name}: {why}"));
+                let text = self.texts.keep(&format!("{name}: {why}"));
                 self.messages.error(text, &[]);
             }
         }

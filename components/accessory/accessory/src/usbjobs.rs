@@ -263,22 +263,20 @@ impl UsbWorker {
         match event {
             Event::Presented(side) => {
                 self.swaps.set(self.swaps.get().wrapping_add(1));
-                let text = self.texts.keep(&format!("usbjobs: image {side} is presented"));
+                let text = self.texts.keep(&format!("image {side} is presented"));
                 self.messages.info(text, &[]);
             }
             Event::Deleted(name) => {
-                let text = format!(
-                    "usbjobs: the image was full: job '{name}' was finished, and is deleted"
-                );
+                let text = format!("the image was full: job '{name}' was finished, and is deleted");
                 self.messages.info(self.texts.keep(&text), &[]);
             }
             Event::Forced(side) => {
-                let text = format!("usbjobs: image {side} was taken from a host that held it");
+                let text = format!("image {side} was taken from a host that held it");
                 self.messages.warn(self.texts.keep(&text), &[]);
             }
             Event::Failed(why) => {
                 self.last_error = why.to_string();
-                let text = self.texts.keep(&format!("usbjobs: {why}"));
+                let text = self.texts.keep(&self.last_error);
                 self.messages.error(text, &[]);
             }
         }
