@@ -76,6 +76,10 @@ pub(crate) struct SimMedium {
 }
 
 impl SimMedium {
+    fn is_plugged(&self) -> bool {
+        matches!(self.medium.get(), 1 | 2)
+    }
+
     fn ask(&mut self) {
         if let Some(asking) = self.asking
             && self.asks.put(asking).is_ok()
@@ -114,12 +118,11 @@ pub(crate) fn declare(b: &mut Builder<'_>, folder: &str) -> Result<SimMedium, Er
 
 impl Medium for SimMedium {
     fn files(&mut self) -> Option<u32> {
-        let medium = self.medium.get();
-        if medium != 1 && medium != 2 {
+        if !self.is_plugged() {
             return None;
         }
         let list = self.list.get();
-        (list.medium == medium).then_some(list.count)
+        (list.medium == self.medium.get()).then_some(list.count)
     }
 
     fn name(&mut self, index: u32) -> Row {
@@ -140,7 +143,7 @@ impl Medium for SimMedium {
 
     fn next(&mut self) -> Next {
         self.ask();
-        if self.files().is_none() {
+        if !self.is_plugged() {
             return Next::Failed(Trouble::NoMedium);
         }
         // Steps of a job that was stopped are still on their way.
