@@ -11,6 +11,7 @@ pub(crate) mod machine;
 pub(crate) mod plan;
 mod realtime;
 mod serve;
+mod settings;
 mod table;
 
 use crate::{
@@ -24,7 +25,7 @@ use crate::{
 use hal_engine::{Ends, Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
-use serve::{Local, stay};
+use serve::{Local, serve_until_end};
 use std::{
     path::Path,
     process::{Child, ExitCode},
@@ -194,7 +195,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         && !plan.interactive
         && plan.script != Script::Terminal;
     if goes_on {
-        stay(plan, &mut engine);
+        serve_until_end(plan, &mut engine);
     }
     if let Some(said) = ends.said() {
         terminal.err(&format!("halrun: {said}\n"));

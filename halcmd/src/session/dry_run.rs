@@ -117,7 +117,7 @@ impl DryRun {
             value: "trial".into(),
             why: why.into(),
         })?;
-        let mut engine = Engine::trial(Options {
+        let mut engine = Engine::dry_run(Options {
             old_names: ini.as_ref().is_some_and(Ini::is_old),
             interlock: machine.is_some() || whole.is_some(),
             earlier_values: std::env::var("HAL_COMPAT").is_ok_and(|v| v == "2.9")

@@ -45,6 +45,7 @@ fn arrows_point_only_downward() {
         ("hal-derive", &[]),
         ("hal-component", &["hal-abi", "hal-derive"]),
         ("hal-bench", &["hal-component"]),
+        ("hal-golden", &[]),
         ("hal-protocol", &["hal-abi"]),
         ("hal-ini", &[]),
         ("hal-output", &[]),

@@ -1,6 +1,6 @@
 //! Start of a machine from its INI file.
 
-use super::folders::Folders;
+use super::{folders::Folders, settings};
 use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
@@ -194,7 +194,16 @@ impl MachineStart<'_, '_> {
         let searched = self.folders.searched(name);
         self.then(|session| match found {
             Some((shown, path)) => match hal_ini::file::whole(&path) {
-                Ok(text) => session.file(&shown, Bytes::new(text)),
+                Ok(text) => {
+                    if !must_exist
+                        && settings::are_named(&text)
+                        && let Err(error) = settings::load(session)
+                    {
+                        session.stand_at(&entry.file, entry.line);
+                        return failed(session, &error);
+                    }
+                    session.file(&shown, Bytes::new(text))
+                }
                 Err(e) => {
                     let (path, why) = (shown.into(), crate::ini::plain(&e));
                     failed(session, &Error::NoFile { path, why })

@@ -14,13 +14,13 @@ pub(super) const END: &str = "end";
 
 /// A moment of the test.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Moment {
+pub(super) struct Instant {
     spot: Spot,
     base: String,
     offset: i64,
 }
 
-impl Moment {
+impl Instant {
     pub(super) fn start(spot: &Spot) -> Self {
         Self { spot: spot.clone(), base: START.to_owned(), offset: 0 }
     }

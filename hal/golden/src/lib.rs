@@ -1,12 +1,18 @@
 //! Golden files: expected text that a test compares with, and that `UPDATE_EXPECT=1` writes.
 //!
-//! Every test of the workspace accepts new output in this one way. (`haltest --accept` does the same for the waveforms of
+//! Every test and benchmark of the workspace accepts new output in this one way. (`haltest --accept` does the same for the waveforms of
 //! a machine's tests, which their users have without this workspace.)
 
-use crate::programs::root;
+#![forbid(unsafe_code)]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "whatever fails here fails a test")]
+
 use std::{fs, path::Path};
 
+/// Folder of the workspace.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
 /// Returns whether this run writes golden files instead of comparing with them.
+#[must_use]
 pub fn is_update() -> bool {
     std::env::var_os("UPDATE_EXPECT").is_some()
 }
@@ -25,7 +31,8 @@ pub fn compare(path: &Path, got: &str) -> Result<(), String> {
         fs::write(path, got).unwrap();
         return Ok(());
     }
-    let shown = path.strip_prefix(root()).unwrap_or(path).display();
+    let root = fs::canonicalize(ROOT).unwrap();
+    let shown = path.strip_prefix(root).unwrap_or(path).display();
     let difference = difference(&expected, got);
     Err(format!("{shown} (UPDATE_EXPECT=1 accepts what came):\n{difference}"))
 }
@@ -49,13 +56,26 @@ pub fn check_part(path: &Path, begin: &str, end: &str, got: &str) {
     check(path, &format!("{head}{begin}{got}{end}{tail}"));
 }
 
+/// Replaces the part of a file between two marks by what `new` makes of it.
+///
+/// # Panics
+/// The file cannot be read or written, or a mark is missing.
+pub fn rewrite_part(path: &Path, begin: &str, end: &str, new: impl FnOnce(&str) -> String) {
+    let text = fs::read_to_string(path).unwrap();
+    let (head, rest) = text.split_once(begin).unwrap();
+    let (old, tail) = rest.split_once(end).unwrap();
+    fs::write(path, format!("{head}{begin}{}{end}{tail}", new(old))).unwrap();
+}
+
 /// Returns the first lines that differ, with some context.
+#[must_use]
 pub fn difference(expected: &str, got: &str) -> String {
     differing(expected, got, |a, b| a == b)
 }
 
 /// Returns the same as [`difference`], with another rule for equal lines.
-pub(crate) fn differing(expected: &str, got: &str, same: fn(&str, &str) -> bool) -> String {
+#[must_use]
+pub fn differing(expected: &str, got: &str, same: fn(&str, &str) -> bool) -> String {
     let (expected, got): (Vec<&str>, Vec<&str>) =
         (expected.lines().collect(), got.lines().collect());
     let same = expected.iter().zip(&got).take_while(|(e, g)| same(e, g)).count();

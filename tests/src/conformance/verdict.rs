@@ -200,7 +200,7 @@ impl Verdict {
         }
     }
 
-    /// Returns the row of the table, without the name.
+    /// Returns the row of the table, without the name; behind its last cell, each fact begins with a tab.
     pub fn row(&self, case: &Case) -> String {
         let faults = self.faults(case);
         let moved = self.moved.values().filter(|moved| **moved).count();
@@ -217,35 +217,35 @@ impl Verdict {
             write!(out, "DIFFERS: {}", faults.join("; ")).unwrap();
         }
         for t in case.tolerance.iter().filter(|_| !self.ulps.is_empty()) {
-            write!(out, "; `{}` within {} ULPs: {}", t.pins.join("`, `"), t.ulps, t.why).unwrap();
+            write!(out, "\t`{}` within {} ULPs: {}", t.pins.join("`, `"), t.ulps, t.why).unwrap();
         }
         for (name, apart) in &self.apart {
             if let Some(known) = case.known(name) {
                 let (said, n) = (&apart.said, apart.cycles);
-                write!(out, "; `{name}` in {n} cycles, {said}: {}", known.why).unwrap();
+                write!(out, "\t`{name}` in {n} cycles, {said}: {}", known.why).unwrap();
             }
         }
         for said in self.defaults.values() {
-            write!(out, "; {said}").unwrap();
+            write!(out, "\t{said}").unwrap();
         }
         out.push_str(&case.kept());
         for s in &case.still {
-            write!(out, "; `{}` never moves: {}", s.pins.join("`, `"), s.why).unwrap();
+            write!(out, "\t`{}` never moves: {}", s.pins.join("`, `"), s.why).unwrap();
         }
         if let Some(why) = &case.single {
-            write!(out, "; one instance alone: {why}").unwrap();
+            write!(out, "\tone instance alone: {why}").unwrap();
         }
         for o in &case.only {
-            write!(out, "; only one has `{}`: {}", o.pins.join("`, `"), o.why).unwrap();
+            write!(out, "\tonly one has `{}`: {}", o.pins.join("`, `"), o.why).unwrap();
             if let Some(value) = &o.set {
                 write!(out, ", and it is {value} here").unwrap();
             }
         }
         for k in &case.kinds {
-            write!(out, "; `{}` of another kind: {}", k.pins.join("`, `"), k.why).unwrap();
+            write!(out, "\t`{}` of another kind: {}", k.pins.join("`, `"), k.why).unwrap();
         }
         if self.zeros > 0 {
-            write!(out, "; 0 beside -0: {}", self.zeros).unwrap();
+            write!(out, "\t0 beside -0: {}", self.zeros).unwrap();
         }
         out
     }

@@ -25,7 +25,7 @@ const DONE: u8 = b'd';
 ///
 /// # Errors
 /// The setup would have ended this process, or never returned: the error names the entry point and the reason.
-pub(crate) fn rehearse(loading: &Loading, main: Main, exit: Option<Exit>) -> Result<(), String> {
+pub(crate) fn dry_run_of(loading: &Loading, main: Main, exit: Option<Exit>) -> Result<(), String> {
     let mut ends: [RawFd; 2] = [-1; 2];
     // SAFETY: memory for two numbers.
     if unsafe { libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) } != 0 {

@@ -1,4 +1,4 @@
-//! Description of one component for the judge: `tests/judge/NAME.toml`, parsed and checked.
+//! Description of one component for the judge: `tests/conformance/NAME.toml`, parsed and checked.
 
 use super::inputs::fits;
 use crate::programs::root;
@@ -8,10 +8,10 @@ use std::{collections::BTreeSet, fmt::Write, path::PathBuf};
 
 /// Returns the folder of these files.
 pub fn folder() -> PathBuf {
-    root().join("tests/judge")
+    root().join("tests/conformance")
 }
 
-/// Contents of a file. `tests/tests/system/peer/judge.rs` documents the defaults of omitted entries.
+/// Contents of a file. `tests/tests/system/peer/conformance.rs` documents the defaults of omitted entries.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Case {
@@ -192,7 +192,7 @@ impl Case {
         let path = folder().join(format!("{module}.toml"));
         let mut case = if path.is_file() {
             let text = std::fs::read_to_string(&path).map_err(|e| e.to_string())?;
-            Self::parse(&text).map_err(|e| format!("tests/judge/{module}.toml: {e}"))?
+            Self::parse(&text).map_err(|e| format!("tests/conformance/{module}.toml: {e}"))?
         } else {
             Self::default()
         };
@@ -245,7 +245,7 @@ impl Case {
         match self.told(name, |i| i.range.filter(|range| !fits(first, *range))) {
             None => Ok(()),
             Some(range) => Err(format!(
-                "tests/judge/{module}.toml: range = {range:?}: `{name}` is {}, which has no such number",
+                "tests/conformance/{module}.toml: range = {range:?}: `{name}` is {}, which has no such number",
                 first.ty().name()
             )),
         }
@@ -296,15 +296,15 @@ impl Case {
         self.differs.iter().find(|d| named(&d.pins, name))
     }
 
-    /// Returns the constraints of its inputs, for a person.
+    /// Returns the constraints of its inputs, for a person, each behind a tab.
     pub fn kept(&self) -> String {
         let mut out = String::new();
         if !self.periods.is_empty() {
-            write!(out, "; at {:?} ns", self.periods).unwrap();
+            write!(out, "\tat {:?} ns", self.periods).unwrap();
         }
         for i in &self.inputs {
             let (pins, to) = (i.pins.join("`, `"), i.kept().join(", "));
-            write!(out, "; `{pins}` {to}: {}", i.why).unwrap();
+            write!(out, "\t`{pins}` {to}: {}", i.why).unwrap();
         }
         out
     }
@@ -344,7 +344,7 @@ mod tests {
         }
         assert_eq!(
             case.suits("x", "x.0.in", Value::U32(0)).unwrap_err(),
-            "tests/judge/x.toml: range = [-5.0, 10000000000.0]: `x.0.in` is u32, which has no such number"
+            "tests/conformance/x.toml: range = [-5.0, 10000000000.0]: `x.0.in` is u32, which has no such number"
         );
     }
 }

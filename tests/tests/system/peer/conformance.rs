@@ -1,16 +1,16 @@
 //! The judge: each of our components compared with LinuxCNC's component of the same name, in one engine on the virtual
 //! clock, with the same inputs; every pin and parameter is compared after every cycle.
 //!
-//! `cargo test -p hal-tests --test system peer::judge -- --ignored` judges all of them and compares with `tests/compat/judge.md`;
+//! `cargo test -p hal-tests --test system peer::conformance -- --ignored` judges all of them and compares with `tests/compat/conformance.md`;
 //! with `UPDATE_EXPECT=1` it writes that file. A single component, with the inputs before its first difference:
 //!
 //! ```sh
-//! JUDGE=pid cargo test -p hal-tests --test system peer::judge::one_component -- --exact --nocapture
+//! CONFORMANCE=pid cargo test -p hal-tests --test system peer::conformance::one_component -- --exact --nocapture
 //! ```
 //!
 //! Without LinuxCNC's package, the test is reported as skipped.
 //!
-//! Most components need no file here. `tests/judge/NAME.toml` describes the special needs of a component; the author of
+//! Most components need no file here. `tests/conformance/NAME.toml` describes the special needs of a component; the author of
 //! a new component adds at most that file. All entries are optional:
 //!
 //! ```toml
@@ -102,15 +102,14 @@
 
 use hal_protocol::{Kind, Link, Reply, Request};
 use hal_tests::{
-    foreign::{Bench, installed},
-    golden,
-    judge::{
+    conformance::{
         CYCLES, Style,
         case::{self, Case},
         judge,
         rows::measured,
     },
-    pins,
+    foreign::{Bench, installed},
+    golden, pins,
     programs::{families, root},
     tools,
 };
@@ -127,7 +126,8 @@ use std::{
 /// Prints the row of the component that the environment names. Runs in a process of its own.
 #[test]
 fn one_component() {
-    let Ok(module) = std::env::var("HAL_TEST_MODULE").or_else(|_| std::env::var("JUDGE")) else {
+    let Ok(module) = std::env::var("HAL_TEST_MODULE").or_else(|_| std::env::var("CONFORMANCE"))
+    else {
         return;
     };
     let rounds = std::env::var("HAL_TEST_ROUNDS").map_or(usize::MAX, |n| n.parse().unwrap());
@@ -150,7 +150,7 @@ fn row(module: &str, rounds: usize) -> String {
         &hal_tests::programs::own_test(module_path!(), "one_component"),
         "--nocapture",
     ])
-    .env_remove("JUDGE");
+    .env_remove("CONFORMANCE");
     me.env("HAL_TEST_MODULE", module).env("HAL_TEST_ROUNDS", rounds.to_string());
     let out = me.output().unwrap();
     let text = String::from_utf8_lossy(&out.stdout).into_owned();
@@ -257,7 +257,7 @@ fn rows_are_as_theirs() {
 }
 
 #[test]
-#[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test system peer::judge -- --ignored"]
+#[ignore = "takes a minute, needs LinuxCNC's package: cargo test -p hal-tests --test system peer::conformance -- --ignored"]
 fn every_component_does_as_theirs() {
     if tools::linuxcnc().is_none() {
         return;
@@ -270,19 +270,27 @@ fn every_component_does_as_theirs() {
          Both of a name are loaded into one engine on the virtual clock and given the same inputs\n\
          and parameters: chance, ramps, edges and extremes. Every pin and parameter is compared\n\
          after every cycle, bit for bit, but for the sign of zero: LinuxCNC's `.comp` modules add 0\n\
-         to every number that they read, and have no -0. The components are loaded anew every {CYCLES} cycles.\n\
-         What is known of one stands in `tests/judge/NAME.toml`; what is not, or is worse, fails.\n\
-         `UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::judge -- --ignored` writes this file.\n\n\
+         to every number that they read, and have no -0. The components are loaded again every {CYCLES} cycles.\n\
+         What is known of one stands in `tests/conformance/NAME.toml`; what is not, or is worse, fails.\n\
+         `UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::conformance -- --ignored` writes this file.\n\n\
          Of {} that both have, {judged} are judged; {equal} are equal in all that is compared,\n\
-         and the others but for what their rows tell.\n\n\
+         and the others but for what is listed below the table, one fact to a line.\n\n\
          | component | compared | moved | cycles | result |\n\
          |---|---|---|---|---|\n",
         rows.len()
     );
+    let mut facts = String::new();
     for row in &rows {
-        writeln!(text, "{row}").unwrap();
+        let mut parts = row.trim_end_matches(" |").split('\t');
+        writeln!(text, "{} |", parts.next().unwrap_or_default()).unwrap();
+        let name = row.split(' ').nth(1).unwrap_or_default();
+        for (i, fact) in parts.enumerate() {
+            let head = if i == 0 { format!("\n## {name}\n\n") } else { String::new() };
+            writeln!(facts, "{head}- {fact}").unwrap();
+        }
     }
-    let file = root().join("tests/compat/judge.md");
+    text += &facts;
+    let file = root().join("tests/compat/conformance.md");
     golden::check(&file, &text);
     assert!(!text.contains("DIFFERS"), "{text}");
 }

@@ -13,9 +13,9 @@ impl Flight {
         }
         if let Some((id, probe, columns)) = self.probe.take() {
             if still {
-                probe.look(now);
+                probe.sample(now);
             }
-            self.hear(&probe, &columns, true);
+            self.read_changes(&probe, &columns, true);
             self.probe = Some((id, probe, columns));
         }
         self.event(now, &format!("crash: {why}"));
@@ -28,8 +28,8 @@ impl Flight {
 
     /// Reads queued changes. `whole` says that no sample is in progress, so no more changes of the
     /// latest one will come.
-    pub(super) fn hear(&mut self, probe: &Probe, columns: &[u32], whole: bool) {
-        let looks = probe.looks();
+    pub(super) fn read_changes(&mut self, probe: &Probe, columns: &[u32], whole: bool) {
+        let looks = probe.samples();
         while let Some((time, which, bits)) = probe.change() {
             let Some(column) = columns.get(which as usize).copied() else { continue };
             if self.open.is_some_and(|(at, _)| at < time) {
@@ -45,7 +45,7 @@ impl Flight {
                 for i in about {
                     self.conditions.get_mut(*i).into_iter().for_each(|c| c.stirred = true);
                 }
-                self.open = Some((time, probe.looks()));
+                self.open = Some((time, probe.samples()));
             }
         }
         if whole || self.open.is_some_and(|(_, then)| then < looks) {
