@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 /// Longest text in bytes.
 const MAX_LEN: usize = 400;
 /// Text in the place of those that are not kept.
-const OTHER: &str = "too many different messages: task.status shows the last one";
+const OTHER: &str = "too many different messages: the command NAME.status shows the last one";
 
 /// Texts that live as long as the process, each once.
 #[derive(Debug)]
-pub(crate) struct Texts {
+pub struct Texts {
     texts: BTreeSet<&'static str>,
     /// Largest number of texts.
     most: usize,
@@ -17,13 +17,14 @@ pub(crate) struct Texts {
 
 impl Texts {
     /// Returns an empty store for at most this many different texts.
-    pub(crate) const fn new(most: usize) -> Self {
+    #[must_use]
+    pub const fn new(most: usize) -> Self {
         Self { texts: BTreeSet::new(), most }
     }
 
     /// Returns the text with the life of the process. Braces, which mark pins and numbers in messages, become
     /// parentheses.
-    pub(crate) fn keep(&mut self, text: &str) -> &'static str {
+    pub fn keep(&mut self, text: &str) -> &'static str {
         let end = text.floor_char_boundary(MAX_LEN);
         let text = text.get(..end).unwrap_or_default().replace('{', "(").replace('}', ")");
         if let Some(known) = self.texts.get(text.as_str()) {
