@@ -4,6 +4,7 @@ mod demos;
 mod haltest;
 mod haltest_rust;
 mod job;
+mod maxnc;
 mod meanwhile;
 mod picture;
 mod printer;

@@ -12,6 +12,7 @@ mod position;
 mod read;
 pub mod remap;
 mod remark;
+mod rs274d;
 mod stop;
 mod tools;
 
@@ -25,7 +26,9 @@ use crate::{
     parameters::{Names, Numbered},
     program::Sources,
     question::{Answer, Request},
-    state::{Compensation, Cursor, Cycle, Level, LevelKind, Modal, Remapped, Settings, State},
+    state::{
+        Compensation, Cursor, Cycle, Level, LevelKind, Modal, Remapped, Rs274d, Settings, State,
+    },
     text::{expression::Left, line::Line},
     tool::Tool,
 };
@@ -111,6 +114,7 @@ impl Interpreter {
             lines_run: 0,
             lines_quiet: 0,
             probe_file: false,
+            rs274d: Rs274d::default(),
         };
         let mut out = Self::from_state(state);
         out.load_system();
@@ -143,6 +147,7 @@ impl Interpreter {
         self.sources.put(name, text);
         let percent = self.begins_with_percent(name);
         self.state.mdi = None;
+        self.state.rs274d = Rs274d::default();
         self.begin(Level::new(name.into(), Cursor::default(), LevelKind::Main { percent }));
     }
 
