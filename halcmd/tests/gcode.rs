@@ -43,12 +43,7 @@ fn commands_print_what_they_should() {
     }
     std::fs::remove_dir_all(&at).unwrap();
     let path = folder().join("expected");
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(&path, &text).unwrap();
-    }
-    let expected = std::fs::read_to_string(&path).unwrap();
-    let first = expected.lines().zip(text.lines()).find(|(a, b)| a != b);
-    assert!(expected == text, "first difference: {first:?}; UPDATE_EXPECT=1 accepts it");
+    hal_golden::check(&path, &text);
 }
 
 #[test]

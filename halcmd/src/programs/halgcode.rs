@@ -142,7 +142,7 @@ fn usage() -> String {
     for c in &COMMANDS {
         text.push_str(&format!("  {:<7} {:<24} {}\n", c.name, c.arguments, c.help));
     }
-    text.push_str("\nhalgcode COMMAND -h lists the options of a command.\n");
+    text.push_str("\nhalgcode COMMAND -h lists the options of a command, halgcode --version prints the version.\n");
     text
 }
 
