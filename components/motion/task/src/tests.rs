@@ -3,6 +3,7 @@
 mod check;
 mod entry;
 mod fake;
+mod functions;
 mod job;
 mod real;
 mod recover;
@@ -34,6 +35,8 @@ use std::{
 struct Fake {
     /// Functions in Python of the machine.
     functions: Option<hal_remap::Functions>,
+    /// The worker waits for each step of a function.
+    is_patient: bool,
     now: f64,
     motion: MotionState,
     io: IoState,
@@ -73,6 +76,7 @@ impl Fake {
         let estop = Estop { commanded: false, open: false };
         Self {
             functions: None,
+            is_patient: true,
             now: 0.0,
             motion: MotionState {
                 enabled: true,

@@ -8,7 +8,7 @@ use std::{
 };
 
 /// A connection of a C program.
-pub struct Handle {
+pub(crate) struct Handle {
     client: Client,
     /// Why the last call failed.
     why: CString,
@@ -73,7 +73,7 @@ fn number(value: &Value) -> c_double {
 /// # Safety
 /// `instance` is null or a C string; `why` is null or valid for a write.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ferrule_connect(
+pub(crate) unsafe extern "C" fn ferrule_connect(
     instance: *const c_char,
     why: *mut *mut c_char,
 ) -> *mut Handle {
@@ -103,7 +103,7 @@ pub unsafe extern "C" fn ferrule_connect(
 /// # Safety
 /// The handle is null, or of `ferrule_connect` and not closed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ferrule_close(handle: *mut Handle) {
+pub(crate) unsafe extern "C" fn ferrule_close(handle: *mut Handle) {
     if !handle.is_null() {
         // SAFETY: guaranteed by the caller.
         drop(unsafe { Box::from_raw(handle) });
@@ -115,7 +115,7 @@ pub unsafe extern "C" fn ferrule_close(handle: *mut Handle) {
 /// # Safety
 /// The handle is null or of `ferrule_connect`; the request is a C string.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ferrule_request(
+pub(crate) unsafe extern "C" fn ferrule_request(
     handle: *mut Handle,
     request: *const c_char,
 ) -> *mut c_char {
@@ -149,7 +149,7 @@ pub unsafe extern "C" fn ferrule_request(
 /// # Safety
 /// The handle is null or of `ferrule_connect`; the name is a C string; `value` is null or valid for a write.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ferrule_get(
+pub(crate) unsafe extern "C" fn ferrule_get(
     handle: *mut Handle,
     name: *const c_char,
     value: *mut c_double,
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn ferrule_get(
 /// # Safety
 /// The handle is null or of `ferrule_connect`; name and value are C strings.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ferrule_set(
+pub(crate) unsafe extern "C" fn ferrule_set(
     handle: *mut Handle,
     name: *const c_char,
     value: *const c_char,
@@ -195,7 +195,7 @@ pub unsafe extern "C" fn ferrule_set(
 /// # Safety
 /// The handle is null or of `ferrule_connect`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ferrule_error(handle: *const Handle) -> *const c_char {
+pub(crate) unsafe extern "C" fn ferrule_error(handle: *const Handle) -> *const c_char {
     // SAFETY: guaranteed by the caller.
     unsafe { handle.as_ref() }.map_or(c"no connection".as_ptr(), |handle| handle.why.as_ptr())
 }
@@ -205,7 +205,7 @@ pub unsafe extern "C" fn ferrule_error(handle: *const Handle) -> *const c_char {
 /// # Safety
 /// The text is null, or of this library and not freed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ferrule_free(text: *mut c_char) {
+pub(crate) unsafe extern "C" fn ferrule_free(text: *mut c_char) {
     if !text.is_null() {
         // SAFETY: guaranteed by the caller.
         drop(unsafe { CString::from_raw(text) });
