@@ -38,7 +38,7 @@ fn ticks(folder: &Path, part: &str) -> Vec<[i64; 3]> {
     let state = &it.state;
     let mut ticks = Ticks::new(state.frame, state.position, Resolution::default()).unwrap();
     let mut out = vec![[0; 3]];
-    run(&mut it, &world, Answers { probe_trips: false }, |_, issued| {
+    run(&mut it, &world, Answers { probe_trips: false, functions: None }, |_, issued| {
         let mut at = out[out.len() - 1];
         let followed = ticks.follow(issued, &mut |step| {
             for (at, step) in at.iter_mut().zip(step) {
