@@ -31,7 +31,7 @@ fn mill() -> Scratch {
 fn ticks(folder: &Path, part: &str) -> Vec<[i64; 3]> {
     let ini = folder.join("maxnc.ini");
     let machine = Machine::read(&Files { ini: Some(&ini), ..Files::default() }).unwrap();
-    let world = World { machine, hal: BTreeMap::new() };
+    let world = World { machine, hal: BTreeMap::new(), functions: None };
     let settings = world.machine.settings.clone();
     let mut it = Interpreter::new(settings, world.machine.numbered.clone());
     it.load(part, world::program(&folder.join(part)).unwrap());
