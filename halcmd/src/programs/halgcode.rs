@@ -10,8 +10,10 @@
 //! | `plot`, `views` | `plot`: pictures of the way |
 //! | `format`, `tokens`, `metric` | `format`: tidy text, line numbers, millimetres for inches |
 //! | `state` | `state`: the interpreter's state at a line |
+//! | `align` | `align`: a program in the coordinates of a part whose marks were measured |
 //! | `apt`, `apt/` | `apt`: cutter-location files for a robot arm: its cell from an INI file, the report, the files written |
 
+mod align;
 mod apt;
 mod canon;
 mod check;
@@ -41,7 +43,7 @@ struct Command {
     run: fn(&[String]) -> Result<ExitCode, String>,
 }
 
-const COMMANDS: [Command; 6] = [
+const COMMANDS: [Command; 7] = [
     Command {
         name: "check",
         arguments: "[options] FILE...",
@@ -83,6 +85,13 @@ const COMMANDS: [Command; 6] = [
         help: apt::HELP,
         options: apt::completable,
         run: apt::main,
+    },
+    Command {
+        name: "align",
+        arguments: align::ARGUMENTS,
+        help: align::HELP,
+        options: align::completable,
+        run: align::main,
     },
 ];
 

@@ -4,10 +4,11 @@ use crate::{
     eye::{Results, Scene},
     job::{Job, Pictures},
 };
-use hal_align::{
-    Alignment, Fit, Mark, Matrix, Misfit, Model, Options, Transform, Vector, fit,
+use hal_align::{Alignment, Fit, Mark, Matrix, Misfit, Model, Options, Transform, Vector, fit};
+use hal_marks::{
+    Calibration, Camera, Found, Mean, Picture, Search, Sight, Unfound, average, calibrate, choose,
+    search,
 };
-use hal_marks::{Calibration, Found, Mean, Picture, Search, Sight, Unfound, average, calibrate, choose, search};
 use std::{fmt, path::Path};
 
 /// Largest number of sights of a calibration.
@@ -24,6 +25,11 @@ macro_rules! failures {
             /// Returns its text.
             pub(crate) const fn text(self) -> &'static str {
                 match self { $(Self::$name => $text,)* }
+            }
+
+            /// Returns the text of a number, if it is that of a failure.
+            pub(crate) const fn text_of(number: i32) -> Option<&'static str> {
+                match number { $($number => Some($text),)* _ => None }
             }
         }
     };
@@ -82,10 +88,25 @@ impl Bench {
         self.job.timeout
     }
 
-    /// Begins a look.
-    pub(crate) fn begin(&mut self) {
+    /// Begins a look, at a mark of this number if it is given.
+    pub(crate) fn begin(&mut self, mark: Option<u32>) -> Result<(), Failure> {
         if let Pictures::Files(source) = &mut self.job.pictures {
             source.skip();
+        }
+        mark.map_or(Ok(()), |mark| self.index(mark).map(|_| ()))
+    }
+
+    /// Returns the index of a mark.
+    fn index(&mut self, mark: u32) -> Result<usize, Failure> {
+        let index = usize::try_from(mark).ok().and_then(|n| n.checked_sub(1));
+        let count = self.measured.len();
+        match index.filter(|n| *n < count) {
+            Some(index) => Ok(index),
+            None if count == 0 => self.fail(Failure::NoSuchMark, "there is no job with marks"),
+            None => {
+                let text = format!("mark {mark}: the job has the marks 1 to {count}");
+                self.fail(Failure::NoSuchMark, text)
+            }
         }
     }
 
@@ -119,7 +140,7 @@ impl Bench {
         look.size = (picture.width(), picture.height());
         let Job { kind, size, ink, camera, frames, .. } = &self.job;
         let wanted = Search { kind: *kind, size: camera.pixels(*size), ink: *ink };
-        let middle = Vector::new(look.size.0 as f64 / 2.0, look.size.1 as f64 / 2.0);
+        let middle = Camera::middle(look.size);
         let frames = *frames;
         match choose(&search(picture, &wanted), middle) {
             Ok(found) => look.found.push(found),
@@ -151,14 +172,7 @@ impl Bench {
         at: Vector,
         results: &mut Results,
     ) -> Result<(), Failure> {
-        let index = usize::try_from(mark).ok().and_then(|n| n.checked_sub(1));
-        let count = self.measured.len();
-        let Some(index) = index.filter(|n| *n < count) else {
-            return self.fail(
-                Failure::NoSuchMark,
-                format!("mark {mark}: the job has the marks 1 to {count}"),
-            );
-        };
+        let index = self.index(mark)?;
         let mean = self.mean(look)?;
         let camera = self.job.camera;
         let place = camera.machine(at, look.size, mean.mark.centre);
@@ -262,8 +276,11 @@ impl Bench {
         let marks = self.marks();
         results.marks = i32::try_from(marks.len()).unwrap_or(i32::MAX);
         let index = usize::try_from(mark).ok().and_then(|n| n.checked_sub(1));
-        if let Some(file) = index.and_then(|n| self.job.marks.get(n)) {
-            let aim = self.guess(&marks).apply(*file) - self.job.camera.offset;
+        if let Some((n, file)) = index.and_then(|n| Some((n, self.job.marks.get(n)?))) {
+            let expected = self.job.expected.get(n).copied().flatten();
+            let expected = expected.filter(|_| marks.len() < 3);
+            let place = expected.unwrap_or_else(|| self.guess(&marks).apply(*file));
+            let aim = place - self.job.camera.offset;
             (results.aim_x, results.aim_y) = (aim.x, aim.y);
         }
         results.valid = self.fit.is_some();
@@ -307,10 +324,9 @@ impl Bench {
         for (n, (file, measured)) in (1..).zip(self.job.marks.iter().zip(&self.measured)) {
             let place = measured.map_or("not measured".to_owned(), |m| {
                 let residual = self.fit.as_ref().map(|f| m - f.transform.apply(*file));
-                let residual = residual.map_or(String::new(), |r| {
-                    format!(", residual X {:.4} Y {:.4} mm", r.x, r.y)
-                });
-                format!("found at X {:.4} Y {:.4}{residual}", m.x, m.y)
+                let residual = residual
+                    .map_or(String::new(), |r| format!(", residual X {:.4} Y {:.4} mm", r.x, r.y));
+                format!("found at {m}{residual}")
             });
             out.push(format!("mark {n}: X {} Y {}, {place}", file.x, file.y));
         }
@@ -318,7 +334,12 @@ impl Bench {
             out.push(format!("touched marks: {}", self.touched.len()));
         }
         if let Some(fit) = &self.fit {
-            out.push(format!("{}: {}, rms {:.4} mm", fit.model.name(), fit.transform.parts(), fit.rms));
+            out.push(format!(
+                "{}: {}, rms {:.4} mm",
+                fit.model.name(),
+                fit.transform.parts(),
+                fit.rms
+            ));
             out.extend(fit.transform.warnings().iter().map(|w| format!("warning: {w}")));
         }
         if !self.sights.is_empty() {

@@ -25,9 +25,7 @@ const ROWS: &[Row] = &[
         name: "align.look",
         doc: "Finds a mark from the present position; without a number the selected one.",
         args: &[&Arg::int("mark", "Number of the mark, from 1.")],
-        action: |call| {
-            Action::Look(call.int("mark").map(|n| u32::try_from(n).unwrap_or(0)))
-        },
+        action: |call| Action::Look(call.int("mark").map(|n| u32::try_from(n).unwrap_or(0))),
     },
     Row {
         name: "align.solve",
@@ -50,6 +48,15 @@ const ROWS: &[Row] = &[
     },
 ];
 
+const TOUCH: &[&ArgSpec] = &[
+    &Arg::float("x", "X in the file, in mm.").required(),
+    &Arg::float("y", "Y in the file, in mm.").required(),
+    &Arg::float("machine-x", "X on the machine, in mm.").required(),
+    &Arg::float("machine-y", "Y on the machine, in mm.").required(),
+];
+
+const SAVE: &[&ArgSpec] = &[&Arg::text("file", "File to write.").required()];
+
 /// Declares the commands.
 pub(crate) fn open(
     b: &mut Builder<'_>,
@@ -66,13 +73,7 @@ pub(crate) fn open(
         })?;
     }
     let shared = bench.clone();
-    let args: &'static [&'static ArgSpec] = &[
-        &Arg::float("x", "X in the file, in mm.").required(),
-        &Arg::float("y", "Y in the file, in mm.").required(),
-        &Arg::float("machine-x", "X on the machine, in mm.").required(),
-        &Arg::float("machine-y", "Y on the machine, in mm.").required(),
-    ];
-    b.command("align.touch", "Adds a mark that was touched with the tool.", args, move |call| {
+    b.command("align.touch", "Adds a mark that was touched with the tool.", TOUCH, move |call| {
         let place = |x, y| {
             let at = |name| call.float(name).unwrap_or(f64::NAN);
             Vector::new(at(x), at(y))
@@ -81,9 +82,9 @@ pub(crate) fn open(
         lock(&shared).touch(mark).map_err(Error::new)
     })?;
     let shared = bench.clone();
-    let args: &'static [&'static ArgSpec] = &[&Arg::text("file", "File to write.").required()];
-    let doc = "Writes the marks and the model to a file for halgcode align; align.solve comes first.";
-    b.command("align.save", doc, args, move |call| {
+    let doc =
+        "Writes the marks and the model to a file for halgcode align; align.solve comes first.";
+    b.command("align.save", doc, SAVE, move |call| {
         let path = PathBuf::from(call.text("file").unwrap_or_default());
         let text = lock(&shared).text().map_err(Error::new)?;
         let written = hal_output::write(&path, text.as_bytes());

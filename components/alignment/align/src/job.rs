@@ -19,6 +19,8 @@ pub(crate) enum Pictures {
 pub(crate) struct Job {
     /// Marks in the file's coordinates.
     pub(crate) marks: Vec<Vector>,
+    /// Expected place of each mark on the machine.
+    pub(crate) expected: Vec<Option<Vector>>,
     pub(crate) options: Options,
     pub(crate) kind: Kind,
     /// Diameter or side of the marks, in mm.
@@ -39,6 +41,7 @@ impl Default for Job {
         let linear = Matrix::new(0.02, 0.0, 0.0, -0.02);
         Self {
             marks: Vec::new(),
+            expected: Vec::new(),
             options: Options::default(),
             kind: Kind::Circle,
             size: 2.0,
@@ -72,8 +75,18 @@ impl Job {
     fn job(&mut self, entry: &Entry) -> Result<(), String> {
         let value = entry.value.as_str();
         match entry.name.as_str() {
-            "MARK" if self.marks.len() >= MAX_MARKS => return Err(wrong(entry, "at most 1000 marks")),
-            "MARK" => self.marks.push(vector(entry)?),
+            "MARK" if self.marks.len() >= MAX_MARKS => {
+                return Err(wrong(entry, "at most 1000 marks"));
+            }
+            "MARK" if value.split_whitespace().count() == 4 => {
+                let [x, y, to_x, to_y] = numbers(entry)?;
+                self.marks.push(Vector::new(x, y));
+                self.expected.push(Some(Vector::new(to_x, to_y)));
+            }
+            "MARK" => {
+                self.marks.push(vector(entry)?);
+                self.expected.push(None);
+            }
             "NEAR" => self.near = vector(entry)?,
             "MODEL" => {
                 let names = "must be auto, shift, rigid, similarity, scale-xy or affine";
@@ -88,7 +101,8 @@ impl Job {
                 }
             }
             "KIND" => {
-                self.kind = Kind::of(value).ok_or_else(|| wrong(entry, "must be circle or square"))?;
+                self.kind =
+                    Kind::of(value).ok_or_else(|| wrong(entry, "must be circle or square"))?;
             }
             "SIZE" => self.size = between(entry, 1.0, 10.0)?,
             "INK" => {
@@ -132,8 +146,10 @@ impl Job {
             "TIMEOUT" => self.timeout = between(entry, 0.01, 600.0)?,
             "SOURCE" => {
                 let usual = "must be 'sim FILE', 'files FOLDER' or 'live FOLDER'";
-                let (kind, name) =
-                    entry.value.split_once(char::is_whitespace).ok_or_else(|| wrong(entry, usual))?;
+                let (kind, name) = entry
+                    .value
+                    .split_once(char::is_whitespace)
+                    .ok_or_else(|| wrong(entry, usual))?;
                 let path: PathBuf = folder.join(name.trim());
                 let files = |is_live| -> Result<Pictures, String> {
                     let files = Files::open(&path, is_live);

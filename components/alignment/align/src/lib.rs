@@ -5,7 +5,7 @@
 //! | `job` | the job: marks, model, camera, source of pictures, from an INI file |
 //! | `bench` | marks measured so far, the fit, looks and calibrations |
 //! | `worker` | the worker, which takes and searches pictures |
-//! | `eye` | Realtime: the function, its pins, and what passes to and from the worker |
+//! | `eye`, `pins` | Realtime: the function, and what passes to and from the worker; its pins |
 //! | `commands` | commands `align.*` |
 #![forbid(unsafe_code)]
 
@@ -13,6 +13,7 @@ mod bench;
 mod commands;
 mod eye;
 mod job;
+mod pins;
 mod worker;
 
 use bench::Bench;
@@ -39,7 +40,8 @@ impl Component for Align {
     const DOC: &'static str = "\
 Alignment by marks: a camera on the machine finds them, and the part's place goes to pins, files and coordinate systems.
 
-`job` is an INI file. Section JOB has the marks in the file's coordinates (`MARK = X Y`, in mm, several), their `KIND` (circle or
+`job` is an INI file. Section JOB has the marks in the file's coordinates, in mm (`MARK = X Y`, several; `MARK = X Y X Y` also
+tells where the mark is expected on the machine), their `KIND` (circle or
 square), `SIZE` in mm, `INK` (dark or bright), `FRAMES` (pictures of a look, 5), `MODEL`, `TOLERANCE` and `MIRROR` as of
 `halgcode align`, and `NEAR = X Y`, the place where the file's origin is expected. Section CAMERA has `SOURCE` (`sim FILE`, a
 simulated table; `files FOLDER`, pictures in the order of their names; `live FOLDER`, pictures that appear after a look began, as
@@ -84,8 +86,7 @@ getp align.live # -> TRUE
         let bench = Arc::new(Mutex::new(Bench::default()));
         let (orders, receiver) = b.queue(16);
         let shared = Arc::new(Shared::default());
-        let eye = Eye::make(b, receiver, shared.clone())?;
-        let (eye, results, events) = eye;
+        let (eye, (results, events)) = Eye::make(b, receiver, shared.clone())?;
         b.function("align", "Reads the pins, and shows results.", eye)?;
         commands::open(b, &bench, &orders)?;
         if let Some(job) = b.arg_text("job").filter(|j| !j.is_empty()) {

@@ -95,11 +95,10 @@ impl Worker {
         if looks {
             self.last.found = result.is_ok();
         }
-        match (result, event.ticket) {
-            (Ok(()), Some(ticket)) => ticket.done(),
-            (Err(failure), Some(ticket)) => ticket.fail(failure.text()),
-            (Err(failure), None) => self.messages.error(failure.text(), &[]),
-            (Ok(()), None) => {}
+        if let Err(failure) = result
+            && !event.is_awaited
+        {
+            self.messages.error(failure.text(), &[]);
         }
     }
 }
@@ -110,9 +109,16 @@ impl Work for Worker {
         if self.progress.is_none()
             && let Some(event) = self.events.take()
         {
-            lock(&self.bench).begin();
+            let mark = match event.action {
+                Action::Look(mark) => Some(mark.unwrap_or(event.mark)),
+                _ => None,
+            };
+            let begun = lock(&self.bench).begin(mark);
             let since = self.clock.now_ns();
-            self.progress = Some(Progress { event, look: Look::default(), since });
+            match begun {
+                Ok(()) => self.progress = Some(Progress { event, look: Look::default(), since }),
+                Err(failure) => self.end(&event, Err(failure)),
+            }
         }
         if let Some(mut progress) = self.progress.take() {
             done = 1;
@@ -120,7 +126,7 @@ impl Work for Worker {
                 None => self.progress = Some(progress),
                 Some(result) => {
                     let event = progress.event;
-                    self.end_with(&event, result);
+                    self.end(&event, result);
                 }
             }
         }
@@ -128,14 +134,5 @@ impl Work for Worker {
         lock(&self.bench).tell(mark, &mut self.last);
         self.results.set(&self.last);
         done
-    }
-}
-
-impl Worker {
-    /// Ends an event after its results have been filled in, so that both appear together.
-    fn end_with(&mut self, event: &Event, result: Result<(), Failure>) {
-        let mark = self.shared.mark.load(Relaxed);
-        lock(&self.bench).tell(mark, &mut self.last);
-        self.end(event, result);
     }
 }

@@ -19,7 +19,13 @@ impl Camera {
     /// Returns the place on the machine of a place in a picture of this size, taken at a position of the machine.
     #[must_use]
     pub fn machine(&self, position: Vector, size: (usize, usize), pixel: Vector) -> Vector {
-        position + self.offset + self.linear * (pixel - middle(size))
+        position + self.offset + self.linear * (pixel - Self::middle(size))
+    }
+
+    /// Returns the middle of a picture of this size, in pixels.
+    #[must_use]
+    pub fn middle(size: (usize, usize)) -> Vector {
+        Vector::new(size.0 as f64 / 2.0, size.1 as f64 / 2.0)
     }
 
     /// Returns the number of pixels of a length in millimetres.
@@ -27,11 +33,6 @@ impl Camera {
     pub fn pixels(&self, mm: f64) -> f64 {
         mm / libm::sqrt(libm::fabs(self.linear.det()))
     }
-}
-
-/// Returns the middle of a picture.
-pub(crate) fn middle(size: (usize, usize)) -> Vector {
-    Vector::new(size.0 as f64 / 2.0, size.1 as f64 / 2.0)
 }
 
 /// One mark seen from a position of the machine.
@@ -88,10 +89,8 @@ impl fmt::Display for CameraProblem {
 pub fn calibrate(sights: &[Sight]) -> Result<Calibration, CameraProblem> {
     // The fit is made for marks that lie at least 5 mm apart: here a unit is a micrometre.
     const UNIT: f64 = 1000.0;
-    let marks: Vec<Mark> = sights
-        .iter()
-        .map(|s| Mark { file: s.position * UNIT, machine: s.pixel })
-        .collect();
+    let marks: Vec<Mark> =
+        sights.iter().map(|s| Mark { file: s.position * UNIT, machine: s.pixel }).collect();
     let options = |mirror| Options { model: Model::Affine, tolerance: 1e9, mirror };
     let found = match fit(&marks, &options(true)) {
         Err(Misfit::NotMirrored) => fit(&marks, &options(false)),
@@ -108,7 +107,8 @@ pub fn calibrate(sights: &[Sight]) -> Result<Calibration, CameraProblem> {
     }
     let back = found.transform.linear.inverse().ok_or(CameraProblem::Standing)?;
     let scale = -1.0 / UNIT;
-    let linear = Matrix::new(back.m11 * scale, back.m12 * scale, back.m21 * scale, back.m22 * scale);
+    let linear =
+        Matrix::new(back.m11 * scale, back.m12 * scale, back.m21 * scale, back.m22 * scale);
     Ok(Calibration { linear, residual })
 }
 

@@ -41,9 +41,8 @@ pub enum Figure {
 impl Figure {
     /// Returns the distance of a point from the edge, or less: positive inside.
     fn depth(&self, point: Vector) -> f64 {
-        let turned = |centre: Vector, angle: f64| {
-            Matrix::rotation(-angle.to_radians()) * (point - centre)
-        };
+        let turned =
+            |centre: Vector, angle: f64| Matrix::rotation(-angle.to_radians()) * (point - centre);
         match *self {
             Self::Mark { kind, centre, size, angle, outline } => {
                 let p = turned(centre, angle);
@@ -174,7 +173,8 @@ impl View {
         let mut random = Random::new(self.seed);
         let byte = |v: f32| {
             let noise = if self.noise > 0.0 { self.noise * random.normal() } else { 0.0 };
-            let v = libm::round(f64::from(v) + noise).max(0.0).min(255.0);
+            let v = libm::round(f64::from(v) + noise);
+            let v = if v > 0.0 { v.min(255.0) } else { 0.0 };
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a byte")]
             let byte = v as u8;
             byte

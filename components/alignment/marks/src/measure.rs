@@ -114,7 +114,11 @@ pub(crate) fn measure(picture: &Picture, region: &Region) -> Option<Measures> {
         .map(|p| {
             let lit = light.at(p.x, p.y);
             let part = (lit - p.value) / (lit - mark(lit));
-            let part = if p.place == Place::Core { 1.0 } else { part.max(0.0).min(1.0) };
+            let part = match p.place {
+                Place::Core => 1.0,
+                _ if part > 0.0 => part.min(1.0),
+                _ => 0.0,
+            };
             (p.x, p.y, part)
         })
         .filter(|p| p.2 > 0.0)
@@ -173,10 +177,8 @@ fn pixels(picture: &Picture, region: &Region) -> Vec<Pixel> {
                 continue;
             };
             let (px, py, value) = pixel(picture, region, x, y);
-            let inside = 0.0 < px
-                && px < picture.width() as f64
-                && 0.0 < py
-                && py < picture.height() as f64;
+            let inside =
+                0.0 < px && px < picture.width() as f64 && 0.0 < py && py < picture.height() as f64;
             if inside {
                 out.push(Pixel { x: px, y: py, value, place });
             }
@@ -222,7 +224,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     let upper = values.get(middle)?;
     let lower = values.get(middle.saturating_sub(1))?;
-    Some(if values.len() % 2 == 0 { (upper + lower) / 2.0 } else { *upper })
+    Some(if values.len().is_multiple_of(2) { (upper + lower) / 2.0 } else { *upper })
 }
 
 /// Moments of the coverage.

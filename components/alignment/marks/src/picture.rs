@@ -191,9 +191,8 @@ pub(crate) fn smooth(values: &[f32], width: usize, height: usize, sigma: f64) ->
         let mut out = vec![0.0_f32; from.len()];
         for line in 0..lines {
             for n in 0..length {
-                let value = |at: usize| {
-                    from.get(line * stride + at * step).copied().unwrap_or_default()
-                };
+                let value =
+                    |at: usize| from.get(line * stride + at * step).copied().unwrap_or_default();
                 let mut total = 0.0;
                 for (k, weight) in weights.iter().enumerate() {
                     let low = value(n.saturating_sub(k));
@@ -265,7 +264,9 @@ mod tests {
         png[16..20].copy_from_slice(&20_000_u32.to_be_bytes());
         let header = png[12..29].to_vec();
         let crc = header.iter().fold(u32::MAX, |crc, b| {
-            (0..8).fold(crc ^ u32::from(*b), |c, _| if c & 1 == 1 { (c >> 1) ^ 0xedb8_8320 } else { c >> 1 })
+            (0..8).fold(crc ^ u32::from(*b), |c, _| {
+                if c & 1 == 1 { (c >> 1) ^ 0xedb8_8320 } else { c >> 1 }
+            })
         });
         png[29..33].copy_from_slice(&(!crc).to_be_bytes());
         assert_eq!(Picture::decode(&png), Err(PictureProblem::Sides(20_000, 40)));

@@ -100,7 +100,9 @@ fn fill(dark: &[bool], width: usize, height: usize) -> Vec<bool> {
     let mut stack = vec![(0_usize, 0_usize)];
     while let Some((x, y)) = stack.pop() {
         let at = y * width + x;
-        let (Some(false), Some(inside @ true)) = (dark.get(at), filled.get_mut(at)) else { continue };
+        let (Some(false), Some(inside @ true)) = (dark.get(at), filled.get_mut(at)) else {
+            continue;
+        };
         *inside = false;
         if x > 0 {
             stack.push((x - 1, y));

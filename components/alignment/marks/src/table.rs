@@ -70,7 +70,11 @@ impl Table {
 
     fn entry(&mut self, entry: &Entry) -> Result<(), TableProblem> {
         let range = |n: f64, low: f64, high: f64| {
-            if low <= n && n <= high { Ok(n) } else { Err(wrong(entry, &format!("{n} is not between {low} and {high}"))) }
+            if low <= n && n <= high {
+                Ok(n)
+            } else {
+                Err(wrong(entry, &format!("{n} is not between {low} and {high}")))
+            }
         };
         match entry.name.as_str() {
             "BACKGROUND" => self.sheet.background = range(one(entry)?, 0.0, 255.0)?,
@@ -142,8 +146,7 @@ impl Table {
     pub fn picture(&self, position: Vector, shift: Vector, light: f64, number: u64) -> Picture {
         let mut part = self.part();
         part.shift = part.shift + shift;
-        let view =
-            View { at: position + self.offset, part, seed: number, ..self.view.clone() };
+        let view = View { at: position + self.offset, part, seed: number, ..self.view.clone() };
         let light = if (0.0..=2.0).contains(&light) { light } else { 0.0 };
         let mut sheet = self.sheet.clone();
         sheet.background *= light;
@@ -157,7 +160,11 @@ impl Table {
 fn figure(entry: &Entry) -> Result<Figure, TableProblem> {
     if entry.name == "BAR" {
         let [x, y, length, width, angle] = numbers(entry)?;
-        return Ok(Figure::Bar { centre: Vector::new(x, y), size: Vector::new(length, width), angle });
+        return Ok(Figure::Bar {
+            centre: Vector::new(x, y),
+            size: Vector::new(length, width),
+            angle,
+        });
     }
     let (name, rest) = entry.value.split_once(char::is_whitespace).unwrap_or((&entry.value, ""));
     let kind = Kind::of(name)

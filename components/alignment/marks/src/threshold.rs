@@ -47,7 +47,7 @@ fn otsu(values: &[f32]) -> f32 {
     let mut counts = [0.0_f64; 256];
     for value in values {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a byte")]
-        let bin = value.max(0.0).min(255.0) as usize;
+        let bin = value.min(255.0) as usize;
         if let Some(count) = counts.get_mut(bin) {
             *count += 1.0;
         }

@@ -1,6 +1,6 @@
 //! Drawn pictures with known truth: errors of centres and angles, and false finds, as a table in the crate's README.
 //! `UPDATE_EXPECT=1` writes the table.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests; figures are shown")]
 
 use hal_align::{Matrix, Vector};
 use hal_marks::{Figure, Ink, Kind, Search, Sheet, View, average, choose, search};
@@ -32,14 +32,86 @@ struct Case {
 }
 
 const CASES: &[Case] = &[
-    Case { name: "no noise", blur: 0.0, noise: 0.0, light: 0.0, tilt: 0.0, frames: 1, ink: (220.0, 40.0), bar: Some((0.01, 0.05)) },
-    Case { name: "blur 1, noise 5", blur: 1.0, noise: 5.0, light: 0.0, tilt: 0.0, frames: 1, ink: (220.0, 40.0), bar: Some((0.05, 0.3)) },
-    Case { name: "blur 1.5, noise 8", blur: 1.5, noise: 8.0, light: 0.0, tilt: 0.0, frames: 1, ink: (220.0, 40.0), bar: Some((0.1, 0.6)) },
-    Case { name: "contrast 100, blur 1, noise 5", blur: 1.0, noise: 5.0, light: 0.0, tilt: 0.0, frames: 1, ink: (180.0, 80.0), bar: Some((0.09, 0.6)) },
-    Case { name: "the same, mean of 5 pictures", blur: 1.0, noise: 5.0, light: 0.0, tilt: 0.0, frames: 5, ink: (180.0, 80.0), bar: Some((0.05, 0.3)) },
-    Case { name: "bright on dark, blur 1, noise 5", blur: 1.0, noise: 5.0, light: 0.0, tilt: 0.0, frames: 1, ink: (40.0, 220.0), bar: Some((0.05, 0.3)) },
-    Case { name: "light falls to half, blur 1, noise 5", blur: 1.0, noise: 5.0, light: 0.66, tilt: 0.0, frames: 1, ink: (200.0, 40.0), bar: Some((0.1, 0.6)) },
-    Case { name: "tilt: scale differs by 4 % across the picture", blur: 0.0, noise: 0.0, light: 0.0, tilt: 1.25e-4, frames: 1, ink: (220.0, 40.0), bar: None },
+    Case {
+        name: "no noise",
+        blur: 0.0,
+        noise: 0.0,
+        light: 0.0,
+        tilt: 0.0,
+        frames: 1,
+        ink: (220.0, 40.0),
+        bar: Some((0.01, 0.05)),
+    },
+    Case {
+        name: "blur 1, noise 5",
+        blur: 1.0,
+        noise: 5.0,
+        light: 0.0,
+        tilt: 0.0,
+        frames: 1,
+        ink: (220.0, 40.0),
+        bar: Some((0.05, 0.3)),
+    },
+    Case {
+        name: "blur 1.5, noise 8",
+        blur: 1.5,
+        noise: 8.0,
+        light: 0.0,
+        tilt: 0.0,
+        frames: 1,
+        ink: (220.0, 40.0),
+        bar: Some((0.1, 0.6)),
+    },
+    Case {
+        name: "contrast 100, blur 1, noise 5",
+        blur: 1.0,
+        noise: 5.0,
+        light: 0.0,
+        tilt: 0.0,
+        frames: 1,
+        ink: (180.0, 80.0),
+        bar: Some((0.09, 0.6)),
+    },
+    Case {
+        name: "the same, mean of 5 pictures",
+        blur: 1.0,
+        noise: 5.0,
+        light: 0.0,
+        tilt: 0.0,
+        frames: 5,
+        ink: (180.0, 80.0),
+        bar: Some((0.05, 0.3)),
+    },
+    Case {
+        name: "bright on dark, blur 1, noise 5",
+        blur: 1.0,
+        noise: 5.0,
+        light: 0.0,
+        tilt: 0.0,
+        frames: 1,
+        ink: (40.0, 220.0),
+        bar: Some((0.05, 0.3)),
+    },
+    Case {
+        name: "light falls to half, blur 1, noise 5",
+        blur: 1.0,
+        noise: 5.0,
+        light: 0.66,
+        tilt: 0.0,
+        frames: 1,
+        ink: (200.0, 40.0),
+        bar: Some((0.1, 0.6)),
+    },
+    Case {
+        name: "tilt: scale differs by 4 % across the picture",
+        blur: 0.0,
+        noise: 0.0,
+        light: 0.0,
+        tilt: 1.25e-4,
+        frames: 1,
+        ink: (220.0, 40.0),
+        bar: None,
+    },
 ];
 
 /// Result of many pictures.
@@ -55,7 +127,7 @@ struct Sum {
 }
 
 fn picture_of(case: &Case, random: &mut Random, seed: u64) -> (View, Sheet, Search, Vector, f64) {
-    let kind = if seed % 2 == 0 { Kind::Circle } else { Kind::Square };
+    let kind = if seed.is_multiple_of(2) { Kind::Circle } else { Kind::Square };
     let size = random.between(20.0, 90.0);
     let angle = if kind == Kind::Square { random.between(-44.0, 44.0) } else { 0.0 };
     let room = size * 0.75 + 6.0;
@@ -142,12 +214,13 @@ fn without_marks() -> (u32, u32) {
     let (mut pictures, mut finds) = (0, 0);
     for n in 0..200_u64 {
         let size = random.between(20.0, 60.0);
-        let kind = if n % 2 == 0 { Kind::Circle } else { Kind::Square };
-        let other = if n % 2 == 0 { Kind::Square } else { Kind::Circle };
+        let kind = if n.is_multiple_of(2) { Kind::Circle } else { Kind::Square };
+        let other = if n.is_multiple_of(2) { Kind::Square } else { Kind::Circle };
         let mut place = |room: f64| {
             Vector::new(random.between(room, 320.0 - room), random.between(room, 240.0 - room))
         };
-        let mark = |kind, centre, size| Figure::Mark { kind, centre, size, angle: 10.0, outline: None };
+        let mark =
+            |kind, centre, size| Figure::Mark { kind, centre, size, angle: 10.0, outline: None };
         let bar = |centre: Vector, x: f64, y: f64, angle: f64| Figure::Bar {
             centre,
             size: Vector::new(x, y),
@@ -189,7 +262,7 @@ fn without_marks() -> (u32, u32) {
         };
         let mut view = View::new(320, 240, Matrix::IDENTITY, Vector::new(160.0, 120.0));
         (view.blur, view.noise, view.seed) = (1.0, 5.0, n);
-        if n % 3 == 0 {
+        if n.is_multiple_of(3) {
             view.light = Vector::new(0.5, 0.2);
         }
         let picture = view.draw(&Sheet { background: 190.0, ink: 40.0, figures }).unwrap();

@@ -154,7 +154,8 @@ impl Alignment {
     #[must_use]
     pub fn text(&self) -> String {
         let Options { model, tolerance, mirror } = self.options;
-        let mut out = String::from("# Marks: X and Y in the file, X and Y on the machine, in mm.\n[ALIGN]\n");
+        let mut out =
+            String::from("# Marks: X and Y in the file, X and Y on the machine, in mm.\n[ALIGN]\n");
         out.push_str(&format!(
             "MODEL = {}\nTOLERANCE = {tolerance}\nMIRROR = {}\n",
             model.name(),
@@ -211,12 +212,24 @@ mod tests {
             ("MARK = 1 2 3", "part.ini:2: MARK takes 4 finite numbers"),
             ("MARK = 1 2 3 nan", "part.ini:2: MARK takes 4 finite numbers"),
             ("MATRIX = 1 2 2 4 0 0", "part.ini:2: MATRIX must be one that has an inverse"),
-            ("MARK = 1 2 3 4\nMATRIX = 1 0 0 1 0 0", "part.ini: [ALIGN] has a MATRIX, and marks that give another"),
-            ("MODEL = bent", "part.ini:2: MODEL is 'bent', must be auto, shift, rigid, similarity, scale-xy or affine"),
+            (
+                "MARK = 1 2 3 4\nMATRIX = 1 0 0 1 0 0",
+                "part.ini: [ALIGN] has a MATRIX, and marks that give another",
+            ),
+            (
+                "MODEL = bent",
+                "part.ini:2: MODEL is 'bent', must be auto, shift, rigid, similarity, scale-xy or affine",
+            ),
             ("TOLERANCE = 0", "part.ini:2: TOLERANCE must be between 0.000001 and 100 mm"),
             ("MIRROR = yes", "part.ini:2: MIRROR must be 0 or 1"),
-            ("MRK = 1", "part.ini:2: [ALIGN]MRK has no meaning: MARK, MATRIX, MODEL, TOLERANCE, MIRROR"),
-            ("", "part.ini: [ALIGN] has neither MARK (file X Y, machine X Y) nor MATRIX (m11 m12 m21 m22 X Y)"),
+            (
+                "MRK = 1",
+                "part.ini:2: [ALIGN]MRK has no meaning: MARK, MATRIX, MODEL, TOLERANCE, MIRROR",
+            ),
+            (
+                "",
+                "part.ini: [ALIGN] has neither MARK (file X Y, machine X Y) nor MATRIX (m11 m12 m21 m22 X Y)",
+            ),
         ] {
             assert_eq!(parse(&format!("[ALIGN]\n{text}\n")).unwrap_err(), wanted);
         }

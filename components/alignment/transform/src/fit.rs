@@ -208,7 +208,10 @@ pub fn fit(marks: &[Mark], options: &Options) -> Result<Fit, Misfit> {
     let sum: f64 = residuals.iter().map(|r| r.dot(*r)).sum();
     let rms = sqrt(sum / residuals.len() as f64);
     let tolerance = options.tolerance;
-    if !matches!(rms.partial_cmp(&tolerance), Some(core::cmp::Ordering::Less | core::cmp::Ordering::Equal)) {
+    if !matches!(
+        rms.partial_cmp(&tolerance),
+        Some(core::cmp::Ordering::Less | core::cmp::Ordering::Equal)
+    ) {
         let worst = (1..).zip(residuals.iter().map(|r| r.length()));
         let worst = worst.fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         return Err(Misfit::Residual(rms, tolerance, worst.0, worst.1));

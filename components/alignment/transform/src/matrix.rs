@@ -1,6 +1,9 @@
 //! Vectors and matrices of the plane.
 
-use core::ops::{Add, Mul, Sub};
+use core::{
+    fmt,
+    ops::{Add, Mul, Sub},
+};
 
 /// A point or a direction in the plane, in millimetres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,6 +46,14 @@ impl Vector {
     #[must_use]
     pub fn is_usable(self) -> bool {
         libm::fabs(self.x) < 1e9 && libm::fabs(self.y) < 1e9
+    }
+}
+
+impl fmt::Display for Vector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Never -0.
+        let plain = |v: f64| libm::round(v * 1e4) / 1e4 + 0.0;
+        write!(f, "X {:.4} Y {:.4}", plain(self.x), plain(self.y))
     }
 }
 
@@ -107,8 +118,7 @@ impl Matrix {
     #[must_use]
     pub fn inverse(self) -> Option<Self> {
         let det = self.det();
-        let inverse =
-            Self::new(self.m22 / det, -self.m12 / det, -self.m21 / det, self.m11 / det);
+        let inverse = Self::new(self.m22 / det, -self.m12 / det, -self.m21 / det, self.m11 / det);
         inverse.is_usable().then_some(inverse)
     }
 

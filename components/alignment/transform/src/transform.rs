@@ -144,8 +144,8 @@ impl fmt::Display for Parts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "turn {:.5} deg, scale X {:.6}, scale Y {:.6}, squareness {:.4} deg, shift X {:.4} Y {:.4} mm",
-            self.turn, self.scale_x, self.scale_y, self.shear, self.shift.x, self.shift.y
+            "turn {:.5} deg, scale X {:.6}, scale Y {:.6}, squareness {:.4} deg, shift {} mm",
+            self.turn, self.scale_x, self.scale_y, self.shear, self.shift
         )
     }
 }

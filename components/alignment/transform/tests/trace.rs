@@ -1,5 +1,11 @@
 //! Programs before and after, run by the interpreter and compared point by point.
-#![expect(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    reason = "tests; figures are shown"
+)]
 
 use hal_align::{
     Matrix, Parts, Transform, Vector,
@@ -82,9 +88,7 @@ fn trace(text: &[u8], start: Vector) -> Option<Vec<Move>> {
     for _ in 0..100_000 {
         step = match step.ok()? {
             Step::Line => it.next(&World, &mut calls),
-            Step::Ask(Request::ToolChange { .. }) => {
-                it.answer(&Answer::Done, &World, &mut calls)
-            }
+            Step::Ask(Request::ToolChange { .. }) => it.answer(&Answer::Done, &World, &mut calls),
             Step::Ask(_) => return None,
             Step::Ended => return Some(moves(&calls, start)),
         };
@@ -100,8 +104,9 @@ fn moves(calls: &[hal_gcode::Issued], start: Vector) -> Vec<Move> {
         let line = issued.line;
         let (end, is_rapid) = match &issued.call {
             Call::StraightTraverse(end) => (end, true),
-            Call::StraightFeed(end) | Call::StraightProbe { end, .. } => (end, false),
-            Call::ArcFeed { end, .. } => (end, false),
+            Call::StraightFeed(end)
+            | Call::StraightProbe { end, .. }
+            | Call::ArcFeed { end, .. } => (end, false),
             other => {
                 frame.apply(other);
                 continue;
@@ -142,7 +147,7 @@ fn distance(a: Point, b: Point) -> f64 {
 fn off_line(p: Point, a: Point, b: Point) -> f64 {
     let length = (0..3).map(|n| (b[n] - a[n]) * (b[n] - a[n])).sum::<f64>();
     let part = (0..3).map(|n| (p[n] - a[n]) * (b[n] - a[n])).sum::<f64>() / length.max(1e-30);
-    let part = part.max(0.0).min(1.0);
+    let part = if part > 0.0 { part.min(1.0) } else { 0.0 };
     distance(p, [0, 1, 2].map(|n| a[n] + (b[n] - a[n]) * part))
 }
 
@@ -150,18 +155,23 @@ fn off_line(p: Point, a: Point, b: Point) -> f64 {
 fn compare(name: &str, text: &str, result: &str, transform: &Transform) -> usize {
     let Some(before) = trace(text.as_bytes(), Vector::ZERO) else { return 0 };
     let fail = |what: String| -> ! { panic!("{name}: {what}\n{text}--- after\n{result}") };
-    let Some(after) = trace(result.as_bytes(), transform.shift) else { fail("does not run".to_owned()) };
+    let Some(after) = trace(result.as_bytes(), transform.shift) else {
+        fail("does not run".to_owned())
+    };
     let tolerance = Options::default().tolerance;
     let mut rest = after.as_slice();
     for old in &before {
         let to = mapped(transform, old.to);
         // A half circle by its radius depends on its last digit as much in the source.
-        let radius = if old.arc.is_some() && text.to_uppercase().contains('R') { 0.03 } else { 0.0 };
+        let radius =
+            if old.arc.is_some() && text.to_uppercase().contains('R') { 0.03 } else { 0.0 };
         let allowed = radius + DIGITS + if old.arc.is_some() { tolerance } else { 0.0 };
         let reaches = |m: &Move| distance(m.to, to) < DIGITS * 1.5;
         let Some((first, _)) = rest.split_first() else {
             // A move that rounding has made a standstill.
-            if distance(mapped(transform, old.from), to) < DIGITS { continue }
+            if distance(mapped(transform, old.from), to) < DIGITS {
+                continue;
+            }
             fail(format!("line {}: no move to {to:?}", old.line))
         };
         let is_chords = old.arc.is_some() && first.arc.is_none();
@@ -174,7 +184,9 @@ fn compare(name: &str, text: &str, result: &str, transform: &Transform) -> usize
             reaches(first).then_some(1)
         };
         let Some(count) = count else {
-            if distance(mapped(transform, old.from), to) < DIGITS { continue }
+            if distance(mapped(transform, old.from), to) < DIGITS {
+                continue;
+            }
             fail(format!("line {}: {first:?} does not reach {to:?}", old.line))
         };
         let (new, behind) = rest.split_at(count);
@@ -190,7 +202,12 @@ fn compare(name: &str, text: &str, result: &str, transform: &Transform) -> usize
                 distance(wanted, new[0].at(f64::from(k) / 40.0))
             };
             if off > allowed {
-                fail(format!("line {}: {off:.5} mm off at {k}/40 {old:?} {} {:?}", old.line, new.len(), new[0]));
+                fail(format!(
+                    "line {}: {off:.5} mm off at {k}/40 {old:?} {} {:?}",
+                    old.line,
+                    new.len(),
+                    new[0]
+                ));
             }
         }
     }

@@ -123,11 +123,8 @@ fn f_four_marks_with_errors() {
 
 #[test]
 fn g_a_similarity_with_errors() {
-    let three = marks(&[
-        (0.0, 0.0, 5.01, 2.99),
-        (100.0, 0.0, 103.48, 20.37),
-        (0.0, 100.0, -12.36, 101.47),
-    ]);
+    let three =
+        marks(&[(0.0, 0.0, 5.01, 2.99), (100.0, 0.0, 103.48, 20.37), (0.0, 100.0, -12.36, 101.47)]);
     let found = fit(&three, &with(Model::Similarity)).unwrap();
     let parts = found.transform.parts();
     near(parts.turn, 10.00516, 5e-6);

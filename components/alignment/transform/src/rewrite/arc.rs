@@ -130,7 +130,8 @@ fn keep(
     let [x, y, _] = arc.end;
     if x.is_some() || y.is_some() {
         let step = Step { x, y, times: 1.0 };
-        let closed = modal.place().filter(|at| !modal.now.incremental && x == Some(at.x) && y == Some(at.y));
+        let closed =
+            modal.place().filter(|at| !modal.now.incremental && x == Some(at.x) && y == Some(at.y));
         match closed {
             // A full circle ends at the very digits where it begins.
             Some(at) => {
@@ -249,7 +250,8 @@ fn chords(
     }
     modal.written = Some(Motion::Line);
     let known = !line.words.deletable;
-    let is_known = |at: Option<f64>, given: bool| known && (at.is_some() || (given && !incremental));
+    let is_known =
+        |at: Option<f64>, given: bool| known && (at.is_some() || (given && !incremental));
     let [x, y, z_stop] = stop;
     modal.x = is_known(modal.x, x1.is_some()).then_some(x);
     modal.y = is_known(modal.y, y1.is_some()).then_some(y);
@@ -290,12 +292,7 @@ fn on(point: [f64; 3], axis: usize) -> f64 {
 }
 
 impl Curve {
-    fn new(
-        modal: &Modal,
-        arc: &Arc,
-        start: [f64; 3],
-        stop: [f64; 3],
-    ) -> Result<Self, Failure> {
+    fn new(modal: &Modal, arc: &Arc, start: [f64; 3], stop: [f64; 3]) -> Result<Self, Failure> {
         let axes = axes(modal.now.plane);
         let [first, second, across] = axes;
         let flat = |p| Vector::new(on(p, first), on(p, second));

@@ -89,8 +89,8 @@ pub(super) fn codes(modal: &mut Modal, words: &Words) -> Result<Codes, (u32, Rea
             }
             431 | 520 | 920 if moves => return Err((word.column(), Reason::Code(code))),
             520 | 920 => out.usage = Use::Free,
-            40 | 80 | 281 | 301 | 430 | 431 | 432 | 490 | 610 | 611 | 640 | 921 | 922
-            | 960 | 970 | 980 | 990 => {}
+            40 | 80 | 281 | 301 | 430 | 431 | 432 | 490 | 610 | 611 | 640 | 921 | 922 | 960
+            | 970 | 980 | 990 => {}
             // Diameters, polar, scaled, mirrored and turned coordinates, G92.3, and codes that are not known.
             _ => return Err((word.column(), Reason::Code(code))),
         }
@@ -109,7 +109,7 @@ fn tenths(word: &Word) -> Result<Option<i32>, (u32, Reason)> {
     let shown = char::from(word.letter.to_ascii_uppercase());
     let value = word.value.ok_or((word.column(), Reason::Expression(shown)))?;
     let code = libm::round(value * 10.0);
-    let known = 0.0 <= code && code < 10_000.0 && libm::fabs(code - value * 10.0) < 1e-3;
+    let known = (0.0..10_000.0).contains(&code) && libm::fabs(code - value * 10.0) < 1e-3;
     #[expect(clippy::cast_possible_truncation, reason = "the range is checked")]
     known.then_some(Some(code as i32)).ok_or((word.column(), Reason::Code(9999)))
 }

@@ -82,7 +82,10 @@ fn every_row_of_the_table() {
     even("G91 G1 X1\n", "G91 G1 X0.0000 Y2.0000\n");
     even("G1 X 1 Y 2 ( X9 )\n", "G1 X 96.0000 Y 2.0000 ( X9 )\n");
     // Arcs: incremental and absolute centres, a full circle, a helix, a radius with its sign.
-    even("G0 X1 Y0\nG2 X0 Y1 I-1 Z5\n", "G0 X100.0000 Y2.0000\nG2 X98.0000 Y0.0000 I0.0000 J-2.0000 Z5\n");
+    even(
+        "G0 X1 Y0\nG2 X0 Y1 I-1 Z5\n",
+        "G0 X100.0000 Y2.0000\nG2 X98.0000 Y0.0000 I0.0000 J-2.0000 Z5\n",
+    );
     even("G90.1\nG0 X1 Y0\nG3 I0 J0\n", "G90.1\nG0 X100.0000 Y2.0000\nG3 I100.0000 J0.0000\n");
     even("G0 X1 Y0\nG3 X0 Y1 R-1\n", "G0 X100.0000 Y2.0000\nG3 X98.0000 Y0.0000 R-2.0000\n");
     // Cycles: R is a height; incremental repetitions take the linear part.
@@ -94,8 +97,13 @@ fn every_row_of_the_table() {
         "G20 G0 X2.00000 Y0.10000\n"
     );
     // Machine coordinates, and the unknown position behind them.
-    even("G0 X1 Y1\nG53 G0 X5 Y5\nG0 X2 Y2\n", "G0 X98.0000 Y2.0000\nG53 G0 X5 Y5\nG0 X96.0000 Y4.0000\n");
-    assert!(refused("G0 X1 Y1\nG53 G0 X5\nG0 X2\n", &t).starts_with("3:0: the turned block needs Y"));
+    even(
+        "G0 X1 Y1\nG53 G0 X5 Y5\nG0 X2 Y2\n",
+        "G0 X98.0000 Y2.0000\nG53 G0 X5 Y5\nG0 X96.0000 Y4.0000\n",
+    );
+    assert!(
+        refused("G0 X1 Y1\nG53 G0 X5\nG0 X2\n", &t).starts_with("3:0: the turned block needs Y")
+    );
     // Returns.
     even("G28 X1 Y1 Z5\n", "G28 X98.0000 Y2.0000 Z5\n");
     even("G91 G28 X0 Z0\n", "G91 G28 X0 Z0\n");
@@ -120,7 +128,12 @@ fn mirrored_parts_exchange_left_and_right() {
 fn arcs_under_unequal_scales_become_lines_or_are_refused() {
     let options = Options { tolerance: 0.5, ..Options::default() };
     assert_eq!(
-        run("G0 X10 Y0 Z1\nN7 G3 X-10 I-10 Z3 F50 (c)\nX10 I10 Z1\nG1 X0\n", &stretched(), &options).unwrap(),
+        run(
+            "G0 X10 Y0 Z1\nN7 G3 X-10 I-10 Z3 F50 (c)\nX10 I10 Z1\nG1 X0\n",
+            &stretched(),
+            &options
+        )
+        .unwrap(),
         "G0 X12.0000 Y0.0000 Z1\n\
          N7 G1 X10.3923 Y5.5000 Z1.3333 F50 (c)\nX6.0000 Y9.5263 Z1.6667\nX0.0000 Y11.0000 Z2.0000\n\
          X-6.0000 Y9.5263 Z2.3333\nX-10.3923 Y5.5000 Z2.6667\nX-12.0000 Y0.0000 Z3.0000\n\
@@ -129,12 +142,19 @@ fn arcs_under_unequal_scales_become_lines_or_are_refused() {
     );
     // A small arc is within the tolerance; it needs its own code again behind lines.
     assert_eq!(
-        run("G0 X10 Y0\nG3 X-10 Y0 R10\nX-11 Y0 I-0.5\n", &stretched(), &Options { tolerance: 2.0, ..options.clone() }).unwrap(),
+        run(
+            "G0 X10 Y0\nG3 X-10 Y0 R10\nX-11 Y0 I-0.5\n",
+            &stretched(),
+            &Options { tolerance: 2.0, ..options.clone() }
+        )
+        .unwrap(),
         "G0 X12.0000 Y0.0000\nG1 X6.0000 Y9.5263\nX-6.0000 Y9.5263\nX-12.0000 Y0.0000\nG3 X-13.2000 Y0.0000 I-0.6000\n"
     );
     let none = Options { arcs: Arcs::Refuse, ..options };
     let text = run("G0 X10 Y0\n\nG3 I-10\nG1 X1\n", &stretched(), &none).unwrap_err();
-    assert!(text.starts_with("3:0: the aligned part has unequal scales") && text.lines().count() == 1);
+    assert!(
+        text.starts_with("3:0: the aligned part has unequal scales") && text.lines().count() == 1
+    );
     // Other planes keep their arcs under a shift alone.
     let shift = similar(0.0, 1.0, 5.0, 6.0);
     assert_eq!(
@@ -142,7 +162,10 @@ fn arcs_under_unequal_scales_become_lines_or_are_refused() {
         "G18\nG0 X5.0000 Y6.0000 Z0\nG2 X15.0000 I5\n"
     );
     let lines = done("G18\nG0 X0 Y0 Z0\nG2 X10 I5\n", &similar(90.0, 1.0, 0.0, 0.0));
-    assert!(lines.contains("\nG1 X0.0000 Y0.") && lines.ends_with("X0.0000 Y10.0000 Z0.0000\n"), "{lines}");
+    assert!(
+        lines.contains("\nG1 X0.0000 Y0.") && lines.ends_with("X0.0000 Y10.0000 Z0.0000\n"),
+        "{lines}"
+    );
 }
 
 #[test]
@@ -173,13 +196,19 @@ fn what_cannot_be_kept_is_refused_by_line() {
         ("M98 P5", "1:1: this subroutine is not in this file"),
         ("G1 X", "1:"),
         ("G1 (X", "1:4: Unclosed comment"),
-        ("o1 if [1]\nG0 X1 Y1\nG91\nX1\no1 endif", "1:0: a program with O-words must keep one plane"),
+        (
+            "o1 if [1]\nG0 X1 Y1\nG91\nX1\no1 endif",
+            "1:0: a program with O-words must keep one plane",
+        ),
     ] {
         let said = refused(&format!("{text}\n"), &t);
         assert!(said.starts_with(wanted), "{text}: {said}");
     }
     let stop = "G0 X10 Y0\nG3 I-10 M30\n";
-    assert!(refused(stop, &stretched()).starts_with("2:0: this arc must become lines, and its block ends"));
+    assert!(
+        refused(stop, &stretched())
+            .starts_with("2:0: this arc must become lines, and its block ends")
+    );
     let inverse = "G93 G0 X10 Y0\nG3 I-10 F2\n";
     assert!(refused(inverse, &stretched()).contains("inverse time"));
     let singular = Transform { linear: Matrix::new(1.0, 2.0, 2.0, 4.0), shift: Vector::ZERO };
@@ -220,7 +249,9 @@ fn a_header_names_transform_and_source() {
     let crc = crc32(b"\n%\nG0 X1 Y1\n");
     assert_eq!(
         text,
-        format!("\n%\n(aligned: turn 0.00000 deg, scale X 1.000000, scale Y 1.000000, squareness 0.0000 deg, shift X 1.0000 Y 2.0000 mm; source a_b_.ngc, CRC-32 {crc:08x})\nG0 X2.0000 Y3.0000\n")
+        format!(
+            "\n%\n(aligned: turn 0.00000 deg, scale X 1.000000, scale Y 1.000000, squareness 0.0000 deg, shift X 1.0000 Y 2.0000 mm; source a_b_.ngc, CRC-32 {crc:08x})\nG0 X2.0000 Y3.0000\n"
+        )
     );
     assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
 }
@@ -230,7 +261,8 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self, below: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) % below
     }
 }
@@ -239,9 +271,53 @@ impl Random {
 fn bytes_of_any_kind_never_panic_and_other_blocks_never_change() {
     let mut random = Random(7);
     let pieces: &[&str] = &[
-        "G0", "G1", "G2", "G3", "G90", "G91", "G90.1", "G91.1", "G20", "G21", "G81", "G80", "X1", "Y2.5", "X-3",
-        "Y", "I1", "J-2", "R5", "Z1", "F100", "M3", "M30", "(c)", "; e", "#1=2", "X#1", "[", "]", " ", "\t", "/",
-        "%", "o1", "o1 sub", "o1 endsub", "G53", "G28", "G54", "é", "\u{0}", "N5", "P2", "L3", "G41", "-", ".",
+        "G0",
+        "G1",
+        "G2",
+        "G3",
+        "G90",
+        "G91",
+        "G90.1",
+        "G91.1",
+        "G20",
+        "G21",
+        "G81",
+        "G80",
+        "X1",
+        "Y2.5",
+        "X-3",
+        "Y",
+        "I1",
+        "J-2",
+        "R5",
+        "Z1",
+        "F100",
+        "M3",
+        "M30",
+        "(c)",
+        "; e",
+        "#1=2",
+        "X#1",
+        "[",
+        "]",
+        " ",
+        "\t",
+        "/",
+        "%",
+        "o1",
+        "o1 sub",
+        "o1 endsub",
+        "G53",
+        "G28",
+        "G54",
+        "é",
+        "\u{0}",
+        "N5",
+        "P2",
+        "L3",
+        "G41",
+        "-",
+        ".",
     ];
     let transforms = [similar(30.0, 1.0, 5.0, 5.0), stretched()];
     let mut rewritten = 0;

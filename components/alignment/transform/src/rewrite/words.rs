@@ -51,11 +51,7 @@ pub(super) struct Words {
 
 impl Words {
     /// Reads a line. `known` evaluates expressions.
-    pub(super) fn read(
-        &mut self,
-        raw: &[u8],
-        known: Option<&Known>,
-    ) -> Result<(), (u32, Reason)> {
+    pub(super) fn read(&mut self, raw: &[u8], known: Option<&Known>) -> Result<(), (u32, Reason)> {
         self.list.clear();
         self.flow = None;
         let column = |at: usize| u32::try_from(at).unwrap_or(u32::MAX).saturating_add(1);
@@ -173,9 +169,7 @@ impl Known {
             match (index, target, value) {
                 (Some(n), _, Some(value)) => self.numbered.insert(n, value),
                 (Some(n), _, None) => self.numbered.remove(&n),
-                (None, Target::Named(name), Some(value)) => {
-                    self.named.insert(name.clone(), value)
-                }
+                (None, Target::Named(name), Some(value)) => self.named.insert(name.clone(), value),
                 (None, Target::Named(name), None) => self.named.remove(name),
                 (None, Target::Numbered(_), _) => None,
             };
