@@ -12,8 +12,10 @@
 //! | `language` | the option for the dialect of a program |
 //! | `state` | `state`: the interpreter's state at a line |
 //! | `ticks`, `ticks/` | `ticks`: a program in single steps, as figures, a table or a picture |
+//! | `align` | `align`: a program in the coordinates of a part whose marks were measured |
 //! | `apt`, `apt/` | `apt`: cutter-location files for a robot arm: its cell from an INI file, the report, the files written |
 
+mod align;
 mod apt;
 mod canon;
 mod check;
@@ -94,6 +96,13 @@ const COMMANDS: [Command; 7] = [
         help: apt::HELP,
         options: apt::completable,
         run: apt::main,
+    },
+    Command {
+        name: "align",
+        arguments: align::ARGUMENTS,
+        help: align::HELP,
+        options: align::completable,
+        run: align::main,
     },
 ];
 

@@ -54,6 +54,7 @@ fn arrows_point_only_downward() {
         (
             "halcmd",
             &[
+                "hal-align",
                 "hal-arm",
                 "hal-engine",
                 "hal-gcode",
@@ -67,6 +68,10 @@ fn arrows_point_only_downward() {
         ),
         ("halcompile", &["hal-output"]),
         ("hal-arm", &[]),
+        ("hal-align", &["hal-gcode", "hal-ini"]),
+        ("camera", &["hal-marks", "hal-output"]),
+        ("hal-marks", &["hal-align", "hal-ini"]),
+        ("align", &["hal-align", "hal-component", "hal-ini", "hal-marks", "hal-output"]),
         (
             "halpanel",
             &[

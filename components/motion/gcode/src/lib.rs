@@ -15,6 +15,7 @@
 //! | [`environment`] | the world's facts |
 //! | [`question`] | the questions to the machine and its answers |
 //! | [`remap`] | codes that run a subroutine, as an INI file asks |
+//! | [`function`], [`view`] | functions of another language, and the state that they see |
 //! | [`error`] | the problems with their places |
 //!
 //! The caller loads a text and calls [`Interpreter::next`] until it ends. A step that needs an answer from the machine
@@ -30,6 +31,7 @@ pub mod canon;
 pub mod dialect;
 pub mod environment;
 pub mod error;
+pub mod function;
 pub mod interpret;
 pub mod motion;
 pub mod parameters;
@@ -40,6 +42,7 @@ pub mod state;
 pub mod text;
 pub mod ticks;
 pub mod tool;
+pub mod view;
 
 pub use canon::{Call, Issued};
 pub use dialect::Dialect;

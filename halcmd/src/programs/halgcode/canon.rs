@@ -103,15 +103,15 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         table: table.as_deref(),
         parameters: parameters.as_deref(),
     })?;
-    for remark in &machine.remarks {
-        print_error(&format!("{remark}\n"));
-    }
     if !whole {
         stand_in(&mut machine, parameters.is_some());
     }
     machine.settings.block_delete = is_given(Id::BlockDelete);
     language::set(&mut machine, path(Id::Dialect).as_deref().and_then(Path::to_str))?;
-    let world = World { machine, hal: BTreeMap::new() };
+    let world = World::with_functions(machine, BTreeMap::new());
+    for remark in &world.machine.remarks {
+        print_error(&format!("{remark}\n"));
+    }
     let mut printer = Printer::new(output.as_deref(), is_given(Id::Lines))?;
     let job = Job {
         file,
@@ -208,7 +208,7 @@ impl Job<'_> {
         world: &World,
         printer: &mut Printer,
     ) -> Result<bool, String> {
-        let answers = Answers { probe_trips: false };
+        let answers = Answers { probe_trips: false, functions: world.functions.as_ref() };
         let mut result = run(it, world, answers, |it, issued| printer.issued(it, issued));
         loop {
             let error = match result {
@@ -270,7 +270,7 @@ impl Job<'_> {
 fn ask(it: &mut Interpreter, world: &World, printer: &mut Printer) -> Result<bool, String> {
     print_error("starting MDI\n");
     let levels = core::mem::take(&mut it.state.levels);
-    let answers = Answers { probe_trips: false };
+    let answers = Answers { probe_trips: false, functions: world.functions.as_ref() };
     while let Some(line) = person()? {
         it.mdi(&line);
         match run(it, world, answers, |it, issued| printer.issued(it, issued)) {

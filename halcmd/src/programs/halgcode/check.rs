@@ -108,7 +108,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     machine.settings.block_delete = is_given(Id::BlockDelete);
     language::set(&mut machine, value(Id::Dialect))?;
     machine.settings.limits.lines = lines;
-    let world = World { machine, hal };
+    let world = World::with_functions(machine, hal);
     let mut text = String::new();
     for remark in &world.machine.remarks {
         text.push_str(&format!("{}\n", remark.replacen(": ", ": warning: ", 1)));
@@ -135,7 +135,12 @@ fn one(file: &str, world: &World, most: u64, quiet: bool) -> Result<bool, String
     start(&mut it, world)?;
     it.load(file, text);
     let mut check = Check::new(&it, world);
-    let mut result = run(&mut it, world, Answers { probe_trips: true }, |it, i| check.call(it, i));
+    let mut result = run(
+        &mut it,
+        world,
+        Answers { probe_trips: true, functions: world.functions.as_ref() },
+        |it, i| check.call(it, i),
+    );
     while let Err(Stop::Program(error)) = result {
         check.error(&error, world);
         check.errors += 1;
@@ -154,7 +159,12 @@ fn one(file: &str, world: &World, most: u64, quiet: bool) -> Result<bool, String
         it.state.ended = false;
         it.state.pending = None;
         it.state.nurbs = None;
-        result = run(&mut it, world, Answers { probe_trips: true }, |it, i| check.call(it, i));
+        result = run(
+            &mut it,
+            world,
+            Answers { probe_trips: true, functions: world.functions.as_ref() },
+            |it, i| check.call(it, i),
+        );
     }
     if let Err(Stop::Output(reason)) = result {
         return Err(reason);

@@ -96,7 +96,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     })?;
     machine.settings.block_delete = is_given(Id::BlockDelete);
     language::set(&mut machine, value(Id::Dialect))?;
-    let world = World { machine, hal: BTreeMap::new() };
+    let world = World::with_functions(machine, BTreeMap::new());
     let (moves, failed) = follow(file, &world)?;
     let title = value(Id::Title).map_or_else(
         || {
@@ -135,25 +135,30 @@ fn follow(file: &str, world: &World) -> Result<(Vec<Move>, bool), String> {
     let mut moves: Vec<Move> = Vec::new();
     let mut extents = Extents::new();
     let mut points = 0usize;
-    let result = run(&mut it, world, Answers { probe_trips: true }, |_, issued| {
-        let from = way.at;
-        way.follow(&issued.call, &mut |kind, point| {
-            extents.add(point);
-            points += 1;
-            let point = [point.x, point.y, point.z];
-            match moves.last_mut() {
-                Some(last) if last.rapid == (kind == Kind::Rapid) => last.points.push(point),
-                _ => {
-                    let from = [from.x, from.y, from.z];
-                    moves.push(Move { rapid: kind == Kind::Rapid, points: vec![from, point] });
+    let result = run(
+        &mut it,
+        world,
+        Answers { probe_trips: true, functions: world.functions.as_ref() },
+        |_, issued| {
+            let from = way.at;
+            way.follow(&issued.call, &mut |kind, point| {
+                extents.add(point);
+                points += 1;
+                let point = [point.x, point.y, point.z];
+                match moves.last_mut() {
+                    Some(last) if last.rapid == (kind == Kind::Rapid) => last.points.push(point),
+                    _ => {
+                        let from = [from.x, from.y, from.z];
+                        moves.push(Move { rapid: kind == Kind::Rapid, points: vec![from, point] });
+                    }
                 }
+            });
+            if points > MAX_POINTS {
+                return Err(Stop::Output(format!("{file}: more than {MAX_POINTS} points to draw")));
             }
-        });
-        if points > MAX_POINTS {
-            return Err(Stop::Output(format!("{file}: more than {MAX_POINTS} points to draw")));
-        }
-        Ok(())
-    });
+            Ok(())
+        },
+    );
     match result {
         Ok(()) => Ok((moves, false)),
         Err(Stop::Output(reason)) => Err(reason),

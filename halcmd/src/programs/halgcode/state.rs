@@ -102,7 +102,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     })?;
     machine.settings.block_delete = is_given(Id::BlockDelete);
     language::set(&mut machine, value(Id::Dialect))?;
-    let world = World { machine, hal: BTreeMap::new() };
+    let world = World::with_functions(machine, BTreeMap::new());
     let text = filter::load(Path::new(file), &world.machine)?;
     let machine = &world.machine;
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
@@ -151,7 +151,12 @@ fn seek(
             }
         }
         out.clear();
-        if !step(it, world, Answers { probe_trips: true }, &mut out)? {
+        if !step(
+            it,
+            world,
+            Answers { probe_trips: true, functions: world.functions.as_ref() },
+            &mut out,
+        )? {
             return Ok(false);
         }
     }

@@ -124,7 +124,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let default = Resolution::default();
     let limit = if matches!(target, Target::Figures) { MAX_TICKS } else { MAX_KEPT };
     let rapid = if rapid.is_finite() { rapid } else { default.rapid };
-    let world = World { machine, hal: BTreeMap::new() };
+    let world = World::with_functions(machine, BTreeMap::new());
     let mut made = Made { figures: Figures::default(), ticks: Vec::new(), moves: Vec::new() };
     let keeps = !matches!(target, Target::Figures);
     if let Err(why) = follow(file, &world, Resolution { scale, rapid, limit }, keeps, &mut made)? {
@@ -193,7 +193,7 @@ fn follow(
     it.load(file, text);
     let ticks = Ticks::new(it.state.frame, it.state.position, resolution);
     let mut ticks = ticks.map_err(|problem| format!("{file}: {problem}"))?;
-    let result = run(&mut it, world, Answers { probe_trips: true }, |it, issued| {
+    let result = run(&mut it, world, Answers { probe_trips: true, functions: world.functions.as_ref() }, |it, issued| {
         let moved = ticks.follow(issued, &mut |step| {
             made.figures.step(step);
             if keeps {

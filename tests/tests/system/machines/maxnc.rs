@@ -31,14 +31,14 @@ fn mill() -> Scratch {
 fn ticks(folder: &Path, part: &str) -> Vec<[i64; 3]> {
     let ini = folder.join("maxnc.ini");
     let machine = Machine::read(&Files { ini: Some(&ini), ..Files::default() }).unwrap();
-    let world = World { machine, hal: BTreeMap::new() };
+    let world = World { machine, hal: BTreeMap::new(), functions: None };
     let settings = world.machine.settings.clone();
     let mut it = Interpreter::new(settings, world.machine.numbered.clone());
     it.load(part, world::program(&folder.join(part)).unwrap());
     let state = &it.state;
     let mut ticks = Ticks::new(state.frame, state.position, Resolution::default()).unwrap();
     let mut out = vec![[0; 3]];
-    run(&mut it, &world, Answers { probe_trips: false }, |_, issued| {
+    run(&mut it, &world, Answers { probe_trips: false, functions: None }, |_, issued| {
         let mut at = out[out.len() - 1];
         let followed = ticks.follow(issued, &mut |step| {
             for (at, step) in at.iter_mut().zip(step) {

@@ -89,7 +89,13 @@ problems! {
     RemapFeed { code: Box<str> }: "feed rate must be greater than 0 for {code}", "program F";
     RemapRecursion { code: Box<str> }: "recursive call of remapped {code}", "a code that only a remap defines cannot use itself";
     RemapFile { code: Box<str>, name: Box<str> }: "{code}: no subroutine o<{name}>", "put {name}.ngc on the INI file's SUBROUTINE_PATH";
-    HookMissing { code: Box<str>, option: &'static str, name: Box<str> }: "{code}: {option}={name} is a function in Python, which this interpreter has not", "use ngc= alone";
+    ExecutedOWord: "a function can execute no O-word but call", "write the loop in the function";
+    FunctionTooLong { name: Box<str>, limit: u64 }: "{name}: more than {limit} steps", "the function may have no end";
+    FunctionAsks: "the answer is no step of the function", "";
+    FieldFixed { name: Box<str> }: "self.{name} cannot be set", "";
+    CallUnknown { name: Box<str> }: "emccanon.{name} is not a call that a function can make", "";
+    CallWords { name: Box<str> }: "emccanon.{name}: wrong number, type or range of arguments", "";
+    FinishFailed { reason: Box<str> }: "{reason}", "";
     HookFailed { name: Box<str>, reason: Box<str> }: "{name}: {reason}", "";
     SameGGroup: "Two g codes used from same modal group", "use one of them, or two lines";
     SameMGroup: "Two m codes used from same modal group", "use one of them, or two lines";

@@ -16,6 +16,7 @@ use crate::{
     axis::Position,
     canon::Frame,
     dialect::Dialect,
+    function::{Function, Hook},
     interpret::block::Block,
     parameters::{Names, Numbered},
     question::Request,
@@ -88,6 +89,8 @@ pub struct State {
     pub probe_file: bool,
     /// The values of a program in RS274-D beyond the modal ones.
     pub rs274d: Rs274d,
+    /// The functions of another language that were called.
+    pub functions_called: u64,
 }
 
 impl State {
@@ -95,5 +98,41 @@ impl State {
     pub(crate) fn is_rs274d(&self) -> bool {
         self.settings.dialect == Dialect::Rs274d
             && matches!(self.levels.last(), Some(Level { kind: LevelKind::Main { .. }, .. }))
+    }
+
+    /// Returns the function of another language that is the innermost level.
+    pub fn function(&self) -> Option<&Function> {
+        self.levels.last().and_then(Level::function)
+    }
+
+    /// Returns the level whose local parameters are in force: the subroutine of a prolog or epilog, and the level of
+    /// the function for a line that it executes.
+    pub fn scope(&self) -> Option<&Level> {
+        self.levels.get(self.scope_index())
+    }
+
+    /// Returns the level whose local parameters are in force.
+    pub fn scope_mut(&mut self) -> Option<&mut Level> {
+        let index = self.scope_index();
+        self.levels.get_mut(index)
+    }
+
+    fn scope_index(&self) -> usize {
+        let passes = |level: &Level| match &level.kind {
+            LevelKind::Text(_) => true,
+            LevelKind::Function(f) => matches!(f.hook, Hook::Prolog | Hook::Epilog),
+            _ => false,
+        };
+        let index = self.levels.iter().rposition(|level| !passes(level));
+        index.unwrap_or_default()
+    }
+
+    /// Returns the number of calls in progress, without the lines and functions around them.
+    pub fn call_level(&self) -> usize {
+        let counts = |l: &&Level| match l.function() {
+            Some(function) => matches!(function.hook, Hook::Body | Hook::Word),
+            None => l.is_of_file(),
+        };
+        self.levels.iter().filter(counts).count().saturating_sub(1)
     }
 }

@@ -19,6 +19,8 @@ pub struct Limits {
     pub line_length: usize,
     /// The most canonical calls of one line.
     pub calls: usize,
+    /// The most steps of one function of another language.
+    pub turns: u64,
 }
 
 impl Default for Limits {
@@ -30,6 +32,7 @@ impl Default for Limits {
             lines: u64::MAX,
             line_length: 4096,
             calls: 1_000_000,
+            turns: 1_000_000,
         }
     }
 }
