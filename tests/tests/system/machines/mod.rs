@@ -1,6 +1,7 @@
 //! Whole machines: `configs/`, the printer of the documents, `haltest`, pictures.
 
 mod demos;
+mod functions;
 mod haltest;
 mod haltest_rust;
 mod job;

@@ -6,5 +6,7 @@ mod judge;
 mod language;
 mod modules;
 mod motion;
+mod programs;
 mod python;
+mod remaps;
 mod traces;
