@@ -197,10 +197,10 @@ impl MachineStart<'_, '_> {
                 Ok(text) => {
                     if !must_exist
                         && settings::are_named(&text)
-                        && let Err(error) = settings::load(session)
+                        && let Err(failure) = settings::load(session.link)
                     {
                         session.stand_at(&entry.file, entry.line);
-                        return failed(session, &error);
+                        return failed(session, &Error::Engine(failure));
                     }
                     session.file(&shown, Bytes::new(text))
                 }
