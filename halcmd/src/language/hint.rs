@@ -50,6 +50,10 @@ impl Error {
                     .to_owned(),
             ),
             Self::NotYet { instead, .. } => Some((*instead).to_owned()),
+            Self::NoTclsh => Some("apt-get install tcl".to_owned()),
+            Self::LoadsDiffer { .. } => {
+                Some("with TWOPASS all loadrt lines of a component become one".to_owned())
+            }
             _ => None,
         }
     }

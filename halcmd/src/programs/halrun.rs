@@ -135,6 +135,13 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
             })?;
             plan.ini.as_ref()
         }
+        Script::Tcl(path) => {
+            std::fs::metadata(path).map_err(|e| Error::NoCommandFile {
+                path: path.as_str().into(),
+                why: crate::ini::plain(&e),
+            })?;
+            plan.ini.as_ref()
+        }
         Script::Ini(path) => Some(path),
         Script::Terminal | Script::Nothing => plan.ini.as_ref(),
     };
@@ -247,6 +254,7 @@ fn script(
     };
     let outcome = match (&plan.script, &files.ini) {
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
+        (Script::Tcl(path), _) => machine::tcl_script(&mut session, Path::new(path)),
         (Script::Ini(path), Some(ini)) => {
             let reads = display::is_shown(plan, ini) && display::reads_postgui(ini);
             machine::start(&mut session, ini, Path::new(path), !plan.headless && !reads)

@@ -152,7 +152,10 @@ impl DryRun {
                     machine::before_files(&mut session, ini, path);
                 }
                 for (file, text) in scripts {
-                    let _: Outcome = session.file(file, Bytes::new(text));
+                    let _: Outcome = match file.ends_with(".tcl") {
+                        true => machine::tcl_script(&mut session, Path::new(file)),
+                        false => session.file(file, Bytes::new(text)),
+                    };
                 }
                 if let Some((ini, path)) = whole {
                     machine::after_files(&mut session, ini, path);

@@ -142,7 +142,8 @@ impl DryRun {
         LineBegin {
             number: state.lines_run,
             file: level.map(|l| l.file.clone()).unwrap_or_default(),
-            line: level.map_or(0, |l| l.cursor.line + 1),
+            // A function has no line of its own.
+            line: level.filter(|l| l.is_of_file()).map_or(0, |l| l.cursor.line + 1),
         }
     }
 
@@ -240,6 +241,9 @@ impl DryRun {
 fn middle(state: &State) -> Option<Series> {
     if state.compensation.is_on() {
         return Some(Series::Compensation);
+    }
+    if state.levels.iter().any(|l| l.function().is_some()) {
+        return Some(Series::Function);
     }
     if state.nurbs.is_some() {
         return Some(Series::Nurbs);

@@ -60,6 +60,9 @@ impl Environment for Asked<'_> {
     fn hal(&self, name: &str) -> Option<f64> {
         self.world.hal(name)
     }
+    fn function(&self, name: &str) -> bool {
+        self.world.function(name)
+    }
     fn user_code(&self, code: u16) -> bool {
         self.world.user_code(code)
     }
@@ -113,7 +116,8 @@ impl Simulation {
             Request::Probe => unknown(Unknown::Probe),
             Request::Input { .. } => unknown(Unknown::Input),
             Request::Hal { .. } => unknown(Unknown::Hal),
-            Request::UserCode { .. } => Ok(Answer::Done),
+            Request::Function { .. } => unknown(Unknown::Function),
+            Request::UserCode { .. } | Request::Finish => Ok(Answer::Done),
             Request::ToolChange { .. } => Ok(Answer::ToolChange {
                 position: self.given.change_position.map(|stated| {
                     let mut at = state.frame.machine_mm(state.position);

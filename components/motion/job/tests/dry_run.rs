@@ -45,7 +45,7 @@ fn world(folder: PathBuf) -> World {
     machine.settings.remaps = REMAPS.iter().map(|r| Remap::parse(r).unwrap()).collect();
     machine.tools = ToolTable::parse(TABLE).0;
     machine.folders = vec![folder];
-    World { machine, hal: BTreeMap::new() }
+    World { machine, hal: BTreeMap::new(), functions: None }
 }
 
 fn load(world: &World, name: &str) -> Interpreter {

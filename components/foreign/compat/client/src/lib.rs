@@ -6,12 +6,15 @@
 //! received; a value that changes and changes back between two exchanges is not noticed. Parameters are pins with the
 //! corresponding direction. Streams and ports are not offered.
 //!
+//! `request.rs` is the client of `ferrule.h`: requests and values by name, without a component.
+//!
 //! Functions with variable argument lists are in `client.c`, which is compiled with each program.
 #![expect(unsafe_code, reason = "the interface is C's")]
 
 mod exchange;
 mod item;
 mod named;
+mod request;
 
 use exchange::Component;
 use item::{Cell, Item};
