@@ -473,8 +473,14 @@ fn output_goes_through_one_crate() {
             "a program's log that only grows, line by line",
         ),
         ("components/remote/panel/src/audit.rs", "a log that only grows, line by line"),
-        ("components/accessory/accessory/src/sim_medium.rs", "a disk image, of which nothing is changed"),
-        ("components/accessory/storage/src/folder.rs", "disk images, written in place while nobody sees them"),
+        (
+            "components/accessory/accessory/src/sim_medium.rs",
+            "a disk image, of which nothing is changed",
+        ),
+        (
+            "components/accessory/storage/src/folder.rs",
+            "disk images, written in place while nobody sees them",
+        ),
         ("components/accessory/storage/src/gadget.rs", device),
         ("components/drivers/parport/src/hardware.rs", device),
         ("components/drivers/speaker/src/device.rs", device),

@@ -302,3 +302,26 @@ fn without_a_folder_commands_are_refused() {
     let error = bench.command("usbjobs.send", &["file=/etc/hostname"]).unwrap_err();
     assert_eq!(error, "usbjobs has no storage: load it with folder=PATH");
 }
+
+#[test]
+fn numbers_are_read_from_rows() {
+    let mut bench = Bench::new();
+    bench.load::<LcdReader>(&["values=X,Feed"]).unwrap();
+    bench.port("lcd.bus", 512);
+    let bus = bench.get::<hal_component::Port>("lcd.bus");
+    let mut check = |row: usize, text: &[u8; 16], expected: (f64, bool, f64, bool)| {
+        assert!(bus.write(&row_bytes(row, text)));
+        bench.run("lcd.update", MS);
+        bench.pass(6 * MS);
+        bench.run("lcd.update", MS);
+        let value = |n: u32| bench.get::<f64>(&format!("lcd.value-{n}"));
+        let has = |n: u32| bench.get::<bool>(&format!("lcd.has-{n}"));
+        assert_eq!((value(0), has(0), value(1), has(1)), expected, "{text:?}");
+    };
+    check(0, b"X   -12.500 IDLE", (-12.5, true, 0.0, false));
+    check(2, b"Feed100         ", (-12.5, true, 100.0, true));
+    check(0, b"X    ------ IDLE", (-12.5, false, 100.0, true));
+    check(0, b"X       nan IDLE", (-12.5, false, 100.0, true));
+    check(0, b"Y   -12.500 X  5", (-12.5, false, 100.0, true));
+    check(3, b"X12345678901.234", (12_345_678_901.234, true, 100.0, true));
+}
