@@ -265,6 +265,7 @@ fn a_job_is_presented_by_configfs() {
         std::fs::write(scratch.0.join("mass_storage.0/lun.0").join(name), "").unwrap();
     }
     let lun = scratch.path("mass_storage.0/lun.0/file");
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
     let job = scratch.path("part.nc");
     std::fs::write(&job, "G0 X1\nM30\n").unwrap();
     let mut bench = hardware();
@@ -332,6 +333,7 @@ fn a_folder_of_programs_is_sent() {
     let scratch = Scratch::new("programs");
     let programs = scratch.0.join("programs");
     std::fs::create_dir_all(programs.join("folder")).unwrap();
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
     std::fs::write(programs.join("first.nc"), "M30\n").unwrap();
     std::fs::write(programs.join(".part.nc"), "M30\n").unwrap();
     let args = [

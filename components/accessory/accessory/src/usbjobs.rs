@@ -45,7 +45,7 @@ Above 80 % of an image the oldest jobs that are marked as finished (`usbjobs.fin
 in capitals or not, are replaced. A job has 1 byte to 16 MiB; at most 64 wait. A name has at most 64 characters; those
 that are no ASCII letters, digits, blanks or `._-+()` become underscores.
 
-The folder holds `a.img` and `b.img` (FAT32, sparse), `state` (the presented image and the ages of its jobs; replaced as a whole) and
+The folder must exist. It holds `a.img` and `b.img` (FAT32, sparse), `state` (the presented image and the ages of its jobs; replaced as a whole) and
 `waiting`. After a power cut the image that `state` names is presented, and jobs that waited wait again. Without `folder`
 there is no storage, and the commands are refused.
 
