@@ -190,10 +190,13 @@ impl Client {
             (Step::Cancels, Answer::Cancelado) => self.finish(End::Cancelled),
             (_, Answer::Denegado(why)) => self.finish(End::Denied(why)),
             (
+                Step::SignsIn | Step::Asks | Step::Sends | Step::Runs | Step::Cancels,
+                Answer::Error(why),
+            )
+            | (
                 Step::Sends | Step::Runs | Step::Cancels,
-                Answer::ErrorNuevo(why) | Answer::ErrorEjecutar(why) | Answer::Error(why),
+                Answer::ErrorNuevo(why) | Answer::ErrorEjecutar(why),
             ) => self.finish(End::Refused(why)),
-            (Step::SignsIn | Step::Asks, Answer::Error(why)) => self.finish(End::Refused(why)),
             (_, Answer::Desconexion) => self.finish(End::Stopped),
             // Answers to what was asked before the farewell.
             (Step::Leaves, _) => {}

@@ -167,6 +167,10 @@ impl Server {
         match result {
             Ok(()) => {
                 job.phase = Phase::Runs;
+                // The owner could say nothing while the program was checked.
+                if let Some(session) = owner.and_then(|id| self.sessions.get_mut(&id)) {
+                    session.heard = now;
+                }
                 if self.stops {
                     self.cancel(false);
                 } else if owner.is_none() {
@@ -182,7 +186,7 @@ impl Server {
     }
 
     /// Takes the end of the job.
-    pub fn ended(&mut self, result: Result<(), String>, now: u64) {
+    pub fn ended(&mut self, result: Result<(), Reason>, now: u64) {
         let Some(job) = self.job.take() else { return };
         self.had_job = true;
         self.machine.progress = None;
@@ -192,9 +196,7 @@ impl Server {
                 Answer::ErrorEjecutar(Reason::new(Code::Detenido, "the server stops"))
             }
             (Phase::Starts | Phase::Runs, Ok(())) => Answer::Terminado,
-            (Phase::Starts | Phase::Runs, Err(why)) => {
-                Answer::ErrorEjecutar(Reason::new(Code::Falla, why))
-            }
+            (Phase::Starts | Phase::Runs, Err(why)) => Answer::ErrorEjecutar(why),
         };
         self.tell(job.owner, &answer);
         self.go_on(job.owner, now);
@@ -269,9 +271,15 @@ impl Server {
         self.sessions.values().filter(|s| s.user.is_some() && !s.closes).count()
     }
 
-    /// Returns the connections, with the user of each.
-    pub fn sessions(&self) -> impl Iterator<Item = (u64, Option<&str>)> {
-        self.sessions.iter().map(|(id, session)| (*id, session.user.as_deref()))
+    /// Returns the user of a connection that has logged in.
+    pub fn user(&self, id: u64) -> Option<&str> {
+        self.sessions.get(&id).filter(|s| !s.closes)?.user.as_deref()
+    }
+
+    /// Returns the time of the last line of the client whose job runs, in milliseconds.
+    pub fn owner_heard(&self) -> Option<u64> {
+        let job = self.job.filter(|job| job.phase != Phase::Starts)?;
+        Some(self.sessions.get(&job.owner?)?.heard)
     }
 
     pub(crate) fn has_user(&self, user: &str) -> bool {

@@ -3,7 +3,7 @@
 
 use std::{fs, path::Path};
 use teleop::{
-    Action, Answer, CODES, MAX_LINE, MAX_PROGRAM, Machine, REQUESTS, Reason, Server, Word,
+    Action, Answer, CODES, Code, MAX_LINE, MAX_PROGRAM, Machine, REQUESTS, Reason, Server, Word,
 };
 
 const BEGIN: &str = "<!-- written by UPDATE_EXPECT=1 cargo test -p teleop protocol -->\n";
@@ -64,7 +64,7 @@ fn cell(state: &str, word: Word) -> String {
             }
             Action::Cancel => {
                 assert_eq!(server.output(id), b"", "the machine moves");
-                server.ended(Err("aborted".to_owned()), 0);
+                server.ended(Err(Reason::new(Code::Falla, "aborted")), 0);
                 after = "LOADED";
             }
             Action::Lose => after = "lost",
@@ -160,7 +160,8 @@ fn a_client_that_sends_while_its_request_is_executed_is_read_no_further() {
 #[test]
 fn an_answer_is_one_line_whatever_its_text() {
     let (mut server, id) = server("RUNNING");
-    server.ended(Err(format!("one\r\ntwo\u{1b}[2J {}", "é".repeat(2000))), 0);
+    let text = format!("one\r\ntwo\u{1b}[2J {}", "é".repeat(2000));
+    server.ended(Err(Reason::new(Code::Falla, text)), 0);
     let line = String::from_utf8(server.output(id)).unwrap();
     assert!(line.starts_with("ERROR_EJECUTAR FALLA one  two [2J é"), "{line}");
     assert!(line.len() <= MAX_LINE + 2 && line.lines().count() == 1, "{line}");

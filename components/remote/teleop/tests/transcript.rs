@@ -168,7 +168,7 @@ impl Stage {
                 self.server.started(Err(why), self.now);
             }
             ("*", "ended") => self.server.ended(Ok(()), self.now),
-            ("*", "failed") => self.server.ended(Err(text.to_owned()), self.now),
+            ("*", "failed") => self.server.ended(Err(Reason::new(Code::Falla, text)), self.now),
             ("*", "progress") => self.machine(Some(text.parse().unwrap()), None),
             ("*", "idle") => self.machine(None, None),
             ("*", "taken") => self.machine(None, Some(text.to_owned())),

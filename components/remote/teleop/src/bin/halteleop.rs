@@ -1,2 +1,0 @@
-//! The program halteleop.
-fn main() {}
