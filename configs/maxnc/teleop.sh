@@ -8,7 +8,7 @@ part=$HAL_RUNTIME_DIR/part.ngc
 halrun --simulate --headless teleop.ini &
 machine=$!
 panel=
-trap 'kill $panel $machine 2>/dev/null || true; wait; rm -rf "$HAL_RUNTIME_DIR"' EXIT
+trap 'kill $panel $machine 2>/dev/null || true; wait; rm -rf "$HAL_RUNTIME_DIR" teleop.journal' EXIT
 until halcmd task.status >/dev/null 2>&1; do sleep 0.2; done
 halpanel --listen 127.0.0.1:0 --ini-file teleop.ini --programs "$HAL_RUNTIME_DIR" &
 panel=$!
@@ -24,7 +24,7 @@ printf 'G20 G90\nG1 X0.5 Y0.25 F14\nG2 X1 Y0.75 I0 J0.5\nG1 X0 Y0\nM2\n' >"$part
 halteleop --user ana run "$part" &
 user=$!
 sleep 5
-halteleop --user eva --quiet progress
+echo "eva asks: $(halteleop --user eva --quiet progress)"
 wait $user
 halcmd show pin stepgen.*.counts
 

@@ -1,5 +1,5 @@
 //! The tables of `PROTOCOL.md`: requests, codes and states, from the server itself; and limits that need many bytes.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
 use std::{fs, path::Path};
 use teleop::{
@@ -170,4 +170,100 @@ fn an_answer_is_one_line_whatever_its_text() {
         matches!(shown, Some(Answer::ErrorEjecutar(Reason { code: Some(_), .. }))),
         "{shown:?}"
     );
+}
+
+/// Returns the next number of a sequence without a pattern.
+fn next(seed: &mut u64) -> usize {
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    usize::try_from(*seed >> 33).unwrap()
+}
+
+#[test]
+fn bytes_and_events_in_any_order_leave_one_job_and_whole_answers() {
+    let long = "x".repeat(2000);
+    let pieces: &[&[u8]] = &[
+        b"INGRESAR ana:clave\n",
+        b"INGRESAR eva:clave\r\n",
+        b"INGRESAR ana:",
+        b"ENVIAR_NUEVO\n",
+        b"ENVIAR_NUEVO G0\n",
+        b"ENVIAR_AGREGAR\n",
+        b"G01 X1\n",
+        b".\n",
+        b"..\n",
+        b"EJECUTAR\n",
+        b"ejecutar\r\n",
+        b"AVANCE\n",
+        b"CANCELAR\n",
+        b"SALIR\n",
+        b"\xff\xfe\n",
+        b"\0",
+        b"\r",
+        b"\n",
+        b"AVAN",
+        b"TERMINADO\n",
+        b" \t\n",
+        long.as_bytes(),
+    ];
+    let mut seed = 1905;
+    let (mut jobs, mut ends, mut answers) = (0, 0, 0);
+    for _ in 0..300 {
+        let (mut server, mut ids, mut now) = (Server::default(), Vec::new(), 0);
+        // Number of jobs that the machine would have.
+        let (mut starting, mut running) = (0_u32, 0_u32);
+        for _ in 0..400 {
+            let pick = next(&mut seed) % 100;
+            match (pick, ids.is_empty()) {
+                (0..4, _) | (_, true) => ids.extend(server.connect(now)),
+                (4..6, _) => {
+                    let id = ids.swap_remove(next(&mut seed) % ids.len());
+                    server.gone(id);
+                }
+                (6..10, _) => {
+                    now += next(&mut seed) as u64 % 8000;
+                    server.poll(now);
+                }
+                (10..14, _) if starting > 0 => {
+                    starting -= 1;
+                    running += u32::from(pick < 13);
+                    let refused = Reason::new(Code::Sintaxis, "1 odd");
+                    server.started(if pick < 13 { Ok(()) } else { Err(refused) }, now);
+                }
+                (14..18, _) if running > 0 => {
+                    running -= 1;
+                    ends += 1;
+                    server.ended(Ok(()), now);
+                }
+                (18, _) if next(&mut seed).is_multiple_of(20) => server.stop(now),
+                _ => {
+                    let id = ids[next(&mut seed) % ids.len()];
+                    server.receive(id, pieces[next(&mut seed) % pieces.len()], now);
+                }
+            }
+            while let Some(action) = server.action() {
+                match action {
+                    Action::SignIn { id, secret, .. } => {
+                        server.signed_in(id, Ok(secret == "clave"), now);
+                    }
+                    Action::Start { .. } => {
+                        (starting, jobs) = (starting + 1, jobs + 1);
+                        assert_eq!((starting, running), (1, 0), "one job at a time");
+                    }
+                    Action::Cancel | Action::Lose => assert_eq!(running, 1),
+                    Action::Close(id) => assert!(ids.contains(&id)),
+                }
+            }
+            for id in &ids {
+                let output = String::from_utf8(server.output(*id)).unwrap();
+                assert!(output.is_empty() || output.ends_with("\r\n"));
+                for line in output.split_terminator("\r\n") {
+                    answers += 1;
+                    assert!(Answer::parse(line).is_some(), "{line:?}");
+                }
+            }
+        }
+    }
+    assert!(jobs > 100 && ends > 30 && answers > 5000, "{jobs} {ends} {answers}");
 }

@@ -79,12 +79,12 @@ fn run(options: &Options) -> Result<(), Failure> {
         for event in client.events() {
             show(&event, options)?;
         }
-        if let Some(end) = client.end() {
+        if let Some(end) = client.end().cloned() {
             let since = *ended.get_or_insert_with(Instant::now);
             // The farewell is sent, and the server closes.
             let is_over = link.is_closed() || since.elapsed() > FAREWELL;
             if is_over || !link.send(&client.output()) {
-                return result(end.clone(), runs);
+                return result(end, runs);
             }
         }
     }
