@@ -106,10 +106,12 @@ pub(super) async fn start(
 ) -> Result<Begun, Reason> {
     let engine = &panel.engine;
     let stops = engine.stops();
-    // The status of the machine shall not be older than the request.
+    // The status of the machine shall not be older than the request: the next one may be on its way already.
     let mut status = panel.machine.clone();
-    status.mark_unchanged();
-    drop(timeout(SETTLE, status.changed()).await);
+    for _ in 0..2 {
+        status.mark_unchanged();
+        drop(timeout(SETTLE, status.changed()).await);
+    }
     if let Some(text) = busy(panel) {
         return Err(Reason::new(Code::Ocupado, text));
     }
