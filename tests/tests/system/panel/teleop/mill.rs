@@ -35,7 +35,17 @@ struct Person {
 impl Mill {
     /// Starts the mill, whose clock stands still, with these further entries of its INI file and options of the panel.
     pub(super) fn start(entries: &str, options: &[&str]) -> Self {
+        Self::with(entries, options, &[])
+    }
+
+    /// Does the same, with the first occurrence of a text in a file replaced by another.
+    pub(super) fn with(entries: &str, options: &[&str], edits: &[(&str, &str, &str)]) -> Self {
         let scratch = Scratch::copy_of(&root().join("configs/maxnc"));
+        for (file, from, to) in edits {
+            let text = scratch.read(file);
+            assert!(text.contains(from), "{file} has no {from}");
+            scratch.write(file, text.replacen(from, to, 1));
+        }
         let ini = scratch.read("teleop.ini").replace("ON_LOSS = hold\n", entries);
         assert!(ini.contains(entries), "{ini}");
         // Several tests run at the same time: each has a port of its own.

@@ -9,7 +9,7 @@ use mill::{Mill, People};
 use std::fs;
 
 /// A program that takes 20 s.
-const PART: &str = "G20 G90 G54\nG1 X1 F6\nG1 X2\nM2";
+const PART: &str = "G20 G90\nG1 X1 F6\nG1 X2\nM2";
 
 /// Plays a transcript: `A> ` and `A< ` are lines of person A (with `…` at its end, the begin of one), `$ ` is a command of halcmd, `= ` its output.
 ///
@@ -100,14 +100,14 @@ fn an_operator_configures_and_starts_again() {
     mill.end_machine();
     assert_eq!(people.hear(&mill, "A"), "DESCONEXION");
     assert_eq!(people.hear(&mill, "A"), "(closed)");
-    // Twice the steps to the inch, and another port.
+    // Half as many steps to the inch, and another port.
     drop(mill);
-    let mill =
-        Mill::start("ON_LOSS = hold\n[JOINT_0]\nSCALE = 8000\n", &["--teleop", "127.0.0.1:0"]);
+    let half = ("maxnc.ini", "SCALE = 4000", "SCALE = 2000");
+    let mill = Mill::with("ON_LOSS = hold\n", &["--teleop", "127.0.0.1:0"], &[half]);
     mill.ready();
     let mut people = People::default();
     assert_eq!(people.ask(&mill, "A", "INGRESAR ana:TOKEN"), "ACEPTADO");
     assert_eq!(people.ask(&mill, "A", "ENVIAR_NUEVO G20 G0 X0.5 M2"), "RECIBIDO");
     assert_eq!(people.ask(&mill, "A", "EJECUTAR"), "TERMINADO");
-    assert_eq!(mill.number("stepgen.0.counts"), 4000.0);
+    assert_eq!(mill.number("stepgen.0.counts"), 1000.0);
 }
