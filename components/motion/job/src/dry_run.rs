@@ -7,7 +7,7 @@
 use crate::{
     effects::Effects,
     refusal::{LineBegin, Refusal, Series},
-    simulation::{Given, Simulation},
+    simulation::{KnownAnswers, Simulation},
     world::World,
 };
 use hal_gcode::{Interpreter, State, axis::Position, error::Place};
@@ -69,7 +69,7 @@ pub struct DryRun {
 
 impl DryRun {
     /// Returns the dry run of a program that this interpreter has loaded.
-    pub fn new(interpreter: Interpreter, target: Target, given: Given) -> Self {
+    pub fn new(interpreter: Interpreter, target: Target, given: KnownAnswers) -> Self {
         let effects = Effects { outputs: given.outputs.clone(), ..Effects::default() };
         let main = interpreter.state.levels.first().map(|l| l.file.clone()).unwrap_or_default();
         Self {

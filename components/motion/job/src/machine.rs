@@ -4,7 +4,7 @@ use crate::number::{self, count, number};
 use crate::spindle::{self, Spindle};
 use crate::world::{Version, version};
 use hal_gcode::{
-    Numbered, Settings,
+    Dialect, Numbered, Settings,
     axis::{Axis, AxisMask},
     canon::Unit,
     function::Hook,
@@ -184,6 +184,7 @@ impl Machine {
         self.startup = ini.get("RS274NGC", "RS274NGC_STARTUP_CODE").map(str::to_owned);
         let random = ini.get("EMCIO", "RANDOM_TOOLCHANGER");
         self.settings.random_changer = random.is_some_and(|v| v.trim() == "1");
+        self.language(ini)?;
         self.python = Setup::read(ini, &self.folder)?;
         for entry in ini.all("RS274NGC", "REMAP") {
             let at = format!("{}:{}", entry.file, entry.line);
@@ -197,6 +198,22 @@ impl Machine {
                 }
             }
             self.settings.remaps.push(remap);
+        }
+        Ok(())
+    }
+
+    /// Takes the language of programs, and the feed of programs that state none.
+    fn language(&mut self, ini: &Ini) -> Result<(), String> {
+        if let Some(entry) = ini.all("RS274NGC", "DIALECT").next() {
+            let dialect = Dialect::named(&entry.value);
+            self.settings.dialect = dialect.ok_or_else(|| number::wrong(entry, Dialect::NAMES))?;
+        }
+        if let Some(entry) = ini.all("RS274NGC", "DEFAULT_FEED").next() {
+            let feed = number(ini, "RS274NGC", "DEFAULT_FEED")?;
+            let feed = feed.filter(|f| *f > 0.0 && f.is_finite());
+            let wanted = "a feed above 0 in the machine's units per minute";
+            let feed = feed.ok_or_else(|| number::wrong(entry, wanted))?;
+            self.settings.default_feed = feed * self.settings.unit.millimetres();
         }
         Ok(())
     }

@@ -18,7 +18,7 @@ use std::collections::VecDeque;
 
 /// Rules of the machine for the answers that it need not give.
 #[derive(Clone, Debug, Default)]
-pub struct Given {
+pub struct KnownAnswers {
     /// Place for tool changes in millimetres; axes without a coordinate stay where they are.
     pub change_position: Option<[Option<f64>; 9]>,
     /// Answers of an earlier run, in their order.
@@ -35,7 +35,7 @@ pub struct Simulation {
     pub interpreter: Interpreter,
     /// The calls of the last line.
     pub calls: Vec<Issued>,
-    given: Given,
+    given: KnownAnswers,
 }
 
 /// Facts of the world, with the tool table of an earlier run.
@@ -70,7 +70,7 @@ impl Environment for Asked<'_> {
 
 impl Simulation {
     /// Returns the simulation of a program that this interpreter has loaded.
-    pub fn new(interpreter: Interpreter, given: Given) -> Self {
+    pub fn new(interpreter: Interpreter, given: KnownAnswers) -> Self {
         Self { interpreter, calls: Vec::new(), given }
     }
 

@@ -1,6 +1,6 @@
 //! `halgcode canon`: the canonical calls, with the options and in the form of `rs274`.
 
-use super::{filter, printer::Printer, usage_of};
+use super::{filter, language, printer::Printer, usage_of};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -28,6 +28,7 @@ enum Id {
     Ini,
     OnError,
     BlockDelete,
+    Dialect,
     Stack,
     LogLevel,
     Machine,
@@ -51,6 +52,7 @@ const OPTIONS: &[Opt<Id>] = &[
         ..Opt::short_with(Id::OnError, 'n', "0|1|2")
     },
     Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    language::option(Id::Dialect),
     Opt { help: "after an error, the calls that led there", ..Opt::flag(Id::Stack, 's') },
     Opt { help: "accepted, without effect", ..Opt::short_with(Id::LogLevel, 'l', "LEVEL") },
     Opt {
@@ -105,6 +107,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         stand_in(&mut machine, parameters.is_some());
     }
     machine.settings.block_delete = is_given(Id::BlockDelete);
+    language::set(&mut machine, path(Id::Dialect).as_deref().and_then(Path::to_str))?;
     let world = World::with_functions(machine, BTreeMap::new());
     for remark in &world.machine.remarks {
         print_error(&format!("{remark}\n"));
@@ -130,6 +133,8 @@ fn stand_in(machine: &mut Machine, keeps_parameters: bool) {
         program_unit: Unit::Millimetre,
         remaps,
         random_changer: machine.settings.random_changer,
+        dialect: machine.settings.dialect,
+        default_feed: machine.settings.default_feed,
         ..Settings::default()
     };
     machine.startup = None;

@@ -1,7 +1,7 @@
 //! `halgcode plot`: the way of the tool as a picture.
 
 use super::{
-    filter, usage_of,
+    filter, language, usage_of,
     views::{Move, Views},
 };
 use crate::{
@@ -34,6 +34,7 @@ enum Id {
     Table,
     Parameters,
     BlockDelete,
+    Dialect,
     Help,
 }
 
@@ -59,6 +60,7 @@ const OPTIONS: &[Opt<Id>] = &[
         ..Opt::short_with(Id::Parameters, 'v', "FILE")
     },
     Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    language::option(Id::Dialect),
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
 ];
 
@@ -93,6 +95,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         parameters: parameters.as_deref(),
     })?;
     machine.settings.block_delete = is_given(Id::BlockDelete);
+    language::set(&mut machine, value(Id::Dialect))?;
     let world = World::with_functions(machine, BTreeMap::new());
     let (moves, failed) = follow(file, &world)?;
     let title = value(Id::Title).map_or_else(

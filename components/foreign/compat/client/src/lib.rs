@@ -62,7 +62,7 @@ pub unsafe extern "C" fn hal_init(name: *const c_char) -> c_int {
             list.push(component);
             c_int::try_from(list.len()).unwrap_or(EINVAL)
         }
-        Err(failure) => exchange::complain(name, &failure),
+        Err(failure) => exchange::report(name, &failure),
     }
 }
 
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn ferrule_client_item(
         item.cell = unsafe { Cell::at(at, item.ty) };
     }
     if let Err(failure) = component.add(name, &item) {
-        return exchange::complain(name, &failure);
+        return exchange::report(name, &failure);
     }
     if !place.is_null() {
         // SAFETY: guaranteed by the caller.

@@ -14,6 +14,7 @@ mod position;
 mod read;
 pub mod remap;
 mod remark;
+mod rs274d;
 mod stop;
 mod tools;
 
@@ -28,7 +29,9 @@ use crate::{
     parameters::{Names, Numbered},
     program::Sources,
     question::{Answer, Request},
-    state::{Compensation, Cursor, Cycle, Level, LevelKind, Modal, Remapped, Settings, State},
+    state::{
+        Compensation, Cursor, Cycle, Level, LevelKind, Modal, Remapped, Rs274d, Settings, State,
+    },
     text::{expression::Left, line::Line},
     tool::Tool,
 };
@@ -114,6 +117,7 @@ impl Interpreter {
             lines_run: 0,
             lines_quiet: 0,
             probe_file: false,
+            rs274d: Rs274d::default(),
             functions_called: 0,
         };
         let mut out = Self::from_state(state);
@@ -147,6 +151,7 @@ impl Interpreter {
         self.sources.put(name, text);
         let percent = self.begins_with_percent(name);
         self.state.mdi = None;
+        self.state.rs274d = Rs274d::default();
         self.begin(Level::new(name.into(), Cursor::default(), LevelKind::Main { percent }));
     }
 

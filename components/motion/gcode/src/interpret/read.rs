@@ -53,6 +53,12 @@ impl Interpreter {
                     level.cursor = next;
                 }
                 self.state.line = next.line;
+                if self.state.is_rs274d() {
+                    let result = self.run_rs274d(&raw, env, out);
+                    let result = result.map_err(|error| self.error(error, &raw));
+                    self.raw = raw;
+                    return result;
+                }
                 let known = core::mem::take(&mut self.hal);
                 let asking = Asking::new(env, &known);
                 let result = self.run_text(&raw, at, &asking, out);
@@ -302,13 +308,14 @@ impl Interpreter {
                 let label = level.map(|l| l.label.clone()).unwrap_or_default();
                 Err(Problem::EndMissing { label, line: 0 }.into())
             }
+            _ if self.state.is_rs274d() => self.end_rs274d(out),
             _ => Err(Problem::NoProgramEnd.into()),
         }
     }
 }
 
 /// Gives a problem of a block its place: its word's, or that of the code in execution.
-fn located(
+pub(super) fn located(
     problem: Problem,
     block: &Block,
     focus: Option<crate::text::expression::Left>,
@@ -331,7 +338,7 @@ fn located(
 }
 
 /// An environment without anything.
-struct NoFiles;
+pub(super) struct NoFiles;
 
 impl Environment for NoFiles {
     fn open(&self, _: &str) -> Option<crate::environment::Text> {

@@ -5,6 +5,7 @@ pub mod compensation;
 pub mod curve;
 pub mod level;
 pub mod modal;
+pub mod rs274d;
 pub mod settings;
 
 use std::collections::BTreeMap;
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     axis::Position,
     canon::Frame,
+    dialect::Dialect,
     function::{Function, Hook},
     interpret::block::Block,
     parameters::{Names, Numbered},
@@ -24,6 +26,7 @@ pub use compensation::Compensation;
 pub use curve::{Cycle, Nurbs};
 pub use level::{Cursor, Level, LevelKind, Open, OpenKind, Remapped, Saved};
 pub use modal::{FeedMode, Modal, Side};
+pub use rs274d::Rs274d;
 pub use settings::{Limits, Settings};
 
 /// A block that waits for an answer.
@@ -84,11 +87,19 @@ pub struct State {
     pub lines_quiet: u64,
     /// A probe moves with compensation, so the file of the probe's results is open.
     pub probe_file: bool,
+    /// The values of a program in RS274-D beyond the modal ones.
+    pub rs274d: Rs274d,
     /// The functions of another language that were called.
     pub functions_called: u64,
 }
 
 impl State {
+    /// Tells whether the next line is in RS274-D: a line of a program, not of MDI.
+    pub(crate) fn is_rs274d(&self) -> bool {
+        self.settings.dialect == Dialect::Rs274d
+            && matches!(self.levels.last(), Some(Level { kind: LevelKind::Main { .. }, .. }))
+    }
+
     /// Returns the function of another language that is the innermost level.
     pub fn function(&self) -> Option<&Function> {
         self.levels.last().and_then(Level::function)

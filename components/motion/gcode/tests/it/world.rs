@@ -187,10 +187,10 @@ fn a_line_that_reads_values_of_hal_asks_for_them_before_it_runs() {
         let found = result.map_or_else(|error| error.to_string(), |calls| calls[0].clone());
         assert!(found.starts_with(wanted), "{text}: {found}");
     }
-    let failed = |_: &Request| Answer::Failed("a.b is NaN, which is no number".into());
+    let failed = |_: &Request| Answer::Failed("a.b is NaN, which is not a finite number".into());
     let error = run(&mut new(Settings::default()), "g0 x1\n#1=#<_hal[a.b]>\nm2\n", failed);
     let text = error.unwrap_err().to_string();
-    assert_eq!(text, "test.ngc:2: HAL: a.b is NaN, which is no number");
+    assert_eq!(text, "test.ngc:2: HAL: a.b is NaN, which is not a finite number");
     let wrong = run(&mut new(Settings::default()), "#1=#<_hal[a]>\nm2\n", |_| Answer::Done);
     assert!(wrong.unwrap_err().to_string().contains("the answer does not fit"));
 }

@@ -10,11 +10,10 @@ use crate::{
     journal_file::JournalFile,
     outside::{FileAction, Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
     programs::UserProgram,
-    texts::Texts,
 };
 use hal_component::{
     Clock, HalValues, IoControlRef, IoRequest, IoState, Messages, MotionEnd, MotionId, MotionRef,
-    MotionRefusal, MotionToken, OperatorRef, TicketHandle,
+    MotionRefusal, MotionToken, OperatorRef, Texts, TicketHandle,
 };
 use hal_gcode::{Environment, Numbered, State, tool::ToolTable};
 use hal_job::{

@@ -39,7 +39,7 @@ impl Programmed {
     pub(super) fn read(folder: &Path, name: &str) -> Self {
         let machine =
             Machine::read(&Files { ini: Some(&folder.join("machine.ini")), ..Files::default() });
-        let world = World { machine: machine.unwrap(), hal: BTreeMap::new() };
+        let world = World { machine: machine.unwrap(), hal: BTreeMap::new(), functions: None };
         let settings = &world.machine;
         let mut it = Interpreter::new(settings.settings.clone(), settings.numbered.clone());
         it.load(name, world::program(&folder.join(name)).unwrap());
