@@ -31,7 +31,7 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, pose: [f64; 9]) -> Result<Le
     let machine = Machine::read(&Files { ini, ..Files::default() }).map_err(fail)?;
     let to_mm = machine.settings.unit.to(Unit::Millimetre);
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
-    let world = World { machine, hal: std::collections::BTreeMap::new() };
+    let world = World::with_functions(machine, std::collections::BTreeMap::new());
     start(&mut it, &world).map_err(fail)?;
     let [x, y, z, a, b, c, u, v, w] = pose;
     let here = Position { x, y, z, a, b, c, u, v, w };
@@ -43,7 +43,9 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, pose: [f64; 9]) -> Result<Le
     let (mut beyond, mut length, mut out) = (None, 0.0, Vec::new());
     let begun = Instant::now();
     for n in 0_u32.. {
-        let going = step(&mut it, &world, Answers { probe_trips: true }, &mut out);
+        let functions = world.functions.as_ref();
+        let answers = Answers { probe_trips: true, functions };
+        let going = step(&mut it, &world, answers, &mut out);
         for issued in out.drain(..) {
             let (mut from, before) = (way.at, length);
             way.follow(&issued.call, &mut |_, to| {
