@@ -104,7 +104,8 @@ pub fn read(text: &[u8], origin: [f64; 3], travel: f64) -> Result<Vec<JobStep>, 
     let mut calls = Vec::new();
     let (mut idle, mut line) = (0_u32, 0);
     loop {
-        let going = step(&mut it, &Empty, Answers { probe_trips: false, functions: None }, &mut calls);
+        let going =
+            step(&mut it, &Empty, Answers { probe_trips: false, functions: None }, &mut calls);
         idle = if calls.is_empty() { idle + 1 } else { 0 };
         if idle > 1_000_000 {
             return Err(WrongJob::Endless(line));

@@ -193,24 +193,29 @@ fn follow(
     it.load(file, text);
     let ticks = Ticks::new(it.state.frame, it.state.position, resolution);
     let mut ticks = ticks.map_err(|problem| format!("{file}: {problem}"))?;
-    let result = run(&mut it, world, Answers { probe_trips: true, functions: world.functions.as_ref() }, |it, issued| {
-        let moved = ticks.follow(issued, &mut |step| {
-            made.figures.step(step);
-            if keeps {
-                made.ticks.push(step);
+    let result = run(
+        &mut it,
+        world,
+        Answers { probe_trips: true, functions: world.functions.as_ref() },
+        |it, issued| {
+            let moved = ticks.follow(issued, &mut |step| {
+                made.figures.step(step);
+                if keeps {
+                    made.ticks.push(step);
+                }
+            });
+            let moved = moved.map_err(|problem| {
+                let file = it.state.levels.last().map_or(file, |l| &*l.file);
+                let remedy = problem.remedy();
+                Stop::Output(format!("{file}:{}: {problem} ({remedy})", issued.line))
+            })?;
+            if let Some(moved) = moved {
+                made.figures.moved(&moved);
+                made.moves.push(moved);
             }
-        });
-        let moved = moved.map_err(|problem| {
-            let file = it.state.levels.last().map_or(file, |l| &*l.file);
-            let remedy = problem.remedy();
-            Stop::Output(format!("{file}:{}: {problem} ({remedy})", issued.line))
-        })?;
-        if let Some(moved) = moved {
-            made.figures.moved(&moved);
-            made.moves.push(moved);
-        }
-        Ok(())
-    });
+            Ok(())
+        },
+    );
     Ok(match result {
         Ok(()) => Ok(()),
         Err(Stop::Output(why)) => Err(why),
