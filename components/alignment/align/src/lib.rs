@@ -93,7 +93,8 @@ getp align.live # -> TRUE
             let bench = bench.clone();
             b.on_open(move |_| {
                 let opened = lock(&bench).open(Path::new(&job));
-                opened.map_err(|e| Error::new(format!("{e}; job= is an INI file such as plate.ini")))
+                opened
+                    .map_err(|e| Error::new(format!("{e}; job= is an INI file such as plate.ini")))
             })?;
         }
         let worker = Worker::new(bench, shared, events, results, b.clock(), b.messages());

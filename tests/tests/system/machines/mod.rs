@@ -2,9 +2,11 @@
 
 mod demos;
 mod fiducial;
+mod functions;
 mod haltest;
 mod haltest_rust;
 mod job;
+mod maxnc;
 mod meanwhile;
 mod picture;
 mod printer;
