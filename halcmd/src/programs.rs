@@ -1,5 +1,6 @@
 //! The programs, a module for each, and what they share: options and profiles of a run.
 
+mod alone;
 pub mod common;
 pub mod hal_manualtoolchange;
 pub mod halcmd;
@@ -10,6 +11,7 @@ pub mod halscope;
 pub mod halsetup;
 pub mod halstreamer;
 pub mod haltest;
+pub mod latency_test;
 pub mod options;
 mod picture;
 pub mod profile;

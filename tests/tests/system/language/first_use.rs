@@ -36,6 +36,7 @@ fn every_program_prints_its_version() {
         "halstreamer",
         "hal_manualtoolchange",
         "halcompile",
+        "latency-test",
     ] {
         let want = format!("{program} {}\n", env!("CARGO_PKG_VERSION"));
         assert_eq!(run(&scratch, &[program, "--version"]), (want, String::new(), Some(0)));
