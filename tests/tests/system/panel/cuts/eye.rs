@@ -29,6 +29,8 @@ pub(super) struct Seen {
 pub(super) struct Eye {
     samples: Samples,
     record: Vec<u64>,
+    /// True if samples were lost since the last `forget`: nobody read them for half a minute.
+    has_lost: bool,
     /// Samples since the last `forget`.
     pub(super) seen: Vec<Seen>,
     _client: Client,
@@ -45,13 +47,13 @@ impl Eye {
             ..SampleSpec::default()
         };
         let samples = client.sample(spec).unwrap();
-        Self { samples, record: Vec::new(), seen: Vec::new(), _client: client }
+        Self { samples, record: Vec::new(), has_lost: false, seen: Vec::new(), _client: client }
     }
 
     /// Reads all samples so far; returns the latest.
     pub(super) fn look(&mut self) -> Option<Seen> {
         while let Some(stamp) = self.samples.take_bits(&mut self.record) {
-            assert_eq!(stamp.lost, 0, "the ring of samples was full");
+            self.has_lost |= stamp.lost > 0;
             let [pulse, beat, _, x, v] = self.record[..] else { panic!("{:?}", self.record) };
             let short = |n: u64| u32::try_from(n & u64::from(u32::MAX)).unwrap();
             self.seen.push(Seen {
@@ -64,9 +66,16 @@ impl Eye {
         self.seen.last().copied()
     }
 
+    /// Returns all samples since the last `forget`.
+    pub(super) fn all(&self) -> &[Seen] {
+        assert!(!self.has_lost, "samples of the cut were lost");
+        &self.seen
+    }
+
     /// Forgets all samples but the latest.
     pub(super) fn forget(&mut self) {
         self.look();
+        self.has_lost = false;
         let keep = self.seen.len().saturating_sub(1);
         self.seen.drain(..keep);
     }

@@ -21,7 +21,9 @@ pub(super) struct Row {
     /// Detail of the cut.
     note: String,
     speed: f64,
-    /// Time from the cut to the begin of braking, and to rest, in milliseconds.
+    /// Time within which the test made the cut, in milliseconds.
+    cut_ms: f64,
+    /// Time from the begin of the cut to the begin of braking, and to rest, in milliseconds.
     braking_ms: f64,
     rest_ms: f64,
     /// Age of the returned number when the braking began, in milliseconds.
@@ -57,6 +59,7 @@ pub(super) fn judge(
         way,
         note,
         speed,
+        cut_ms: unsure_ms,
         braking_ms: ms(first, &seen[begin]),
         rest_ms: ms(first, &seen[rest]),
         age: seen[begin].age,
@@ -89,17 +92,19 @@ pub(super) fn table(rows: &[Row], repeated: u32) -> String {
     let mut text = format!(
         "# Cuts of the connection during a held jog of X\n\n\
          {} cuts, judged in machine time by samples of every servo cycle. Each ended the jog within {LIMIT_MS} ms and the\n\
-         braking; nothing moved after the reconnect. *Late* is the time for which the computer gave the servo thread no\n\
+         braking; nothing moved after the reconnect. Times count from the sample before the cut. *Cut* is the time within which the\n\
+         test made it: that of a tab that is closed or hidden is long. *Late* is the time for which the computer gave the servo thread no\n\
          processor, which is not counted. {repeated} jogs ended before their cut because the computer was busy, and were repeated.\n\n\
-         | cut | number | longest to braking, ms | longest to rest, ms | farthest, mm | share of what is allowed | late, ms |\n\
-         |---|---|---|---|---|---|---|\n",
+         | cut | number | longest cut, ms | longest to braking, ms | longest to rest, ms | farthest, mm | share of what is allowed | late, ms |\n\
+         |---|---|---|---|---|---|---|---|\n",
         rows.len()
     );
     for (way, rows) in &ways {
         writeln!(
             text,
-            "| {way} | {} | {:.1} | {:.1} | {:.2} | {:.0} % | {:.1} |",
+            "| {way} | {} | {:.1} | {:.1} | {:.1} | {:.2} | {:.0} % | {:.1} |",
             rows.len(),
+            most(rows, |r| r.cut_ms),
             most(rows, |r| r.braking_ms),
             most(rows, |r| r.rest_ms),
             most(rows, |r| r.distance),
@@ -108,15 +113,16 @@ pub(super) fn table(rows: &[Row], repeated: u32) -> String {
         )
         .unwrap();
     }
-    text.push_str("\n| | cut | mm/s | to braking, ms | to rest, ms | age, ms | distance, mm | allowed, mm | late, ms |\n|---|---|---|---|---|---|---|---|---|\n");
+    text.push_str("\n| | cut | mm/s | cut, ms | to braking, ms | to rest, ms | age, ms | distance, mm | allowed, mm | late, ms |\n|---|---|---|---|---|---|---|---|---|---|\n");
     for (n, r) in rows.iter().enumerate() {
         writeln!(
             text,
-            "| {} | {}{} | {:.0} | {:.1} | {:.1} | {} | {:.3} | {:.3} | {:.1} |",
+            "| {} | {}{} | {:.0} | {:.1} | {:.1} | {:.1} | {} | {:.3} | {:.3} | {:.1} |",
             n + 1,
             r.way,
             r.note,
             r.speed,
+            r.cut_ms,
             r.braking_ms,
             r.rest_ms,
             r.age,

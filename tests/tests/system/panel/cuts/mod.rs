@@ -170,7 +170,7 @@ impl Stage {
             }
         }
         self.eye.rests();
-        let seen = &self.eye.seen;
+        let seen = self.eye.all();
         let from = seen.iter().position(|s| s.ns == before.ns).unwrap_or(0);
         let row = judge(way.name(), note, &seen[from..], after.saturating_sub(from));
         self.rows.push(row.unwrap_or_else(|why| panic!("cut {}: {why}", self.rows.len() + 1)));
@@ -198,7 +198,7 @@ impl Stage {
             self.eye.look().is_some_and(|s| s.age < 80)
         });
         self.eye.pass(WATCHED / 2);
-        unmoved(way.name(), rest, &self.eye.seen);
+        unmoved(way.name(), rest, self.eye.all());
         drop((hand, next));
     }
 
