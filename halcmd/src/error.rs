@@ -187,7 +187,26 @@ pub enum Error {
         word: Box<str>,
         near: Option<Box<str>>,
     },
+    /// An error that a Tcl script did not catch.
+    Tcl {
+        text: Box<str>,
+    },
+    TclEnded {
+        status: Option<i32>,
+    },
+    NoTclsh,
+    NoTclPackage {
+        folder: Box<str>,
+    },
+    /// Arguments of two `loadrt` lines that `TWOPASS` cannot join.
+    LoadsDiffer {
+        module: Box<str>,
+        given: Box<str>,
+        first: Box<str>,
+        at: Box<str>,
+    },
     ThreadsExist,
+    NoTask,
     NoScreen,
     Unexpected,
 }
@@ -289,9 +308,22 @@ impl core::fmt::Display for Error {
             }
             Self::NoCode { word, .. } => write!(f, "there is no code '{word}'"),
             Self::NoManual { word, .. } => write!(f, "there is no component '{word}'"),
+            Self::Tcl { text } => f.write_str(text),
+            Self::TclEnded { status: Some(status) } => {
+                write!(f, "the file ended itself with status {status}")
+            }
+            Self::TclEnded { status: None } => f.write_str("a signal ended tclsh"),
+            Self::NoTclsh => f.write_str("Tcl files need tclsh, which is not installed"),
+            Self::NoTclPackage { folder } => {
+                write!(f, "Ferrule's package for Tcl is not in '{folder}'")
+            }
+            Self::LoadsDiffer { module, given, first, at } => {
+                write!(f, "loadrt {module}: '{given}' cannot be joined with '{first}' of {at}")
+            }
             Self::ThreadsExist => {
                 f.write_str("HAL_LIB: Cannot run 'setexact' after a thread has been created")
             }
+            Self::NoTask => f.write_str("this machine has no task, which runs programs"),
             Self::NoScreen => f.write_str("this view needs a terminal"),
             Self::Unexpected => f.write_str("the engine's answer does not match the request"),
         }

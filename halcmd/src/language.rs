@@ -8,6 +8,7 @@ pub(crate) mod command;
 pub(crate) mod fault;
 pub(crate) mod flight;
 pub(crate) mod hint;
+pub(crate) mod joined;
 pub mod lex;
 pub(crate) mod parse;
 pub(crate) mod row;

@@ -9,11 +9,14 @@ pub(crate) mod program;
 pub(crate) mod prompt;
 pub mod remote;
 pub(crate) mod running;
+pub(crate) mod tcl;
 pub(crate) mod trailer;
+pub(crate) mod twopass;
 
 use crate::{
     Error, Fault, Lines, Terminal,
     ini::Ini,
+    language::joined::Pass,
     language::lex::{Line, Reader, without_comment},
     language::source::Bytes,
     language::syntax::Statement,
@@ -104,6 +107,10 @@ pub struct Session<'a> {
     pub(crate) is_machine: bool,
     /// Place and arguments of `halui`, which is loaded as soon as `motmod` is.
     pub(crate) operator: Option<(At, Vec<String>)>,
+    /// Output of the command of a Tcl script, which gets it as the result.
+    pub(crate) returned: Option<String>,
+    /// Pass of a start with `[HAL]TWOPASS`.
+    pub(crate) pass: Option<Pass>,
 }
 
 impl core::fmt::Debug for Session<'_> {
@@ -145,6 +152,8 @@ impl<'a> Session<'a> {
             dry_run: None,
             is_machine: false,
             operator: None,
+            returned: None,
+            pass: None,
         }
     }
 
@@ -216,7 +225,7 @@ impl<'a> Session<'a> {
     /// Executes a command given as words, without replacing variables.
     pub fn command(&mut self, words: &[String]) -> Outcome {
         let (statement, line) = Statement::of_words(words);
-        let result = self.carry_out(&statement, true).map(|_| ());
+        let result = self.execute_statement(&statement, true).map(|_| ());
         self.settled(result, &line)
     }
 
@@ -308,21 +317,26 @@ impl<'a> Session<'a> {
         }
         let values =
             Values { environment: self.environment, ini: self.own_ini.as_ref().or(self.ini) };
-        self.carry_out(&Statement::parse(text, values)?, nested)
+        self.execute_statement(&Statement::parse(text, values)?, nested)
     }
 
-    fn carry_out(&mut self, statement: &Statement, nested: bool) -> Result<Step, Fault> {
+    fn execute_statement(&mut self, statement: &Statement, nested: bool) -> Result<Step, Fault> {
         if statement.words().is_empty() {
             return Ok(Step::On);
         }
         if !nested && statement.ends_input() {
             return Ok(Step::Quit);
         }
+        let command = statement.command();
+        let Some(command) = self.in_pass(statement, command).map_err(|e| statement.blame(e))?
+        else {
+            return Ok(Step::On);
+        };
         if let Some(dry_run) = &mut self.dry_run {
             let at = At::new(&self.place.0, self.place.1);
             dry_run.statements.push((at, statement.words().to_vec()));
         }
-        let command = statement.command()?;
+        let command = command?;
         let trailer = Trailer::of(&command);
         let brings_operator = self.awaits_operator(&command);
         let done = if self.plan.is_some() {

@@ -12,7 +12,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A folder of `tests/hal`.
+/// A folder of `tests/hal` or `tests/tcl`.
 ///
 /// - `test.hal`: the script.
 /// - `expected`: exit status, standard output, standard error, and the files that the run wrote. `<pid>` stands for any
@@ -35,10 +35,15 @@ pub struct Around<'a> {
     pub environment: Vec<(&'a str, &'a str)>,
 }
 
-/// Returns every case; if `CASE` is set, only those whose names begin with it.
+/// Returns every case of `tests/hal`; if `CASE` is set, only those whose names begin with it.
 pub fn cases() -> Vec<Case> {
+    cases_in("tests/hal")
+}
+
+/// Returns every case of a folder; if `CASE` is set, only those whose names begin with it.
+pub fn cases_in(folder: &str) -> Vec<Case> {
     let wanted = std::env::var("CASE").unwrap_or_default();
-    let mut cases: Vec<Case> = fs::read_dir(root().join("tests/hal"))
+    let mut cases: Vec<Case> = fs::read_dir(root().join(folder))
         .unwrap()
         .map(|e| e.unwrap().path())
         .filter(|p| p.join("test.hal").is_file())

@@ -5,7 +5,13 @@
 //! - `FERRULE_SKIPPED` names a file. Each skipped test adds a line `TEST: PROGRAM is not installed (REMEDY)`, which
 //!   `.ci/run` prints at its end.
 
-use std::{fs::OpenOptions, io::Write, path::PathBuf, process::Command, thread};
+use std::{
+    fs::OpenOptions,
+    io::Write,
+    path::PathBuf,
+    process::{Command, Stdio},
+    thread,
+};
 
 /// A program outside the workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +38,7 @@ const PROGRAMS: &[Tool] = &[
     Tool { name: "vcd2fst", what: "vcd2fst", remedy: "apt-get install gtkwave" },
     Tool { name: "fst2vcd", what: "fst2vcd", remedy: "apt-get install gtkwave" },
     Tool { name: "sigrok-cli", what: "sigrok-cli", remedy: "apt-get install sigrok-cli" },
+    Tool { name: "tclsh", what: "tclsh", remedy: "apt-get install tcl" },
     Tool { name: "dot", what: "Graphviz", remedy: "apt-get install graphviz" },
     Tool { name: "python3", what: "python3", remedy: "apt-get install python3" },
     Tool { name: "ssconvert", what: "ssconvert", remedy: "apt-get install gnumeric" },
@@ -99,6 +106,12 @@ pub fn compiler() -> Option<String> {
     let cc = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let found = Command::new(&cc).arg("--version").output().is_ok_and(|o| o.status.success());
     COMPILER.or_skip(found.then_some(cc))
+}
+
+/// Returns the name of the Tcl interpreter where there is one.
+pub fn tclsh() -> Option<&'static str> {
+    let found = Command::new("tclsh").stdin(Stdio::null()).status();
+    found.is_ok_and(|status| status.success()).then_some("tclsh")
 }
 
 /// Returns the folder of LinuxCNC's components where its package is installed; reports the running test as skipped

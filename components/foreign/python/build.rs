@@ -6,9 +6,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Modules of the library.
-const MODULES: [&str; 3] = ["_hal", "_machine", "gcode"];
-
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=modules");
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
@@ -16,14 +13,21 @@ fn main() -> io::Result<()> {
     // OUT_DIR is `PROFILE/build/PACKAGE/out`.
     let beside = out.ancestors().nth(3).unwrap_or(Path::new(".")).join("python");
     copy(&here.join("modules"), &beside)?;
-    for name in MODULES {
-        let module = beside.join(format!("{name}.abi3.so"));
-        match fs::remove_file(&module) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
-            _ => std::os::unix::fs::symlink("../libferrule_python.so", module)?,
-        }
+    // Before, the other modules of the library were links too.
+    for old in ["_machine", "gcode"] {
+        removed(&beside.join(format!("{old}.abi3.so")))?;
     }
-    Ok(())
+    let module = beside.join("_hal.abi3.so");
+    removed(&module)?;
+    std::os::unix::fs::symlink("../libferrule_python.so", module)
+}
+
+/// Removes a file that may be missing.
+fn removed(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(e),
+        _ => Ok(()),
+    }
 }
 
 /// Copies the modules of a folder and its packages.

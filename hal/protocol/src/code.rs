@@ -54,6 +54,7 @@ codes! {
     NoProgram = "H111" Warning "a program that is not there";
     NotSupported = "H112" Error "something that is not supported";
     IdleAllowance = "H113" Note "an allowance that nothing needs";
+    TclNotFollowed = "H114" Note "a Tcl file that is not known as a whole";
 
     NoComponent = "H201" Error "a component that does not exist";
     NoSuchName = "H202" Error "a name that does not exist";

@@ -60,9 +60,13 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
     findings.extend(result.unknown.notes());
     let starts = dry_run.starts_itself();
     let wired_unknown = estop_is_unknown(dry_run.engine(), &result.unknown.signals);
-    let unread = result.refusals.iter().any(|r| {
-        matches!(r.error, Error::NotYet { .. } | Error::IniNotFound { .. } | Error::NoFile { .. })
-    });
+    let unread = result.unknown.is_anything()
+        || result.refusals.iter().any(|r| {
+            matches!(
+                r.error,
+                Error::NotYet { .. } | Error::IniNotFound { .. } | Error::NoFile { .. }
+            )
+        });
     let outside = pins_of(dry_run, &result.unknown.signals);
     let engine = match asked(dry_run.engine()) {
         Ok(list) => list,

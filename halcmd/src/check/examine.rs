@@ -47,7 +47,7 @@ impl Session<'_> {
             graph::text(&drawing, format)
         };
         match file {
-            None => self.terminal.out(&text)?,
+            None => self.out(&text)?,
             Some(file) => written(file, &text)?,
         }
         if refused { Err(Error::AlreadyReported) } else { Ok(()) }

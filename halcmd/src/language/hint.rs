@@ -45,7 +45,15 @@ impl Error {
             | Self::NoCommandFile { why, .. }
             | Self::NotApplied { why, .. } => Some(why.to_string()),
             Self::IniNotFound { folders, .. } => Some(format!("looked in {folders}")),
+            Self::NoTask => Some(
+                "a machine with motmod has one if its INI file has TASK = milltask in section TASK"
+                    .to_owned(),
+            ),
             Self::NotYet { instead, .. } => Some((*instead).to_owned()),
+            Self::NoTclsh => Some("apt-get install tcl".to_owned()),
+            Self::LoadsDiffer { .. } => {
+                Some("with TWOPASS all loadrt lines of a component become one".to_owned())
+            }
             _ => None,
         }
     }

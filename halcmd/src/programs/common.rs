@@ -20,6 +20,7 @@ pub enum Id {
     Instance,
     Json,
     Wait,
+    Tcl,
     Complete,
 }
 
@@ -46,7 +47,14 @@ pub fn apply(style: &mut Style, id: Id) {
         Id::Verbose | Id::VeryVerbose => style.verbose = true,
         Id::Json => style.json = true,
         Id::Wait => style.wait = true,
-        Id::Quiet | Id::Release | Id::Ini | Id::File | Id::Help | Id::Instance | Id::Complete => {}
+        Id::Quiet
+        | Id::Release
+        | Id::Ini
+        | Id::File
+        | Id::Help
+        | Id::Instance
+        | Id::Tcl
+        | Id::Complete => {}
     }
 }
 

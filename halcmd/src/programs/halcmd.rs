@@ -8,7 +8,7 @@ use crate::{
     manual::help,
     manual::man,
     programs::common::{COMMON, Id, apply, short},
-    programs::options::{Opt, from_environment, options, plain, usage},
+    programs::options::{Opt, from_environment, options, plain, program_usage},
     programs::profile::Profile,
     session::messages,
     session::prompt,
@@ -35,6 +35,7 @@ const OPTIONS: &[Opt<Id>] = &{
         Opt { long: Some("help"), ..short(Id::Help, 'h', "print this, or the help of a command") },
         short(Id::Complete, 'C', "complete the line in COMP_LINE, for shells"),
         long("json", Id::Json, "print replies as they came"),
+        long("tcl", Id::Tcl, "answer the requests of a Tcl script; the package Hal starts it so"),
         long("wait", Id::Wait, "wait until the machine has carried out a component's command"),
         instance_option(Id::Instance),
     ]
@@ -82,7 +83,8 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
         return Ok(0);
     }
     let file = has(Id::File);
-    if !file && rest.is_empty() {
+    let tcl = has(Id::Tcl);
+    if !file && !tcl && rest.is_empty() {
         if !has(Id::Release) {
             terminal.out(&usage_text())?;
         }
@@ -100,7 +102,7 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
             _ => {}
         }
     }
-    if !file && has(Id::Ini) {
+    if !file && !tcl && has(Id::Ini) {
         terminal.err("-i may only be used together with -f\n");
         return Ok(1);
     }
@@ -118,7 +120,7 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     let me = format!("halcmd{}", std::process::id());
     let instance = place.name().to_owned();
     let mut remote = Remote::new(place, &me);
-    style.reads_input = file && text.is_none();
+    style.reads_input = tcl || file && text.is_none();
     let mut session = Session::new(&mut remote, terminal, style, &instance);
     if let Some(ini) = &ini {
         session.set_ini(ini);
@@ -126,6 +128,7 @@ fn run(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
     }
     let outcome = match text {
         Some((path, text)) => session.file(path, Bytes::new(text)),
+        None if tcl => session.serve_tcl(),
         None if file => prompt::typed(&mut session, true),
         None => session.command(&rest),
     };
@@ -170,6 +173,6 @@ fn usage_text() -> String {
          halcmd check [FILE...]      what is wrong with a machine, before it moves\n         \
          halcmd explain [CODE]       what a finding of check means\n\noptions:\n{}\n\
          'halcmd help' lists the commands, 'halcmd help COMMAND' explains one.\n",
-        usage(OPTIONS)
+        program_usage(OPTIONS)
     )
 }

@@ -11,6 +11,7 @@ pub(crate) mod machine;
 pub(crate) mod plan;
 mod realtime;
 mod serve;
+mod settings;
 mod table;
 
 use crate::{
@@ -24,7 +25,7 @@ use crate::{
 use hal_engine::{Ends, Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
-use serve::{Local, stay};
+use serve::{Local, serve_until_end};
 use std::{
     path::Path,
     process::{Child, ExitCode},
@@ -134,6 +135,13 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
             })?;
             plan.ini.as_ref()
         }
+        Script::Tcl(path) => {
+            std::fs::metadata(path).map_err(|e| Error::NoCommandFile {
+                path: path.as_str().into(),
+                why: crate::ini::plain(&e),
+            })?;
+            plan.ini.as_ref()
+        }
         Script::Ini(path) => Some(path),
         Script::Terminal | Script::Nothing => plan.ini.as_ref(),
     };
@@ -194,7 +202,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         && !plan.interactive
         && plan.script != Script::Terminal;
     if goes_on {
-        stay(plan, &mut engine);
+        serve_until_end(plan, &mut engine);
     }
     if let Some(said) = ends.said() {
         terminal.err(&format!("halrun: {said}\n"));
@@ -246,6 +254,7 @@ fn script(
     };
     let outcome = match (&plan.script, &files.ini) {
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
+        (Script::Tcl(path), _) => machine::tcl_script(&mut session, Path::new(path)),
         (Script::Ini(path), Some(ini)) => {
             let reads = display::is_shown(plan, ini) && display::reads_postgui(ini);
             machine::start(&mut session, ini, Path::new(path), !plan.headless && !reads)

@@ -13,7 +13,7 @@ use crate::{
     check::{self, Checked, check, status},
     programs::{
         halrun::folders::plugin_path,
-        options::{Opt, mixed, plain, usage},
+        options::{Opt, mixed, plain, program_usage},
         profile::Profile,
     },
     terminal::ended,
@@ -89,7 +89,7 @@ fn run(words: &[String]) -> Result<(), String> {
                      it asks in the terminal, and keeps the answers beside the machine.\n\n\
                      With --test it makes no files: it runs an axis of the answers back and forth, harder each time, and\n\
                      asks whether the axis stands on its mark again. The machine moves: keep a hand on the e-stop.\n\noptions:\n";
-        Stdio.out(&format!("{about}{}", usage(OPTIONS)))?;
+        Stdio.out(&format!("{about}{}", program_usage(OPTIONS)))?;
         return Ok(());
     }
     let output = given.iter().rev().find(|(id, _)| *id == Flag::Output);

@@ -7,7 +7,7 @@ use crate::{
     language::units::nanoseconds,
     programs::{
         alone::Alone,
-        options::{Opt, mixed, plain, usage},
+        options::{Opt, mixed, plain, program_usage},
     },
     terminal::{ended, termination::ending_flag},
 };
@@ -108,7 +108,7 @@ pub fn main(words: &[String]) -> ExitCode {
 
 fn run(words: &[String]) -> Result<(), String> {
     let Some(wanted) = wanted(words)? else {
-        return Ok(Stdio.out(&format!("{ABOUT}{}", usage(OPTIONS)))?);
+        return Ok(Stdio.out(&format!("{ABOUT}{}", program_usage(OPTIONS)))?);
     };
     let ending = ending_flag();
     let mut engine = Alone::new(wanted.clock, wanted.cpu)?;

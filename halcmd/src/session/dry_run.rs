@@ -117,7 +117,7 @@ impl DryRun {
             value: "trial".into(),
             why: why.into(),
         })?;
-        let mut engine = Engine::trial(Options {
+        let mut engine = Engine::dry_run(Options {
             old_names: ini.as_ref().is_some_and(Ini::is_old),
             interlock: machine.is_some() || whole.is_some(),
             earlier_values: std::env::var("HAL_COMPAT").is_ok_and(|v| v == "2.9")
@@ -152,7 +152,10 @@ impl DryRun {
                     machine::before_files(&mut session, ini, path);
                 }
                 for (file, text) in scripts {
-                    let _: Outcome = session.file(file, Bytes::new(text));
+                    let _: Outcome = match file.ends_with(".tcl") {
+                        true => machine::tcl_script(&mut session, Path::new(file)),
+                        false => session.file(file, Bytes::new(text)),
+                    };
                 }
                 if let Some((ini, path)) = whole {
                     machine::after_files(&mut session, ini, path);

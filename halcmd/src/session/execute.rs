@@ -48,7 +48,8 @@ impl Session<'_> {
     pub(crate) fn execute(&mut self, command: Command) -> Result<(), Error> {
         match command {
             Command::Ask(request, note) => {
-                let set = if self.style.verbose { self.set_note(&request)? } else { None };
+                let told = self.style.verbose || self.returned.is_some();
+                let set = if told { self.set_note(&request)? } else { None };
                 self.ask(request)?;
                 self.done(set.or(note).as_deref());
             }
@@ -83,16 +84,18 @@ impl Session<'_> {
             Command::Status(kind) => self.status(kind)?,
             Command::Check(words) => {
                 let before = check::Before { ini: None, json: self.style.json };
-                if check::main(&words, before, self.link, self.terminal)? > 1 {
+                let status =
+                    self.printed_by(|link, terminal| check::main(&words, before, link, terminal))?;
+                if status > 1 {
                     return Err(Error::AlreadyReported);
                 }
             }
             Command::Explain(words) => {
-                explain::main(&words, self.terminal)?;
+                self.printed_by(|_, terminal| explain::main(&words, terminal))?;
             }
             Command::Flight(what) => self.flight(what)?,
             Command::Man(words) => {
-                man::main(&words, self.terminal)?;
+                self.printed_by(|_, terminal| man::main(&words, terminal))?;
             }
             Command::Order(subject, script) => self.order(&subject, script)?,
             Command::Graph(subject, wanted, format, file) => {
@@ -130,7 +133,7 @@ impl Session<'_> {
     }
 
     /// Returns whether this is a command of a loaded component.
-    fn is_components(&mut self, name: &str) -> bool {
+    pub(crate) fn is_components(&mut self, name: &str) -> bool {
         // Help needs no instance.
         let mut list = || {
             let patterns = vec![name.to_owned()];
@@ -172,13 +175,13 @@ impl Session<'_> {
         } else {
             words(reply).ok_or(Error::Unexpected)?
         };
-        Ok(self.terminal.out(&text)?)
+        Ok(self.out(&text)?)
     }
 
     /// Prints a text, or with `--json` an object.
     fn text(&mut self, text: &str, object: impl FnOnce() -> Value) -> Result<(), Error> {
         let text = if self.style.json { format!("{}\n", object()) } else { text.to_owned() };
-        Ok(self.terminal.out(&text)?)
+        Ok(self.out(&text)?)
     }
 
     /// Prints a listing like [`Self::print`], unless `-Q` suppresses it.
@@ -187,7 +190,11 @@ impl Session<'_> {
         reply: &Reply,
         words: impl FnOnce(&Reply) -> String,
     ) -> Result<(), Error> {
-        if self.style.silent { Ok(()) } else { self.print(reply, |reply| Some(words(reply))) }
+        if self.style.silent && self.returned.is_none() {
+            Ok(())
+        } else {
+            self.print(reply, |reply| Some(words(reply)))
+        }
     }
 
     fn unload(&mut self, name: String) -> Result<(), Error> {
@@ -247,7 +254,7 @@ impl Session<'_> {
     fn save(&mut self, kind: SaveKind, file: Option<&str>) -> Result<(), Error> {
         let text = save::write(kind, &mut |request| self.ask(request))?;
         match file {
-            None if self.style.silent => {}
+            None if self.style.silent && self.returned.is_none() => {}
             None => self.text(&text, || json!({ "save": text.lines().collect::<Vec<_>>() }))?,
             Some(file) => written(file, &text)?,
         }

@@ -1,13 +1,14 @@
 //! Messages of a session on standard error: text for people, objects for programs (`--json`).
 
 use crate::{
-    Error, Fault, Session,
+    Captured, Error, Fault, Session, Terminal,
     language::lex::Line,
     language::syntax::excerpt,
     session::dry_run::{Notice, Refusal},
     terminal::colour,
 };
-use hal_protocol::At;
+use hal_output::Unwritten;
+use hal_protocol::{At, Link};
 use serde_json::{Value, json};
 
 impl Session<'_> {
@@ -97,9 +98,38 @@ impl Session<'_> {
         }
     }
 
-    /// Prints a message if `-v` was given.
+    /// Writes to standard output, or to the result of a Tcl script's command.
+    pub(crate) fn out(&mut self, text: &str) -> Result<(), Unwritten> {
+        match &mut self.returned {
+            Some(returned) => {
+                returned.push_str(text);
+                Ok(())
+            }
+            None => self.terminal.out(text),
+        }
+    }
+
+    /// Runs a command that prints by itself.
+    pub(crate) fn printed_by(
+        &mut self,
+        print: impl FnOnce(&mut dyn Link, &mut dyn Terminal) -> Result<u8, Error>,
+    ) -> Result<u8, Error> {
+        if self.returned.is_none() {
+            return print(self.link, self.terminal);
+        }
+        let mut kept = Captured::default();
+        let status = print(self.link, &mut kept)?;
+        self.terminal.err(&kept.err);
+        self.out(&kept.out)?;
+        Ok(status)
+    }
+
+    /// Prints a message if `-v` was given. A Tcl script gets it as a part of the result.
     pub(crate) fn note(&mut self, text: &str) {
-        if self.style.verbose {
+        if let Some(returned) = &mut self.returned {
+            returned.push_str(text);
+            returned.push('\n');
+        } else if self.style.verbose {
             self.warn_at(text);
         }
     }

@@ -1,4 +1,4 @@
-for f in tcl twopass missing syntax nosuch; do
+for f in missing syntax nosuch; do
   echo "$f"
   halrun --instance b --virtual --for 1ms $f.ini 2>&1
   echo "status $?"

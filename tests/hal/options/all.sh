@@ -8,7 +8,7 @@ try halrun --instance b --for 5 x.hal
 try halrun --instance b --fro 5s x.hal
 try halrun --instance b a.hal b.hal
 try halrun --instance b a.txt
-try halrun --instance b a.tcl
+try halrun --instance b not-there.tcl
 try halrun --instance b not-there.hal
 try halrun --instance b -i not-there.ini -f test.hal
 try halrun --instance a/b test.hal

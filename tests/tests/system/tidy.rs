@@ -45,6 +45,7 @@ fn arrows_point_only_downward() {
         ("hal-derive", &[]),
         ("hal-component", &["hal-abi", "hal-derive"]),
         ("hal-bench", &["hal-component"]),
+        ("hal-golden", &[]),
         ("hal-protocol", &["hal-abi"]),
         ("hal-ini", &[]),
         ("hal-output", &[]),
@@ -53,6 +54,7 @@ fn arrows_point_only_downward() {
         (
             "halcmd",
             &[
+                "hal-align",
                 "hal-arm",
                 "hal-engine",
                 "hal-gcode",
@@ -66,6 +68,10 @@ fn arrows_point_only_downward() {
         ),
         ("halcompile", &["hal-output"]),
         ("hal-arm", &[]),
+        ("hal-align", &["hal-gcode", "hal-ini"]),
+        ("camera", &["hal-marks", "hal-output"]),
+        ("hal-marks", &["hal-align", "hal-ini"]),
+        ("align", &["hal-align", "hal-component", "hal-ini", "hal-marks", "hal-output"]),
         (
             "halpanel",
             &[
@@ -79,6 +85,10 @@ fn arrows_point_only_downward() {
             ],
         ),
         ("robot", &["hal-arm", "hal-gcode", "hal-output"]),
+        ("accessory", &["hal-component", "hal-handheld", "hal-nk105", "hal-storage"]),
+        ("hal-handheld", &[]),
+        ("hal-nk105", &["hal-gcode", "hal-handheld", "hal-job"]),
+        ("hal-storage", &["hal-output"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
         ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol"]),
@@ -468,6 +478,15 @@ fn output_goes_through_one_crate() {
             "a program's log that only grows, line by line",
         ),
         ("components/remote/panel/src/audit.rs", "a log that only grows, line by line"),
+        (
+            "components/accessory/accessory/src/sim_medium.rs",
+            "a disk image, of which nothing is changed",
+        ),
+        (
+            "components/accessory/storage/src/folder.rs",
+            "disk images, written in place while nobody sees them",
+        ),
+        ("components/accessory/storage/src/gadget.rs", device),
         ("components/drivers/parport/src/hardware.rs", device),
         ("components/drivers/speaker/src/device.rs", device),
         ("components/drivers/viagpio/src/hardware.rs", device),

@@ -13,6 +13,7 @@ mod check;
 mod checking;
 mod end;
 mod entry;
+mod function;
 mod journal;
 mod origin;
 mod overrides;
@@ -122,6 +123,8 @@ struct Job {
     input: f64,
     questions: Vec<values::HalQuestion>,
     user_code: Result<(), String>,
+    /// A function in Python is at work on its next step.
+    is_stepping_function: bool,
     began: f64,
 }
 

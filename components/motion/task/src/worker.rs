@@ -14,6 +14,7 @@ use hal_component::{
     Uses, Work,
 };
 use hal_gcode::parameters::file::ParameterFile;
+use hal_remap::Functions;
 use machine::Machine;
 use std::{
     collections::VecDeque,
@@ -31,7 +32,7 @@ pub(crate) struct SharedState {
 }
 
 /// The files of a machine that the task writes or guards, and the folders of user programs.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Files {
     pub(crate) ini: Option<PathBuf>,
     pub(crate) parameters: Option<(PathBuf, ParameterFile)>,
@@ -43,6 +44,8 @@ pub(crate) struct Files {
     /// Files that the INI file consists of or names.
     pub(crate) named: Vec<PathBuf>,
     pub(crate) letters: Letters,
+    /// Functions in Python.
+    pub(crate) functions: Option<Functions>,
 }
 
 /// State that the commands and the worker share.

@@ -127,4 +127,15 @@ pub(super) const ROWS: &[Explanation] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
                 setp or2.0.in0 1\nstart\n",
     },
+    Explanation {
+        code: Code::TclNotFollowed,
+        means: "The Tcl file asks for something outside, such as another program or the value of a pin that \
+                only the machine knows; or tclsh is not installed. What comes before is checked, the rest of \
+                the file is not.",
+        matters: "The check accepts every name from there on.",
+        remedy: "Check the running machine: halcmd check. If the line may fail, a catch around it lets the \
+                 check go on behind it.",
+        wrong: "--- m.ini\n[EMCIO]\n[HAL]\nHALFILE = m.tcl\n--- m.tcl\nset host [exec hostname] ;# <--\n",
+        right: "--- m.ini\n[EMCIO]\n[HAL]\nHALFILE = m.tcl\n--- m.tcl\nset host [info hostname]\n",
+    },
 ];

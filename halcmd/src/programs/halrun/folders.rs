@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 /// Folders that contain HAL files of a machine.
-pub(super) struct Folders {
+pub(crate) struct Folders {
     /// Folder of the INI file, as the user wrote it.
     pub(super) named: PathBuf,
     /// Absolute path of that folder.
     pub(super) here: PathBuf,
     /// Libraries of HAL files.
-    libraries: Vec<PathBuf>,
+    pub(crate) libraries: Vec<PathBuf>,
 }
 
 impl Folders {
-    pub(super) fn of(ini: &Path) -> Self {
+    pub(crate) fn of(ini: &Path) -> Self {
         let named = ini.parent().map(Path::to_path_buf).unwrap_or_default();
         let here = std::path::absolute(ini)
             .ok()

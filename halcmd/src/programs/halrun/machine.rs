@@ -1,26 +1,23 @@
 //! Start of a machine from its INI file.
 
-use super::folders::Folders;
+use super::{folders::Folders, settings};
 use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
     io::operator_args,
+    session::tcl::tclsh::{self, TclFile},
 };
 use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
 use std::{ffi::OsString, path::Path};
 
-const TCL: &str = "write it as a .hal file";
-const TWOPASS: &str = "name each module in one loadrt line and take TWOPASS out";
 const BUILT_IN: &str = "homing and the trajectory planner are part of motmod: take the entry out";
 const BAR: &str = "write what it does into a subroutine and call that: O<name> CALL";
 const NO_LINE: &str = "write a line of MDI, or take the entry out";
+/// Beginning of the comment that excludes a file from the two passes, without its spaces.
+const EXCLUDES: &str = "#notwopass";
 
 /// Returns an error for entries that an INI start does not support, before anything is created.
 pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
-    if let Some(entry) = ini.all("HAL", "TWOPASS").find(|e| !e.value.is_empty()) {
-        let what = format!("{}:{}: [HAL]TWOPASS", entry.file, entry.line).into();
-        return Err(Error::NotYet { what, instead: TWOPASS });
-    }
     for (section, name, usual) in [("EMCMOT", "HOMEMOD", "homemod"), ("TRAJ", "TPMOD", "tpmod")] {
         for entry in ini.all(section, name) {
             let module = entry.value.split_whitespace().next().unwrap_or(usual);
@@ -29,13 +26,6 @@ pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
                 let what = format!("{at}: [{section}]{name} '{module}'").into();
                 return Err(Error::NotYet { what, instead: BUILT_IN });
             }
-        }
-    }
-    for entry in ini.all("HAL", "HALFILE").chain(ini.all("HAL", "POSTGUI_HALFILE")) {
-        let name = entry.value.split_whitespace().next().unwrap_or_default();
-        if name.ends_with(".tcl") {
-            let what = format!("{}:{}: Tcl file '{name}'", entry.file, entry.line).into();
-            return Err(Error::NotYet { what, instead: TCL });
         }
     }
     if operator_entry(ini).is_some() {
@@ -70,9 +60,7 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, postgui: 
     machine.load();
     machine.operator();
     machine.session.begin_machine();
-    for entry in ini.all("HAL", "HALFILE") {
-        machine.file(entry, true);
-    }
+    machine.halfiles();
     machine.configure();
     machine.load_task(path);
     for entry in ini.all("HAL", "HALCMD") {
@@ -84,6 +72,13 @@ pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, postgui: 
         machine.file(entry, false);
     }
     machine.outcome
+}
+
+/// Executes a Tcl file that is no part of a machine's INI file.
+pub(crate) fn tcl_script(session: &mut Session<'_>, path: &Path) -> Outcome {
+    let libraries = Folders::of(path).libraries;
+    let shown = path.display().to_string();
+    session.tcl_file(&TclFile { shown: &shown, path, args: &[], libraries: &libraries })
 }
 
 /// Executes the part of [`start`] that comes before the HAL files.
@@ -122,6 +117,12 @@ pub(super) fn shut_down(session: &mut Session<'_>, ini: &Ini, path: &Path) {
 fn variables(ini: &Path, folder: &Path) -> Vec<(&'static str, OsString)> {
     let ini = std::path::absolute(ini).unwrap_or_else(|_| ini.to_path_buf());
     let mut all = vec![("INI_FILE_NAME", ini.into()), ("CONFIG_DIR", folder.into())];
+    all.extend(
+        tclsh::folder()
+            .ok()
+            .and_then(|folder| tclsh::packages(&folder))
+            .map(|list| ("TCLLIBPATH", list.into())),
+    );
     let here = std::env::current_exe().ok().and_then(|p| p.parent().map(Path::to_path_buf));
     let before = std::env::var_os("PATH").unwrap_or_default();
     let paths = here.into_iter().chain(std::env::split_paths(&before));
@@ -178,23 +179,76 @@ impl MachineStart<'_, '_> {
         });
     }
 
+    /// Executes the HAL files, in two passes if the INI file asks for them.
+    fn halfiles(&mut self) {
+        let options = self.ini.get("HAL", "TWOPASS").unwrap_or_default().to_ascii_lowercase();
+        if options.is_empty() {
+            self.ini.all("HAL", "HALFILE").for_each(|entry| self.file(entry, true));
+            return;
+        }
+        self.session.begin_passes();
+        for is_second in [false, true] {
+            for entry in self.ini.all("HAL", "HALFILE") {
+                if !self.is_excluded(entry) {
+                    self.file(entry, true);
+                } else if !is_second {
+                    // Its lines load by themselves.
+                    let pass = self.session.pass.take();
+                    self.file(entry, true);
+                    self.session.pass = pass;
+                }
+            }
+            if !is_second {
+                let tells = options.contains("verbose");
+                self.then(|session| session.begin_second_pass(tells));
+            }
+        }
+        self.session.pass = None;
+    }
+
+    /// Returns whether a comment excludes a file from the two passes.
+    fn is_excluded(&self, entry: &Entry) -> bool {
+        let name = entry.value.split_whitespace().next().unwrap_or_default();
+        let text = self.folders.find(name).and_then(|(_, path)| hal_ini::file::whole(&path).ok());
+        let text = text.unwrap_or_default();
+        String::from_utf8_lossy(&text).lines().any(|line| {
+            let letters = line.chars().filter(|c| !c.is_whitespace()).take(EXCLUDES.len());
+            letters.collect::<String>().eq_ignore_ascii_case(EXCLUDES)
+        })
+    }
+
     fn file(&mut self, entry: &Entry, must_exist: bool) {
-        let Some(name) = entry.value.split_whitespace().next() else {
+        let mut words = entry.value.split_whitespace();
+        let Some(name) = words.next() else {
             return self.then(|session| {
                 session.stand_at(&entry.file, entry.line);
                 session.warn_at(&format!("Warning: {} names no file", entry.name));
                 Outcome::Good
             });
         };
-        // A dry run goes on without the Tcl files that `refuse` has reported.
-        if name.ends_with(".tcl") {
-            return;
-        }
+        let args: Vec<String> = words.map(str::to_owned).collect();
         let found = self.folders.find(name);
         let searched = self.folders.searched(name);
+        let libraries = self.folders.libraries.clone();
         self.then(|session| match found {
+            Some((shown, path)) if path.extension().is_some_and(|e| e == "tcl") => session
+                .tcl_file(&TclFile {
+                    shown: &shown,
+                    path: &path,
+                    args: &args,
+                    libraries: &libraries,
+                }),
             Some((shown, path)) => match hal_ini::file::whole(&path) {
-                Ok(text) => session.file(&shown, Bytes::new(text)),
+                Ok(text) => {
+                    if !must_exist
+                        && settings::are_named(&text)
+                        && let Err(error) = settings::load(session)
+                    {
+                        session.stand_at(&entry.file, entry.line);
+                        return failed(session, &error);
+                    }
+                    session.file(&shown, Bytes::new(text))
+                }
                 Err(e) => {
                     let (path, why) = (shown.into(), crate::ini::plain(&e));
                     failed(session, &Error::NoFile { path, why })
@@ -439,12 +493,9 @@ mod tests {
     #[test]
     fn what_cannot_be_done_is_refused_by_name() {
         for (text, want) in [
-            ("[HAL]\nTWOPASS = on\n", "m.ini:2: [HAL]TWOPASS is not supported; "),
             ("[EMCMOT]\nHOMEMOD = x y\n", "m.ini:2: [EMCMOT]HOMEMOD 'x' is not supported; "),
             ("[TRAJ]\nTPMOD = mine\n", "m.ini:2: [TRAJ]TPMOD 'mine' is not supported; "),
-            ("[HAL]\nHALFILE = a.tcl x y\n", "m.ini:2: Tcl file 'a.tcl' is not supported; "),
             ("[HAL]\nSTUCK_TIME = 5\n", "m.ini:2: [HAL]STUCK_TIME '5': it is a number and "),
-            ("[HAL]\nPOSTGUI_HALFILE = b.tcl\n", "m.ini:2: Tcl file 'b.tcl' is not supported; "),
             (
                 "[HALUI]\nMDI_COMMAND=M3\nMDI_COMMAND = (a|b) M3\n[HAL]\nHALUI = halui\n",
                 "m.ini:3: [HALUI]MDI_COMMAND with '|' is not supported; ",
@@ -459,7 +510,7 @@ mod tests {
             assert!(error.starts_with(want), "{error}");
         }
         for good in [
-            "[HAL]\nTWOPASS =\nHALFILE = a.hal\n",
+            "[HAL]\nTWOPASS = on\nHALFILE = a.tcl x y\nPOSTGUI_HALFILE = b.tcl\n",
             "[HALUI]\nMDI_COMMAND = a|b\n",
             "[EMCMOT]\nHOMEMOD = homemod\n[TRAJ]\nTPMOD = tpmod\n",
             "[EMCMOT]\nHOMEMOD =\n",

@@ -13,7 +13,7 @@ use crate::{
     language::flight,
     nanoseconds,
     programs::common::{COMMON, Id as Common, apply},
-    programs::options::{Opt, from_environment, mixed, plain, usage},
+    programs::options::{Opt, from_environment, mixed, plain, program_usage, usage},
     programs::profile::Profile,
 };
 use core::ops::RangeInclusive;
@@ -37,6 +37,8 @@ pub(crate) enum Action {
 pub(crate) enum Script {
     /// A `.hal` file.
     Hal(String),
+    /// A `.tcl` file.
+    Tcl(String),
     /// A machine's INI file.
     Ini(String),
     /// Standard input.
@@ -242,12 +244,12 @@ pub(crate) fn table() -> Vec<Opt<()>> {
 /// Returns the usage text.
 pub(crate) fn help() -> String {
     format!(
-        "\nUsage:   halrun [options] [FILE.hal|FILE.ini]\n         halrun [options] -f FILE\n         \
+        "\nUsage:   halrun [options] [FILE.hal|FILE.tcl|FILE.ini]\n         halrun [options] -f FILE\n         \
          halrun -U\n\n\
          Makes an instance, carries out the file, and stays up while a thread exists. Without a\n\
          file, commands are taken from standard input.\n\noptions:\n{}{}",
         usage(OPTIONS),
-        usage(&COMMON)
+        program_usage(&COMMON)
     )
 }
 
@@ -272,10 +274,7 @@ fn script(files: &[String], detach: Detach) -> Result<Script, Error> {
     match Path::new(file).extension().and_then(|e| e.to_str()) {
         Some("hal") => Ok(Script::Hal(file.clone())),
         Some("ini") => Ok(Script::Ini(file.clone())),
-        Some("tcl") => Err(Error::NotYet {
-            what: format!("halrun: Tcl file '{file}'").into(),
-            instead: "write it as a .hal file",
-        }),
+        Some("tcl") => Ok(Script::Tcl(file.clone())),
         _ => Err(Error::Extension { file: file.as_str().into() }),
     }
 }
@@ -370,7 +369,7 @@ mod tests {
             ("--instance b m.hal", "Hal(\"m.hal\") b Real"),
             ("foo.txt", "! halrun: Unknown file extension for filename=<foo.txt>"),
             ("a.hal b.hal", "! halrun: too many arguments <a.hal b.hal>"),
-            ("a.tcl", "! halrun: Tcl file 'a.tcl' is not supported; write it as a .hal file"),
+            ("-f a.tcl -i m.ini", "Tcl(\"a.tcl\") default Real batch ini m.ini"),
             (
                 "--detach -I m.hal",
                 "! halrun: -I '': it excludes --detach: a process in the background has no prompt",

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const LOOK_NS: u64 = 10_000_000;
 /// Time after a run in which a motor comes to rest, in nanoseconds.
 const REST_NS: u64 = 200_000_000;
-/// Looks until a run is given up: an hour.
+/// Looks until a run is aborted: an hour.
 const MAX_LOOKS: u32 = 360_000;
 /// Ends of the way that a run reaches before it returns.
 const ENDS: u32 = 2;
@@ -41,7 +41,7 @@ pub(super) struct Wish {
 /// A person who is asked, and who answers with a line.
 pub(super) type Ask<'a> = dyn FnMut(&str) -> Result<Option<String>, String> + 'a;
 
-/// Searches what an axis bears; returns what is told of it.
+/// Searches what an axis bears; returns the report.
 pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<String, String> {
     let (number, joint) = find(answers, &wish.axis)?;
     let timing = timing(answers).map_err(|(joint, possible)| {
@@ -60,7 +60,6 @@ pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<
         engine.set("stepper.0.max-accel", &(acceleration * SURE).to_string())?;
     }
     engine.set("steptest.0.amplitude", &settings.amplitude.to_string())?;
-    // A step generator without a limit between trials would jump.
     engine.script("axis test", "start")?;
     // Drives are switched off before the program ends.
     let ending = ending_flag();

@@ -1,6 +1,6 @@
 //! Judgement of the jitter of a computer for software that makes steps.
 
-/// Band of the largest jitter. The printer's document names three; what lies between them is told as such.
+/// Band of the largest jitter. The printer's document names three; what lies between them has words of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Band {
     /// Below 20 µs.

@@ -49,34 +49,28 @@ impl Session<'_> {
 
     pub(crate) fn dry_run_command(&mut self, command: Command) -> Result<(), Error> {
         match command {
+            // A Tcl script goes on with what they return.
+            other @ (Command::Value(_)
+            | Command::TypeOf(_)
+            | Command::Show(..)
+            | Command::Save(_, None)
+            | Command::List(..))
+                if self.returned.is_some() =>
+            {
+                self.execute(other)
+            }
             Command::Ask(request, _) | Command::Value(request) | Command::TypeOf(request) => {
                 self.try_request(request)
             }
             Command::Launch(launch) => self.expect_program(&launch),
             Command::Component { name, args, .. } => self.try_component(&name, &args),
-            Command::AwaitEnd(_)
-            | Command::Show(..)
-            | Command::List(..)
-            | Command::Save(..)
-            | Command::Status(_)
-            | Command::Order(..)
-            | Command::Graph(..)
-            | Command::Flight(_)
-            | Command::Check(_)
-            | Command::Explain(_)
-            | Command::Man(_)
-            | Command::Print(_)
-            | Command::Echo(_)
-            | Command::Help(_)
-            | Command::Watch(_)
-            | Command::Meter(_)
-            | Command::Completion(_)
-            | Command::SetExact => Ok(()),
             Command::Apply(Apply { file, .. }) => file.map_or(Ok(()), |file| self.source(&file)),
             other @ (Command::Unload(_)
             | Command::UnloadAll
             | Command::Source(_)
             | Command::Lock(_)) => self.execute(other),
+            // All others show, write or wait: a dry run leaves them out.
+            _ => Ok(()),
         }
     }
 
@@ -137,8 +131,20 @@ impl Session<'_> {
         missing && self.is_covered(name)
     }
 
+    /// Notes that a Tcl file does something that a dry run does not: everything may exist from here on.
+    pub(in crate::session) fn stop_following(&mut self, at: &At, why: &str) {
+        let Some(dry_run) = &mut self.dry_run else { return };
+        let text = format!("the rest of this Tcl file is not known here: {why}");
+        let finding = Finding::new(Code::TclNotFollowed, &at.file, text).at(Some(at.clone()));
+        let remedy = "check the running machine to have it looked at: halcmd check";
+        // The first of a file stands for what follows it.
+        if dry_run.unknown.begin_anything(&at.file) {
+            dry_run.found.push(finding.remedy(remedy));
+        }
+    }
+
     /// Returns whether the line that runs may use a name that does not exist in a dry run.
-    fn is_covered(&mut self, name: &str) -> bool {
+    pub(in crate::session) fn is_covered(&mut self, name: &str) -> bool {
         let at = self.current_line();
         self.unknown_names().covers(name, &at)
     }

@@ -8,6 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Unknown {
     prefixes: BTreeMap<String, Source>,
     used: BTreeMap<Source, Uses>,
+    /// Tcl files of which a part is not known, which may make any name.
+    unfollowed: BTreeSet<String>,
     /// Signals with unknown ends, including signals that do not exist in a dry run.
     pub signals: BTreeSet<String>,
 }
@@ -58,12 +60,22 @@ impl Unknown {
         }
     }
 
+    /// Records that a file may make any name. Returns false if it is recorded already.
+    pub(super) fn begin_anything(&mut self, file: &str) -> bool {
+        self.unfollowed.insert(file.to_owned())
+    }
+
+    /// Returns whether a file may have made any name.
+    pub(crate) fn is_anything(&self) -> bool {
+        !self.unfollowed.is_empty()
+    }
+
     /// Returns whether a pin, parameter, function or component of this name may exist on the
     /// machine. The line at `at` uses it.
     pub(super) fn covers(&mut self, name: &str, at: &At) -> bool {
         let mut cuts = name.match_indices('.').map(|(at, _)| at).chain([name.len()]);
         let source = cuts.find_map(|at| self.prefixes.get(name.get(..at)?));
-        let Some(source) = source else { return false };
+        let Some(source) = source else { return self.is_anything() };
         let uses = self.used.entry(source.clone()).or_default();
         uses.names.insert(name.to_owned());
         uses.lines.insert(at.clone());

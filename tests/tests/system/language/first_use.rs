@@ -35,6 +35,9 @@ fn every_program_prints_its_version() {
         "halsampler",
         "halstreamer",
         "hal_manualtoolchange",
+        "haltcl",
+        "halshow",
+        "linuxcnc",
         "halcompile",
         "latency-test",
     ] {

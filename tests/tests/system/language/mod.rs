@@ -7,3 +7,4 @@ mod first_use;
 mod messages;
 mod prompt;
 mod refusals;
+mod tcl;

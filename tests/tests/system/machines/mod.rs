@@ -1,9 +1,11 @@
 //! Whole machines: `configs/`, the printer of the documents, `haltest`, pictures.
 
 mod demos;
+mod fiducial;
 mod haltest;
 mod haltest_rust;
 mod job;
+mod maxnc;
 mod meanwhile;
 mod picture;
 mod printer;

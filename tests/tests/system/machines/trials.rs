@@ -86,7 +86,7 @@ fn a_person_judges_whether_the_axis_stands_on_its_mark() {
     let output = asked("\ny\n\ny\n\nn\n\ny\n\nn\n");
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{}", output.stdout);
     golden::check(&root().join("tests/setup/search-asked.expected"), &output.stdout);
-    // Whoever leaves early is told nothing, and nothing is written.
+    // A person who leaves early gets no figures, and nothing is written.
     for (said, why) in [("\ny\n\nq\n", "was ended"), ("\ny\n", "was not finished")] {
         let output = asked(said);
         assert_eq!(output.status, Some(1), "{said:?}");

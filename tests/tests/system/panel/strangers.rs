@@ -51,7 +51,7 @@ fn another_user_of_the_computer_reaches_neither_the_machine_nor_a_session() {
         stranger.send(&json!({ "type": "hello", "key": "0".repeat(64) }));
         assert_eq!(stranger.last_error(), "no-session");
     });
-    // Whoever has signed in goes on.
+    // The person who has signed in goes on.
     assert_eq!(session.socket().command("abort", &json!({})), "");
     let save = |what: &str| printer.halcmd(what);
     assert_eq!(save("getp motion.motion-enabled").trim(), "FALSE");

@@ -58,7 +58,7 @@ fn what_is_no_program_is_told_and_moves_nothing() {
     let put = |name: &str, bytes: &[u8]| {
         printer.request("PUT", &format!("/api/v1/programs/{name}"), &good, bytes)
     };
-    // A file is stored as it is; what it is no program for is told with the line.
+    // A file is stored as it is; the reason why it is no program is reported with the line.
     assert_eq!(put("picture.png", &picture).status, 200);
     assert_eq!(put("half.ngc", b"G21\nG1 X1\nG1 X[\n").status, 200);
     for (name, line) in [("picture.png", ""), ("half.ngc", "2 ")] {

@@ -2,7 +2,7 @@
 
 mod comp;
 mod compat;
-mod judge;
+mod conformance;
 mod language;
 mod modules;
 mod motion;

@@ -158,7 +158,7 @@ impl Core {
         };
         if found && !value.is_finite() {
             return Progress::Failed(format!(
-                "analog input {index} is {value}, which is no number"
+                "analog input {index} is {value}, which is not a finite number"
             ));
         }
         let is_late = out.now() >= until;

@@ -282,8 +282,8 @@ fn a_value_of_hal_is_that_behind_the_motion_before_its_line() {
 fn a_value_of_hal_that_is_none_ends_the_job_at_its_line() {
     for (value, wanted) in [
         (None, "job.ngc:3:5: Named parameter #<_hal[a.b]> not defined"),
-        (Some(f64::NAN), "job.ngc:3: HAL: a.b is NaN, which is no number"),
-        (Some(f64::INFINITY), "job.ngc:3: HAL: a.b is inf, which is no number"),
+        (Some(f64::NAN), "job.ngc:3: HAL: a.b is NaN, which is not a finite number"),
+        (Some(f64::INFINITY), "job.ngc:3: HAL: a.b is inf, which is not a finite number"),
     ] {
         let mut rig = Rig::new("G21 G90\nG0 X1\nG0 X#<_hal[a.b]>\nG0 X9\nM2\n");
         rig.fake.hal.extend(value.map(|v| ("a.b".to_owned(), v)));

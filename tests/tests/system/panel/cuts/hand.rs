@@ -35,7 +35,7 @@ pub(super) fn start(
     scratch.start(&mut command)
 }
 
-/// Waits until the client's jog has been accepted; returns false if the client has given up.
+/// Waits until the client's jog has been accepted; returns false if the client has ended.
 pub(super) fn jogs(hand: &mut Running) -> bool {
     until("the client jogs or gives up", || hand.said().0.contains(JOGS) || !hand.is_running());
     hand.said().0.contains(JOGS)

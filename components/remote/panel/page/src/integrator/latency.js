@@ -13,10 +13,9 @@ const LEVELS = { "still-good": "warning", doubtful: "warning", "not-suitable": "
 export function latencyCard(ctx) {
   const { t, signal } = ctx;
   const us = (ns) => `${(Number(ns) / 1000).toFixed(1)} µs`;
-  const head = ["threads", "threads.period", "threads.cycles", "threads.late", "latency.verdict"];
-  const row = ({ thread, period, cycles, late, verdict }) =>
-    el("tr", { "data-thread": thread }, el("th", { scope: "row", class: "code" }, thread), el("td", { class: "number" }, us(period)),
-      el("td", { class: "number" }, String(cycles)), el("td", { class: "number" }, us(late)),
+  const head = ["tree.threads", "threads.late", "latency.verdict"];
+  const row = ({ thread, late, verdict }) =>
+    el("tr", { "data-thread": thread }, el("th", { scope: "row", class: "code" }, thread), el("td", { class: "number" }, us(late)),
       el("td", { "data-level": LEVELS[verdict] ?? "info", "data-verdict": verdict }, el("b", {}, t(`latency.${verdict}`))));
   const { box, refresh } = asked(ctx, "latency", t("latency"), async () => {
     const threads = await getJson("/latency", { signal });

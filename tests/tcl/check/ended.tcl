@@ -1,0 +1,3 @@
+source part.tcl
+puts "no kinematics"
+exit 1

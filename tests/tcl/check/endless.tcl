@@ -1,0 +1,2 @@
+source part.tcl
+while 1 {}

@@ -1,0 +1,2 @@
+source part.tcl
+puts [open not-there]

@@ -1,0 +1,4 @@
+source part.tcl
+addf a servo
+
+setp a.in7 1

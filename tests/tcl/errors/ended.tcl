@@ -1,0 +1,2 @@
+puts "no kinematics"
+exit 3

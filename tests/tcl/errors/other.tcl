@@ -1,0 +1,2 @@
+loadrt and2
+set x [expr {1 / 0}]

@@ -1,0 +1,2 @@
+loadrt and2
+loadrt nosuch

@@ -1,0 +1,2 @@
+loadrt and2
+foreach a {1 2 {

@@ -1,0 +1,2 @@
+source [file join $::env(HALLIB_DIR) procs.tcl]
+switches $::KINS(JOINTS)

@@ -1,0 +1,1 @@
+loadrt stepgen step_type=2

@@ -1,0 +1,2 @@
+
+loadrt pid count=2

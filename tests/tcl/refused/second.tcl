@@ -1,0 +1,2 @@
+loadrt and2 names=b
+setp c.in0 1
