@@ -295,11 +295,7 @@ fn simulations_are_drawn_as_before() {
         let output = halgcode(&at, &words);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let new = std::fs::read_to_string(at.join("new.svg")).unwrap();
-        if std::env::var_os("UPDATE_EXPECT").is_some() {
-            std::fs::write(&path, &new).unwrap();
-        }
-        let old = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(old == new, "{} differs; UPDATE_EXPECT=1 draws it again", path.display());
+        hal_golden::check(&path, &new);
         // A line for each of the axes that are seen, and for each command that moves.
         assert!(new.matches("<polyline").count() > 20, "{part}");
     }

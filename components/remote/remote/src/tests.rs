@@ -4,3 +4,4 @@ mod cuts;
 mod job;
 mod jogs;
 mod rig;
+mod vanish;

@@ -2,6 +2,7 @@
 
 mod demos;
 mod fiducial;
+mod functions;
 mod haltest;
 mod haltest_rust;
 mod job;

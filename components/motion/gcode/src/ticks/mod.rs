@@ -184,7 +184,9 @@ impl Ticks {
             [x - cx, y - cy, z]
         };
         // An arc has fewer ticks than steps of length, but for those of its ends.
-        self.spend(whole(radius * unit * angle * self.resolution.scale))?;
+        let around = whole(radius * unit * angle * self.resolution.scale);
+        let [.., rise] = to;
+        self.spend(around.saturating_add(rise.abs_diff(from[2])))?;
         let mut count = 0;
         let (from, to) = (relative(from), relative(to));
         arc::arc_of(from, to, kind == Kind::Clockwise, angle, &mut |step| {

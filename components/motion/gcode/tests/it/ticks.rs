@@ -7,6 +7,7 @@ use hal_gcode::{
     Call, Dialect, Interpreter, Issued, Numbered, Settings,
     axis::{AxisMask, Position},
     canon::{Frame, Plane, Unit},
+    error::Problem,
     ticks::{Figures, Kind, Move, Resolution, Step, Ticks, arc, line},
 };
 
@@ -105,11 +106,11 @@ fn whole_circles_stay_within_half_a_step() {
     }
 }
 
-/// Follows calls from 0, and returns ticks and moves.
-fn follow(
-    calls: &[Issued],
-    resolution: Resolution,
-) -> Result<(Vec<Step>, Vec<Move>, [i64; 3]), hal_gcode::error::Problem> {
+/// Ticks, moves and the last place.
+type Followed = (Vec<Step>, Vec<Move>, [i64; 3]);
+
+/// Follows calls from 0.
+fn follow(calls: &[Issued], resolution: Resolution) -> Result<Followed, Problem> {
     let frame = Frame::new(Unit::Inch);
     let mut ticks = Ticks::new(frame, Position::default(), resolution)?;
     let (mut steps, mut moves) = (Vec::new(), Vec::new());
@@ -174,6 +175,7 @@ fn random_arcs_end_exactly_where_the_interpreter_says() {
             _ => None,
         });
         let end = end.unwrap();
+        #[expect(clippy::cast_possible_truncation, reason = "a few thousand")]
         let wanted = [end.x, end.y, end.z].map(|v| (v * 4000.0).round() as i64);
         assert_eq!(place, wanted, "{text}");
         assert_eq!(sum(&steps), wanted, "{text}");
@@ -237,6 +239,14 @@ fn what_t_mode_has_not_is_refused_by_name() {
     let turned = Position { a: 1.0, ..Position::default() };
     let arc =
         |plane, turns| Call::ArcFeed { plane, end, centre_first: 0.5, centre_second: 0.0, turns };
+    let high = Position { x: 1.0, z: 1000.0, ..Position::default() };
+    let helix = Call::ArcFeed {
+        plane: Plane::Xy,
+        end: high,
+        centre_first: 0.5,
+        centre_second: 0.0,
+        turns: 1,
+    };
     let far = Position { x: 1e9, ..Position::default() };
     for (call, wanted) in [
         (arc(Plane::Xz, 1), "T-mode has no arcs in other planes than XY"),
@@ -247,6 +257,7 @@ fn what_t_mode_has_not_is_refused_by_name() {
         (Call::StraightFeed(turned), "T-mode has no axes but X, Y and Z"),
         (Call::StraightFeed(far), "the place is more than 2147483647 steps away"),
         (Call::StraightFeed(end.scaled(11.0)), "more than 40000 ticks"),
+        (helix, "more than 40000 ticks"),
         (arc(Plane::Xy, 1), ""),
     ] {
         let issued = Issued { call, line: 1, number: None };
