@@ -5,7 +5,13 @@
 //! - `FERRULE_SKIPPED` names a file. Each skipped test adds a line `TEST: PROGRAM is not installed (REMEDY)`, which
 //!   `.ci/run` prints at its end.
 
-use std::{fs::OpenOptions, io::Write, path::PathBuf, process::{Command, Stdio}, thread};
+use std::{
+    fs::OpenOptions,
+    io::Write,
+    path::PathBuf,
+    process::{Command, Stdio},
+    thread,
+};
 
 /// A program outside the workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +41,7 @@ const PROGRAMS: &[Tool] = &[
     Tool { name: "tclsh", what: "tclsh", remedy: "apt-get install tcl" },
     Tool { name: "dot", what: "Graphviz", remedy: "apt-get install graphviz" },
     Tool { name: "python3", what: "python3", remedy: "apt-get install python3" },
+    Tool { name: "pytest", what: "pytest", remedy: "apt-get install python3-pytest" },
     Tool { name: "ssconvert", what: "ssconvert", remedy: "apt-get install gnumeric" },
     Tool { name: "unshare", what: "unshare, with the right to mount", remedy: "run it as root" },
     Tool { name: "taskset", what: "taskset", remedy: "apt-get install util-linux" },

@@ -1,5 +1,5 @@
 //! Makes the folder `python` beside the library, which `halrun` puts on `PYTHONPATH`: the modules in Python, and the
-//! library under the names of its modules.
+//! library.
 
 use std::{
     env, fs, io,
@@ -13,13 +13,13 @@ fn main() -> io::Result<()> {
     // OUT_DIR is `PROFILE/build/PACKAGE/out`.
     let beside = out.ancestors().nth(3).unwrap_or(Path::new(".")).join("python");
     copy(&here.join("modules"), &beside)?;
-    // Before, the other modules of the library were links too.
-    for old in ["_machine", "gcode"] {
+    // Before, each module of the library was a link to it.
+    for old in ["_hal", "_machine", "gcode"] {
         removed(&beside.join(format!("{old}.abi3.so")))?;
     }
-    let module = beside.join("_hal.abi3.so");
-    removed(&module)?;
-    std::os::unix::fs::symlink("../libferrule_python.so", module)
+    let library = beside.join("ferrule/_library.abi3.so");
+    removed(&library)?;
+    std::os::unix::fs::symlink("../../libferrule_python.so", library)
 }
 
 /// Removes a file that may be missing.

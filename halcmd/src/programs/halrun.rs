@@ -10,6 +10,7 @@ mod log;
 pub(crate) mod machine;
 pub(crate) mod plan;
 mod realtime;
+pub(crate) mod refused;
 mod serve;
 mod settings;
 mod table;
@@ -149,7 +150,7 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     let read = if matches!(plan.script, Script::Ini(_)) { Ini::read } else { Ini::open };
     let ini = ini_path.map(|path| read(Path::new(path))).transpose()?;
     match (&plan.script, &ini) {
-        (Script::Ini(_), Some(ini)) => machine::refuse(ini)?,
+        (Script::Ini(_), Some(ini)) => refused::refuse(ini)?,
         (_, Some(ini)) => {
             realtime::of_ini(ini)?;
             compat::of_ini(ini)?;

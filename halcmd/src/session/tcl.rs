@@ -9,12 +9,7 @@ use crate::{Error, Outcome, Session};
 use answer::Script;
 use hal_protocol::{At, Request};
 use rustix::io::Errno;
-use std::{
-    ffi::OsString,
-    io,
-    path::Path,
-    process::ExitStatus,
-};
+use std::{ffi::OsString, io, path::Path, process::ExitStatus};
 use tclsh::{Event, TCLSH, TclFile, Tclsh};
 use wire::Incoming;
 

@@ -1,7 +1,7 @@
 //! `lcd_reader`.
 
 use crate::{
-    device::{self, Line, read_port},
+    device::{self, DeviceLine, read_port},
     readers,
 };
 use hal_component::{
@@ -9,12 +9,18 @@ use hal_component::{
     Touch, Update,
     abi::{ArgSpec, component_flags},
 };
-use hal_handheld::{Decode, ScreenReader, Screens, St7920, TEXT_LEN, screen::row};
+use hal_handheld::{
+    Decode, ScreenReader, Screens, St7920, TEXT_LEN,
+    screen::row,
+    st7920::{COLUMNS, ROWS},
+};
 
 /// Largest number of bytes that are read in a cycle.
 const BYTES: usize = 512;
 /// Largest number of texts that are looked for.
 const FINDS: u32 = 8;
+/// Largest number of values that are read from the text.
+const VALUES: u32 = 16;
 /// Number of readers of the command `lcd.read`.
 const READERS: usize = 16;
 
@@ -72,7 +78,9 @@ newer ones; the counter begins again after 99999. Readers are
 - the command `lcd.show`, which prints the four rows;
 - programs that read the snapshot `lcd.screen`.
 
-`find=IDLE,RUN` makes the pins `lcd.found-0` and `lcd.found-1`, TRUE while the screen has this text.
+`find=IDLE,RUN` makes the pins `lcd.found-0` and `lcd.found-1`, TRUE while the screen has this text. `values=X,Y` makes the pins
+`lcd.value-0` and `lcd.value-1`, the number behind the `X` and the `Y` with which a row begins, and `lcd.has-0` and `lcd.has-1`,
+FALSE while no row has such a number; the value is then the last one.
 
 Bytes come from the pin `lcd.bus`, or from a character device (`device=PATH`), for which a kernel driver receives the bus as SPI
 slave. On the virtual clock and with `--simulate` neither the device nor the socket is opened.
@@ -80,7 +88,7 @@ slave. On the virtual clock and with `--simulate` neither the device nor the soc
 # Example
 
 ```hal
-loadrt lcd_reader find=IDLE
+loadrt lcd_reader find=IDLE values=X
 loadrt sim_nk105
 loadrt threads name1=servo period1=1000000
 addf sim-nk105.update servo
@@ -92,6 +100,8 @@ start
 run 200ms
 lcd.read reader=1 # -> X     0.000 IDLEY     0.000 F100Z     0.000 T  1                00000
 getp lcd.found-0 # -> TRUE
+getp lcd.has-0 # -> TRUE
+getp lcd.value-0 # -> 0
 getp lcd.errors # -> 0
 ```";
     const FLAGS: u32 = component_flags::ONCE;
@@ -103,6 +113,8 @@ getp lcd.errors # -> 0
             .within(0.1, 1000.0)
             .unit("ms"),
         &Arg::texts("find", "Texts that the pins `found-N` show.").at_most(FINDS),
+        &Arg::texts("values", "Begins of rows whose numbers the pins `value-N` show.")
+            .at_most(VALUES),
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
@@ -113,14 +125,20 @@ getp lcd.errors # -> 0
         let socket = b.arg_text("socket").unwrap_or_default();
         readers::declare(b, socket, snapshot.reader())?;
         let mut found = Vec::new();
-        for (n, text) in b.arg_texts("find").into_iter().enumerate() {
-            if text.is_empty() || text.len() > TEXT_LEN || !text.is_ascii() {
-                return Err(Error::new(format!(
-                    "find={text}: a text has 1 to 64 ASCII characters"
-                )));
-            }
+        for (n, text) in texts(b, "find", TEXT_LEN)?.into_iter().enumerate() {
             let doc = format!("True while the screen has the text '{text}'.");
-            found.push(Found { pin: b.item(&format!("lcd.found-{n}"), &doc, false)?, text });
+            found.push(FoundText { pin: b.item(&format!("lcd.found-{n}"), &doc, false)?, text });
+        }
+        let mut values = Vec::new();
+        for (n, label) in texts(b, "values", COLUMNS)?.into_iter().enumerate() {
+            let doc = format!("Number in the row that begins with '{label}'.");
+            let value = b.item(&format!("lcd.value-{n}"), &doc, 0.0)?;
+            let doc = format!("True while a row begins with '{label}' and a number.");
+            values.push(ValueInText {
+                value,
+                has: b.item(&format!("lcd.has-{n}"), &doc, false)?,
+                label,
+            });
         }
         let quiet_ms = b.arg_float("quiet").unwrap_or(5.0);
         #[expect(clippy::cast_possible_truncation, reason = "0.1 to 1000 ms")]
@@ -132,6 +150,7 @@ getp lcd.errors # -> 0
             screens: b.item("lcd.screens", "Number of whole screens so far.", 0)?,
             quiet: b.item("lcd.quiet", "True while the bus is quiet.", true)?,
             found,
+            values,
             line,
             snapshot,
             clock: b.clock(),
@@ -139,6 +158,18 @@ getp lcd.errors # -> 0
             is_begun: false,
         };
         b.function("lcd.update", "Decodes the bytes of the bus.", reading)
+    }
+}
+
+/// Returns the texts of an argument.
+fn texts(b: &Builder<'_>, argument: &str, most: usize) -> Result<Vec<String>, Error> {
+    let texts = b.arg_texts(argument);
+    match texts.iter().find(|text| text.is_empty() || text.len() > most || !text.is_ascii()) {
+        None => Ok(texts),
+        Some(text) => {
+            let why = format!("{argument}={text}: a text has 1 to {most} ASCII characters");
+            Err(Error::new(why))
+        }
     }
 }
 
@@ -182,14 +213,44 @@ fn screen(latest: &SnapshotReader<ScreenRecord>) -> Result<ScreenRecord, Error> 
 }
 
 /// Text that is looked for.
-struct Found {
+struct FoundText {
     pin: Out<bool>,
     text: String,
 }
 
-impl Touch for Found {
+impl Touch for FoundText {
     fn touch(&self, uses: &mut hal_component::Uses) {
         self.pin.touch(uses);
+    }
+}
+
+/// Number that is read from the text.
+struct ValueInText {
+    value: Out<f64>,
+    has: Out<bool>,
+    label: String,
+}
+
+impl Touch for ValueInText {
+    fn touch(&self, uses: &mut hal_component::Uses) {
+        self.value.touch(uses);
+        self.has.touch(uses);
+    }
+}
+
+impl ValueInText {
+    /// Realtime. Reads the number from a text.
+    fn read(&self, text: &[u8; TEXT_LEN]) {
+        let rows = (0..ROWS).map(|n| row(text, n));
+        let mut rest = rows.filter_map(|row| row.strip_prefix(self.label.as_bytes()));
+        let number = rest.find_map(|rest| {
+            let word = rest.trim_ascii_start().split(|byte| *byte == b' ').next()?;
+            core::str::from_utf8(word).ok()?.parse::<f64>().ok().filter(|value| value.is_finite())
+        });
+        self.has.set(number.is_some());
+        if let Some(number) = number {
+            self.value.set(number);
+        }
     }
 }
 
@@ -201,8 +262,9 @@ struct Reading {
     errors: Out<u32>,
     screens: Out<u32>,
     quiet: Out<bool>,
-    found: Vec<Found>,
-    line: Option<Line>,
+    found: Vec<FoundText>,
+    values: Vec<ValueInText>,
+    line: Option<DeviceLine>,
     snapshot: Snapshot<ScreenRecord>,
     clock: Clock,
     #[state]
@@ -237,9 +299,10 @@ impl Reading {
         self.snapshot.set(&ScreenRecord::new(number, text));
         // The number of whole screens, without the blank one before them.
         self.screens.set(self.screens.get().wrapping_add(u32::from(number > 1)));
-        for Found { pin, text: wanted } in &self.found {
+        for FoundText { pin, text: wanted } in &self.found {
             let has = text.windows(wanted.len()).any(|part| part == wanted.as_bytes());
             pin.set(has);
         }
+        self.values.iter().for_each(|value| value.read(text));
     }
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `keypad`, `pipe` | physical and virtual keys; the pipe whose lines press keys |
 //! | `lcd_reader`, `readers` | the display as text; the socket for its readers |
-//! | `usbjobs`, `usb_orders` | jobs on a medium with two images; its commands |
+//! | `usbjobs`, `usb_orders`, `programs_folder` | jobs on a medium with two images; its commands; a folder whose files are jobs |
 //! | `sim_nk105`, `sim_medium`, `sim_handheld` | the controller and the handheld, simulated |
 //! | `device` | serial lines and other character devices |
 #![forbid(unsafe_code)]
@@ -13,6 +13,7 @@ mod device;
 mod keypad;
 mod lcd_reader;
 mod pipe;
+mod programs_folder;
 mod readers;
 mod sim_handheld;
 mod sim_medium;

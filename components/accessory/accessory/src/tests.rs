@@ -1,6 +1,9 @@
 //! Tests of the plugin on a bench: a pseudo-terminal as serial line and as bus, a pipe, a socket, a folder like configfs.
 
-use crate::{keypad::KeypadComponent, lcd_reader::LcdReader, usbjobs::UsbJobs};
+use crate::{
+    keypad::KeypadComponent, lcd_reader::LcdReader, sim_handheld::SimHandheld, sim_nk105::SimNk105,
+    usbjobs::UsbJobs,
+};
 use hal_bench::Bench;
 use hal_handheld::{FrameFormat, KeySet, RECORD_LEN, st7920::row_bytes};
 use rustix::{
@@ -265,6 +268,7 @@ fn a_job_is_presented_by_configfs() {
         std::fs::write(scratch.0.join("mass_storage.0/lun.0").join(name), "").unwrap();
     }
     let lun = scratch.path("mass_storage.0/lun.0/file");
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
     let job = scratch.path("part.nc");
     std::fs::write(&job, "G0 X1\nM30\n").unwrap();
     let mut bench = hardware();
@@ -301,4 +305,120 @@ fn without_a_folder_commands_are_refused() {
     bench.load::<UsbJobs>(&[]).unwrap();
     let error = bench.command("usbjobs.send", &["file=/etc/hostname"]).unwrap_err();
     assert_eq!(error, "usbjobs has no storage: load it with folder=PATH");
+}
+
+#[test]
+fn numbers_are_read_from_rows() {
+    let mut bench = Bench::new();
+    bench.load::<LcdReader>(&["values=X,Feed"]).unwrap();
+    bench.port("lcd.bus", 512);
+    let bus = bench.get::<hal_component::Port>("lcd.bus");
+    let check = |row: usize, text: &[u8; 16], expected: (f64, bool, f64, bool)| {
+        assert!(bus.write(&row_bytes(row, text)));
+        bench.run("lcd.update", MS);
+        bench.pass(6 * MS);
+        bench.run("lcd.update", MS);
+        let value = |n: u32| bench.get::<f64>(&format!("lcd.value-{n}"));
+        let has = |n: u32| bench.get::<bool>(&format!("lcd.has-{n}"));
+        assert_eq!((value(0), has(0), value(1), has(1)), expected, "{text:?}");
+    };
+    check(0, b"X   -12.500 IDLE", (-12.5, true, 0.0, false));
+    check(2, b"Feed100         ", (-12.5, true, 100.0, true));
+    check(0, b"X    ------ IDLE", (-12.5, false, 100.0, true));
+    check(0, b"X       nan IDLE", (-12.5, false, 100.0, true));
+    check(0, b"Y   -12.500 X  5", (-12.5, false, 100.0, true));
+    check(3, b"X12345678901.234", (12_345_678_901.234, true, 100.0, true));
+}
+
+/// Files that appear in the folder of programs are jobs; those that are on the image already are not sent again.
+#[test]
+fn a_folder_of_programs_is_sent() {
+    let scratch = Scratch::new("programs");
+    let programs = scratch.0.join("programs");
+    std::fs::create_dir_all(programs.join("folder")).unwrap();
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
+    std::fs::write(programs.join("first.nc"), "M30\n").unwrap();
+    std::fs::write(programs.join(".part.nc"), "M30\n").unwrap();
+    let args = [
+        format!("folder={}", scratch.path("jobs")),
+        format!("programs={}", programs.display()),
+        "size=36".to_owned(),
+    ];
+    let load = || {
+        let mut bench = Bench::new();
+        bench.load::<UsbJobs>(&args.each_ref().map(String::as_str)).unwrap();
+        bench.set("usbjobs.idle", true);
+        bench
+    };
+    let settle = |bench: &Bench| {
+        for _ in 0..12 {
+            bench.pass(100 * MS);
+            bench.work("usbjobs", 8).unwrap();
+        }
+        bench.command("usbjobs.status", &[]).unwrap()
+    };
+    let bench = load();
+    assert_eq!(settle(&bench), ["serving image B", "ready first.nc"]);
+    std::fs::write(programs.join("second.nc"), "G0 X1\nM30\n").unwrap();
+    std::fs::write(programs.join("empty.nc"), "").unwrap();
+    assert_eq!(settle(&bench), ["serving image A", "ready first.nc", "ready second.nc"]);
+    let said = bench.said();
+    assert!(said.iter().any(|line| line.contains("job 'empty.nc' is empty")), "{said:?}");
+    drop(bench);
+    // Up again: nothing is sent that is there.
+    let bench = load();
+    assert_eq!(settle(&bench), ["serving image A", "ready first.nc", "ready second.nc"]);
+    assert_eq!(bench.get::<u32>("usbjobs.swaps"), 1);
+    std::fs::remove_dir_all(&programs).unwrap();
+    settle(&bench);
+    let lost = bench.said().into_iter().filter(|line| line.contains("the folder of programs"));
+    assert_eq!(lost.count(), 1);
+}
+
+/// Keys of the simulated handheld move the simulated controller, which shows that in the bytes of its display.
+#[test]
+fn the_simulations_understand_each_other() {
+    let mut bench = Bench::new();
+    bench.load::<SimHandheld>(&[]).unwrap();
+    bench.load::<SimNk105>(&[]).unwrap();
+    bench.load::<LcdReader>(&["values=X", "find=JOG"]).unwrap();
+    for (port, size) in [
+        ("sim-handheld.frames", 64),
+        ("sim-nk105.keys", 64),
+        ("sim-nk105.lcd", 512),
+        ("lcd.bus", 512),
+    ] {
+        bench.port(port, size);
+    }
+    let pass = |from: &str, to: &str| {
+        let from = bench.get::<hal_component::Port>(from);
+        let mut bytes = vec![0; usize::try_from(from.readable()).unwrap()];
+        assert!(bytes.is_empty() || from.read(&mut bytes));
+        assert!(bytes.is_empty() || bench.get::<hal_component::Port>(to).write(&bytes));
+    };
+    let run = |ms: u32| {
+        for _ in 0..ms {
+            bench.pass(MS);
+            bench.run("sim-handheld.update", MS);
+            pass("sim-handheld.frames", "sim-nk105.keys");
+            bench.run("sim-nk105.update", MS);
+            pass("sim-nk105.lcd", "lcd.bus");
+            bench.run("lcd.update", MS);
+        }
+    };
+    run(100);
+    bench.set("sim-handheld.key-15", true);
+    run(500);
+    assert!(bench.get::<bool>("lcd.found-0"));
+    bench.set("sim-handheld.key-15", false);
+    run(200);
+    let x = bench.get::<f64>("sim-nk105.x");
+    assert!(20.0 < x && x < 30.0, "{x}");
+    assert!((bench.get::<f64>("lcd.value-0") - x).abs() < 0.001);
+    // Faults of the cable are counted by the controller, which takes the keys as released.
+    bench.set("sim-handheld.key-15", true);
+    bench.set("sim-handheld.corrupt", true);
+    run(200);
+    assert_eq!((bench.get::<f64>("sim-nk105.x"), bench.get::<u32>("sim-nk105.mode")), (x, 0));
+    assert_eq!(bench.get::<u32>("sim-nk105.bad-frames"), 10);
 }

@@ -1,13 +1,16 @@
 //! `usbjobs`.
 
-use crate::usb_orders::{self, Inbox, Order};
+use crate::{
+    programs_folder::ProgramsFolder,
+    usb_orders::{self, Inbox, UsbOrder},
+};
 use hal_component::{
     Arg, Builder, Clock, Component, Error, In, Messages, Out, Texts, TicketHandle, Touch, Work,
     abi::{ArgSpec, component_flags},
 };
 use hal_storage::{
-    Configfs, Event, Folder, Gadget, NotEjected, Phase, Rules, Side, Storage, StorageError,
-    folder::read_bounded, ledger::StoredJob, storage::MOST_BYTES,
+    Configfs, Folder, Gadget, NotEjected, Phase, Rules, Side, Storage, StorageError, StorageEvent,
+    folder::read_bounded, ledger::StoredJob, safe_name, storage::MOST_BYTES,
 };
 use std::{
     io,
@@ -42,9 +45,13 @@ Above 80 % of an image the oldest jobs that are marked as finished (`usbjobs.fin
 in capitals or not, are replaced. A job has 1 byte to 16 MiB; at most 64 wait. A name has at most 64 characters; those
 that are no ASCII letters, digits, blanks or `._-+()` become underscores.
 
-The folder holds `a.img` and `b.img` (FAT32, sparse), `state` (the presented image and the ages of its jobs; replaced as a whole) and
+The folder must exist. It holds `a.img` and `b.img` (FAT32, sparse), `state` (the presented image and the ages of its jobs; replaced as a whole) and
 `waiting`. After a power cut the image that `state` names is presented, and jobs that waited wait again. Without `folder`
 there is no storage, and the commands are refused.
+
+`programs=PATH` names a folder whose files are jobs, such as the programs of `halpanel`, to which a browser uploads: a file that
+appears there or changes is sent, at most a second later. Files that are there at the start are sent unless the
+image has a job of their name. Names that begin with a dot are left out.
 
 With `function=PATH`, the folder of a function `mass_storage` of the kernel's USB gadgets (configfs, such as
 `/sys/kernel/config/usb_gadget/g1/functions/mass_storage.0`), the host is a real one, and the medium is read-only for it. Otherwise,
@@ -64,6 +71,7 @@ getp usbjobs.medium # -> 0
         &Arg::text("folder", "Folder of the images, of the state and of the jobs that wait.")
             .or(""),
         &Arg::text("function", "Folder of the USB function in configfs.").or(""),
+        &Arg::text("programs", "Folder whose files are jobs.").or(""),
         &Arg::int("size", "Size of each image.").or("64").within(36.0, 32_768.0).unit("MiB"),
         &Arg::bit("force", "TRUE permits that the medium is taken from a host that holds it.")
             .or("0"),
@@ -86,7 +94,9 @@ getp usbjobs.medium # -> 0
                 Ok(())
             })?;
         }
+        let programs = b.arg_text("programs").filter(|path| !path.is_empty());
         let worker = UsbWorker {
+            programs: programs.map(|path| ProgramsFolder::new(Path::new(&path))),
             idle: b.item("usbjobs.idle", "TRUE while the controller runs no job.", false)?,
             busy: b.item(
                 "usbjobs.busy",
@@ -199,6 +209,8 @@ struct UsbWorker {
     #[state]
     device: Device,
     #[state]
+    programs: Option<ProgramsFolder>,
+    #[state]
     texts: Texts,
     #[state]
     last_error: String,
@@ -223,6 +235,7 @@ impl Work for UsbWorker {
             *is_busy = self.busy.get();
         }
         let now = self.clock.now_ns() as f64 * 1e-9;
+        self.upload(&mut storage, now);
         let mut done = 0;
         while done < items && storage.step(&mut self.device, now, self.idle.get()) {
             done += 1;
@@ -237,18 +250,18 @@ impl Work for UsbWorker {
 }
 
 impl UsbWorker {
-    fn order(&mut self, storage: &mut Storage<Folder>, order: Order, ticket: TicketHandle) {
+    fn order(&mut self, storage: &mut Storage<Folder>, order: UsbOrder, ticket: TicketHandle) {
         let result = match order {
-            Order::Send { path, name } => {
+            UsbOrder::Send { path, name } => {
                 let read = read_bounded(Path::new(&path), MOST_BYTES);
                 match read {
                     Ok(bytes) => storage.send(&name, &bytes).map(drop),
                     Err(e) => Err(StorageError::Keeping(format!("file {path}").into(), e)),
                 }
             }
-            Order::Cancel(name) => storage.cancel(&name),
-            Order::Finish(name) => storage.finish(&name),
-            Order::Retry => {
+            UsbOrder::Cancel(name) => storage.cancel(&name),
+            UsbOrder::Finish(name) => storage.finish(&name),
+            UsbOrder::Retry => {
                 storage.retry();
                 Ok(())
             }
@@ -259,22 +272,46 @@ impl UsbWorker {
         }
     }
 
-    fn tell(&mut self, event: Event) {
+    /// Sends the files of the folder of programs that are new.
+    fn upload(&mut self, storage: &mut Storage<Folder>, now: f64) {
+        let Some(mut programs) = self.programs.take() else { return };
+        let look = programs.look(now, |name| {
+            let safe = safe_name(name);
+            safe.is_ok_and(|safe| storage.ledger().job(&safe).is_some())
+        });
+        let failed = look.failed.map(|e| StorageError::Keeping("the folder of programs".into(), e));
+        self.events(failed.into_iter());
+        for name in look.changed {
+            let read = read_bounded(&programs.file(&name), MOST_BYTES);
+            let sent = match read {
+                Ok(bytes) => storage.send(&name, &bytes).map(drop),
+                Err(e) => Err(StorageError::Keeping(format!("file {name}").into(), e)),
+            };
+            self.events(sent.err().into_iter());
+        }
+        self.programs = Some(programs);
+    }
+
+    fn events(&mut self, failures: impl Iterator<Item = StorageError>) {
+        failures.for_each(|why| self.tell(StorageEvent::Failed(why)));
+    }
+
+    fn tell(&mut self, event: StorageEvent) {
         match event {
-            Event::Presented(side) => {
+            StorageEvent::Presented(side) => {
                 self.swaps.set(self.swaps.get().wrapping_add(1));
                 let text = self.texts.keep(&format!("image {side} is presented"));
                 self.messages.info(text, &[]);
             }
-            Event::Deleted(name) => {
+            StorageEvent::Deleted(name) => {
                 let text = format!("the image was full: job '{name}' was finished, and is deleted");
                 self.messages.info(self.texts.keep(&text), &[]);
             }
-            Event::Forced(side) => {
+            StorageEvent::Forced(side) => {
                 let text = format!("image {side} was taken from a host that held it");
                 self.messages.warn(self.texts.keep(&text), &[]);
             }
-            Event::Failed(why) => {
+            StorageEvent::Failed(why) => {
                 self.last_error = why.to_string();
                 let text = self.texts.keep(&self.last_error);
                 self.messages.error(text, &[]);

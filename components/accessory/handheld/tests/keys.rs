@@ -68,7 +68,10 @@ fn frames_follow_each_other_after_lost_bytes() {
         }
         let mut reader = FrameReader::new(FrameFormat::default());
         let found: Vec<_> = bytes.into_iter().filter_map(|b| reader.feed(b)).collect();
-        assert_eq!(found.last(), Some(&Received::Keys(set(&[3]))), "byte {lost}: {found:?}");
+        // Only the damaged frame is lost: the header of the next one ends it.
+        let good = (1..4).map(|key| Received::Keys(set(&[key])));
+        let read = found.iter().copied().filter(|r| *r != Received::Bad);
+        assert!(read.eq(good), "byte {lost}: {found:?}");
     }
 }
 

@@ -18,9 +18,12 @@ impl Folder {
     /// Returns the place in this folder, for images of this many bytes.
     ///
     /// # Errors
-    /// The folder cannot be made.
+    /// There is no such folder, or nothing can be made in it.
     pub fn new(path: &Path, size: u64) -> io::Result<Self> {
-        fs::create_dir_all(path.join("waiting"))?;
+        match fs::create_dir(path.join("waiting")) {
+            Err(e) if e.kind() != ErrorKind::AlreadyExists => return Err(e),
+            _ => {}
+        }
         Ok(Self { path: path.to_owned(), size })
     }
 

@@ -379,6 +379,9 @@ fn a_folder_and_configfs_do_the_same() {
     }
     let attribute =
         |name: &str| std::fs::read_to_string(function.join("lun.0").join(name)).unwrap();
+    let missing = Folder::new(&path.join("jobs"), SIZE).unwrap_err();
+    assert_eq!(missing.kind(), std::io::ErrorKind::NotFound);
+    std::fs::create_dir(path.join("jobs")).unwrap();
     let folder = Folder::new(&path.join("jobs"), SIZE).unwrap();
     let images = [folder.image_path(Side::A), folder.image_path(Side::B)];
     let mut device = Configfs::new(&function, images.clone()).unwrap();

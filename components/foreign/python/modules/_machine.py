@@ -1,4 +1,4 @@
-"""State and commands of a machine: a module of the library of `_hal`."""
+"""State and commands of a machine: a module of Ferrule's library."""
 
 import _hal_library
 

@@ -1,4 +1,4 @@
-"""Previews of programs: a module of the library of `_hal`."""
+"""Previews of programs: a module of Ferrule's library."""
 
 import _hal_library
 

@@ -6,6 +6,7 @@ mod machine;
 use crate::{
     command_record::Letters,
     core::{Core, Mode, user::Command},
+    outside::Outside as _,
     pins::Pins,
     status::{Report, TaskStatus, operator_view},
 };
@@ -121,7 +122,8 @@ impl Work for Worker {
         let done = core.step(&mut self.world, items);
         self.world.claim(&core);
         self.pins.show(core.has_work());
-        let report = Report::of(&core, &self.world.status, &self.world.io.state());
+        let (io, now) = (self.world.io.state(), self.world.now());
+        let report = Report::of(&core, &self.world.status, &io, now);
         if let Some(operator) = &self.world.operator {
             operator.show(&operator_view(&core, &self.world.io.state()));
         }

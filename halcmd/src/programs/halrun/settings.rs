@@ -1,7 +1,6 @@
 //! The settings of an INI file as pins `ini.*`, which LinuxCNC's task makes.
 
-use crate::{Error, Session};
-use hal_protocol::{Kind, Reply, Request};
+use hal_protocol::{Failure, Kind, Link, Reply, Request};
 
 /// Returns whether a HAL file names pins `ini.*`.
 pub(super) fn are_named(text: &[u8]) -> bool {
@@ -10,16 +9,15 @@ pub(super) fn are_named(text: &[u8]) -> bool {
 }
 
 /// Loads `inihal`, unless a file has done so: LinuxCNC's task has its pins when the files of `POSTGUI_HALFILE` run.
-pub(super) fn load(session: &mut Session<'_>) -> Result<(), Error> {
+pub(super) fn load(link: &mut dyn Link) -> Result<(), Failure> {
     let name = "inihal".to_owned();
-    let Reply::Components(found) = session.ask(Request::Component { name: name.clone() })? else {
-        return Err(Error::Unexpected);
-    };
+    let found = link.call(Request::Component { name: name.clone() })?;
+    let is_loaded = matches!(found, Reply::Components(found) if !found.is_empty());
     let patterns = vec!["motion.configure".to_owned()];
     let list = Request::List { kind: Kind::Commands, patterns, ty: None };
-    let has_motion = matches!(session.ask(list)?, Reply::Commands(list) if !list.is_empty());
-    if found.is_empty() && has_motion {
-        session.ask(Request::Load { module: name, args: Vec::new() })?;
+    let has_motion = matches!(link.call(list)?, Reply::Commands(list) if !list.is_empty());
+    if has_motion && !is_loaded {
+        link.call(Request::Load { module: name, args: Vec::new() })?;
     }
     Ok(())
 }

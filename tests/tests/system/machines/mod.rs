@@ -2,6 +2,7 @@
 
 mod demos;
 mod fiducial;
+mod functions;
 mod haltest;
 mod haltest_rust;
 mod job;
@@ -12,5 +13,6 @@ mod printer;
 mod samples;
 mod setup;
 mod speed;
+mod trials;
 mod viewers;
 mod waveform;

@@ -6,5 +6,7 @@ mod conformance;
 mod language;
 mod modules;
 mod motion;
+mod programs;
 mod python;
+mod remaps;
 mod traces;

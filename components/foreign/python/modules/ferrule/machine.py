@@ -4,7 +4,6 @@ import json
 import os
 import pathlib
 import re
-import select
 import shutil
 import socket
 import subprocess
@@ -62,14 +61,13 @@ def _text(value):
 
 
 class Machine:
-    """An instance that runs a HAL or INI file on the virtual clock. Its time moves in run() alone.
+    """An instance that runs a HAL or INI file on the virtual clock, with a thread. Its time moves in run() alone.
 
     Pins, parameters and signals are items (machine["and2.0.out"]) and attributes, with _ for any of - and .
     (machine.and2_0_out)."""
 
     def __init__(self, file, *words, simulate=True):
         self._folder = tempfile.TemporaryDirectory(prefix="ferrule-")
-        self._process = None
         self._names = {}
         try:
             self._start(pathlib.Path(file), words, simulate)
@@ -80,50 +78,37 @@ class Machine:
     def _start(self, file, words, simulate):
         if not file.is_file():
             raise FileNotFoundError("%s: there is no such file" % file)
-        command = [_halrun(), "--virtual", "--hold", "--instance", "test"]
+        whole = file.resolve()
+        command = [_halrun(), "--virtual", "--hold", "--detach", "--instance", "test"]
         command += ["--simulate"] if simulate else []
-        # Its commands come from a pipe that stays open, so that it also stays up without a thread.
-        command += [*words, "-I", str(file.resolve())]
-        environment = dict(os.environ, HAL_RUNTIME_DIR=self._folder.name, HAL_HEADLESS="1")
-        self._said = open(os.path.join(self._folder.name, "said"), "w+b")
-        self._process = subprocess.Popen(command, env=environment, cwd=file.resolve().parent, stdin=subprocess.PIPE,
-                                         stdout=self._said, stderr=subprocess.STDOUT)
-        self._connect(os.path.join(self._folder.name, "ferrule", "test.sock"))
+        self._environment = dict(os.environ, HAL_RUNTIME_DIR=self._folder.name, HAL_HEADLESS="1")
+        # It goes on in the background once the file is carried out.
+        begun = subprocess.run([*command, *words, str(whole)], env=self._environment, cwd=whole.parent,
+                               stdin=subprocess.DEVNULL, capture_output=True, timeout=PATIENCE)
+        if begun.returncode != 0:
+            raise Refused((begun.stderr + begun.stdout).decode(errors="replace").strip())
+        self._socket = socket.socket(socket.AF_UNIX)
+        self._socket.settimeout(PATIENCE)
+        try:
+            self._socket.connect(os.path.join(self._folder.name, "ferrule", "test.sock"))
+        except OSError:
+            raise Refused("the machine has ended; without a thread it does not stay up: " + self.said()) from None
+        self._lines = self._socket.makefile("r", encoding="utf-8")
         self.ask({"hello": {"protocol": 1, "name": "", "pid": os.getpid()}})
         self.refresh()
 
-    def _connect(self, path):
-        # The end of the process is seen without a wait for it.
-        watch = os.pidfd_open(self._process.pid)
-        try:
-            left = PATIENCE
-            while left > 0:
-                attempt = socket.socket(socket.AF_UNIX)
-                try:
-                    attempt.connect(path)
-                except OSError:
-                    attempt.close()
-                    if select.select([watch], [], [], 0.02)[0]:
-                        raise Refused("the machine has ended: " + self.said()) from None
-                    left -= 0.02
-                    continue
-                attempt.settimeout(PATIENCE)
-                self._socket = attempt
-                self._lines = attempt.makefile("r", encoding="utf-8")
-                return
-        finally:
-            os.close(watch)
-        raise Refused("the machine did not begin: " + self.said())
-
     def said(self):
-        """Returns what the instance has written to standard output and standard error."""
-        self._said.flush()
-        return pathlib.Path(self._said.name).read_text(errors="replace").strip()
+        """Returns what the instance has written since the file was carried out."""
+        log = pathlib.Path(self._folder.name, "ferrule", "test.log")
+        return log.read_text(errors="replace").strip() if log.is_file() else ""
 
     def ask(self, request):
         """Sends a request of the protocol and returns its answer."""
-        self._socket.sendall(json.dumps({"request": request}).encode() + b"\n")
-        line = self._lines.readline()
+        try:
+            self._socket.sendall(json.dumps({"request": request}).encode() + b"\n")
+            line = self._lines.readline()
+        except OSError:
+            line = ""
         if not line:
             raise Refused("the machine has ended: " + self.said())
         answer = json.loads(line)
@@ -200,18 +185,13 @@ class Machine:
 
     def close(self):
         """Ends the instance."""
-        if self._process is not None:
-            if "_socket" in self.__dict__:
+        if "_environment" in self.__dict__:
+            if "_lines" in self.__dict__:
                 self._lines.close()
                 self._socket.close()
-            self._process.stdin.close()
-            try:
-                self._process.wait(PATIENCE)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
-            self._said.close()
-            self.__dict__["_process"] = None
+            # It waits until the instance has ended.
+            subprocess.run([_halrun(), "-U", "--instance", "test"], env=self.__dict__.pop("_environment"),
+                           stdin=subprocess.DEVNULL, capture_output=True, timeout=PATIENCE)
         self._folder.cleanup()
 
     def __enter__(self):

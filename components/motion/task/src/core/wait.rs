@@ -127,6 +127,14 @@ impl Core {
         }
     }
 
+    /// Returns the seconds that a pause of G4 still takes.
+    pub(crate) fn delay_left(&self, now: f64) -> f64 {
+        match self.waiting {
+            Some(Waiting::Dwell { until }) => (until - now).max(0.0),
+            _ => 0.0,
+        }
+    }
+
     fn is_asked(&self) -> bool {
         self.job.as_ref().is_some_and(|j| matches!(j.reading, Reading::Asked(_)))
     }
@@ -166,6 +174,7 @@ impl Core {
             && (found || is_late)
         {
             job.input = if found { value } else { -1.0 };
+            self.input_was_late = !found;
         }
         if found || is_late { Progress::Done } else { Progress::Pending }
     }

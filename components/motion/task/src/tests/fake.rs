@@ -134,7 +134,8 @@ impl Outside for Fake {
     fn function(&mut self) -> hal_remap::Progress {
         let functions = self.functions.as_mut().unwrap();
         loop {
-            match functions.progress(std::time::Duration::from_millis(100)) {
+            let wait = if self.is_patient { 100 } else { 1 };
+            match functions.progress(std::time::Duration::from_millis(wait)) {
                 hal_remap::Progress::Pending if self.is_patient => {}
                 end => return end,
             }

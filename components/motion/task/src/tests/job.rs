@@ -106,6 +106,7 @@ fn a_probe_and_an_input_answer_the_interpreter() {
     rig.pass(2.5);
     let moved = rig.sent();
     assert_eq!(moved[0], "7: line -4.5 1 -1", "the second input timed out");
+    assert!(rig.core.input_was_late);
     assert_eq!(rig.result(ticket), Some(Ok(())));
 }
 
