@@ -90,7 +90,7 @@ fn find<'a>(answers: &'a Answers, axis: &str) -> Result<(usize, &'a Joint), Stri
     if answers.kind == Motors::Servos {
         return Err("servos have encoders: they lose no steps that a search could find".to_owned());
     }
-    let joints: Vec<&Joint> = answers.joint.iter().map(|j| j.get_ref()).collect();
+    let joints: Vec<&Joint> = answers.joint.iter().map(toml::Spanned::get_ref).collect();
     let by_letter = joints.iter().position(|j| j.axis.as_deref() == Some(axis));
     let number = by_letter.or_else(|| axis.parse().ok());
     let found = number.and_then(|n| Some((n, *joints.get(n)?)));

@@ -9,7 +9,7 @@ const CUTS: u64 = 200;
 /// Cycles from a cut to the begin of braking, at most.
 const LIMIT: usize = 100;
 /// Largest delay of a message, in cycles.
-const LONGEST: u64 = 2000;
+const LONGEST: usize = 2000;
 
 /// Ways in which a connection ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,7 +40,7 @@ fn trial(random: &mut Random, cut: Cut) -> f64 {
     match cut {
         Cut::Silent => rig.answers = false,
         Cut::Link => rig.lose(),
-        Cut::Delay => rig.delay = 96 + random.index(LONGEST as usize - 96),
+        Cut::Delay => rig.delay = 96 + random.index(LONGEST - 96),
         Cut::Lease => drop(rig.command("remote.give", "lease=1").unwrap()),
         Cut::Wiring => rig.bench.set("remote.allow-motion", false),
     }

@@ -1,6 +1,6 @@
 //! Cuts in a browser: tabs that are closed or hidden, and the browser that is killed.
 
-use super::{FAR, REPEATS, Stage, WATCHED, judge::judge, unmoved};
+use super::{FAR, PAGE_LEASE, REPEATS, Stage, WATCHED, judge::judge, unmoved};
 use hal_tests::browser::{Browser, DESKTOP};
 
 /// Cycles at a constant speed before a cut.
@@ -105,7 +105,7 @@ fn a_page_that_goes_ends_its_jog() {
     if !Browser::is_there() {
         return;
     }
-    let mut stage = Stage::set(2);
+    let mut stage = Stage::set(2, PAGE_LEASE);
     stage.tabs(5);
     assert!(!stage.rows.is_empty());
     stage.end("cuts-tabs.md");
