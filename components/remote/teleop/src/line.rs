@@ -67,7 +67,7 @@ impl Lines {
 
 #[cfg(test)]
 mod tests {
-    //! TextLine ends, cuts and limits.
+    //! Ends of lines, cuts and limits.
 
     use super::{Lines, MAX_LINE, TextLine};
 

@@ -1,5 +1,5 @@
 //! The tables of `PROTOCOL.md`: requests, codes and states, from the server itself; and limits that need many bytes.
-#![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use std::{fs, path::Path};
 use teleop::{

@@ -61,7 +61,7 @@ async fn supervise(panel: Arc<Panel>, address: SocketAddr, end: watch::Receiver<
         } else if !refused {
             match listen(&panel, address).await {
                 Ok(listener) => {
-                    Service::new(&panel, !address.ip().is_loopback()).run(&listener, &end).await
+                    Service::new(&panel, !address.ip().is_loopback()).run(&listener, &end).await;
                 }
                 Err(why) => {
                     refused = true;

@@ -7,6 +7,7 @@ use super::{
     sign_in,
 };
 use crate::{error::Error, server::Panel, session::Role, status::Joined};
+use serde_json::Value as Json;
 use std::{
     collections::BTreeMap,
     sync::{Arc, atomic::Ordering::Relaxed},
@@ -129,14 +130,14 @@ impl Service {
             return Machine { busy, progress: None };
         };
         if self.server.runs() {
-            let to_go = motion.get("distance_to_go").and_then(|d| d.as_f64()).unwrap_or(0.0);
+            let to_go = motion.get("distance_to_go").and_then(Json::as_f64).unwrap_or(0.0);
             let line = u32::try_from(number(motion, "line")).unwrap_or(0);
             self.progress.look(line, to_go);
             return Machine { busy, progress: Some(self.progress.percent()) };
         }
         // A job of somebody else: by its time, as its path is not known here.
         let runs = number(task, "interpreter") != 0 && number(task, "mode") == AUTO;
-        let seconds = |name: &str| task.get(name).and_then(|t| t.as_f64()).unwrap_or(-1.0);
+        let seconds = |name: &str| task.get(name).and_then(Json::as_f64).unwrap_or(-1.0);
         let (passed, left) = (seconds("job_time"), seconds("time_left"));
         let share = if left >= 0.0 { 100.0 * passed / (passed + left) } else { 0.0 };
         let progress = (0..99).take_while(|n| f64::from(*n) + 1.0 <= share).count();
