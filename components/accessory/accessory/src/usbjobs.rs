@@ -9,7 +9,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 use hal_storage::{
-    Configfs, Event, Folder, Gadget, NotEjected, Phase, Rules, Side, Storage, StorageError,
+    Configfs, Folder, Gadget, NotEjected, Phase, Rules, Side, Storage, StorageError, StorageEvent,
     folder::read_bounded, ledger::StoredJob, safe_name, storage::MOST_BYTES,
 };
 use std::{
@@ -293,25 +293,25 @@ impl UsbWorker {
     }
 
     fn events(&mut self, failures: impl Iterator<Item = StorageError>) {
-        failures.for_each(|why| self.tell(Event::Failed(why)));
+        failures.for_each(|why| self.tell(StorageEvent::Failed(why)));
     }
 
-    fn tell(&mut self, event: Event) {
+    fn tell(&mut self, event: StorageEvent) {
         match event {
-            Event::Presented(side) => {
+            StorageEvent::Presented(side) => {
                 self.swaps.set(self.swaps.get().wrapping_add(1));
                 let text = self.texts.keep(&format!("image {side} is presented"));
                 self.messages.info(text, &[]);
             }
-            Event::Deleted(name) => {
+            StorageEvent::Deleted(name) => {
                 let text = format!("the image was full: job '{name}' was finished, and is deleted");
                 self.messages.info(self.texts.keep(&text), &[]);
             }
-            Event::Forced(side) => {
+            StorageEvent::Forced(side) => {
                 let text = format!("image {side} was taken from a host that held it");
                 self.messages.warn(self.texts.keep(&text), &[]);
             }
-            Event::Failed(why) => {
+            StorageEvent::Failed(why) => {
                 self.last_error = why.to_string();
                 let text = self.texts.keep(&self.last_error);
                 self.messages.error(text, &[]);

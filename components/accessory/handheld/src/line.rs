@@ -56,7 +56,7 @@ impl fmt::Display for BadLine {
 /// Reads a line. `keys` is the number of keys, `period_ms` the time between two frames.
 ///
 /// # Errors
-/// The line is no number of a key, or its time is outside its range.
+/// The line does not name a key, or its time is outside its range.
 pub fn parse(line: &[u8], keys: u8, period_ms: f64) -> Result<Press, BadLine> {
     if line.len() > MOST_BYTES {
         return Err(BadLine::Long);

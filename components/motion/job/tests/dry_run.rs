@@ -180,6 +180,7 @@ fn a_dry_run_to_500_random_lines_gives_the_state_of_the_unbroken_run() {
                 Series::Compensation => "refused: compensation",
                 Series::Cycle => "refused: cycle",
                 Series::Nurbs => "refused: NURBS",
+                Series::Function => "refused: in a function",
             });
             continue;
         }
