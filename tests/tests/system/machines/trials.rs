@@ -1,5 +1,5 @@
 //! Tests of a computer and of an axis, before a machine is written: `latency-test`, and `halsetup --test`.
-#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+#![expect(clippy::indexing_slicing, reason = "tests")]
 
 use hal_tests::{
     golden,
