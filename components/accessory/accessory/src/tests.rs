@@ -1,6 +1,9 @@
 //! Tests of the plugin on a bench: a pseudo-terminal as serial line and as bus, a pipe, a socket, a folder like configfs.
 
-use crate::{keypad::KeypadComponent, lcd_reader::LcdReader, usbjobs::UsbJobs};
+use crate::{
+    keypad::KeypadComponent, lcd_reader::LcdReader, sim_handheld::SimHandheld, sim_nk105::SimNk105,
+    usbjobs::UsbJobs,
+};
 use hal_bench::Bench;
 use hal_handheld::{FrameFormat, KeySet, RECORD_LEN, st7920::row_bytes};
 use rustix::{
@@ -370,4 +373,52 @@ fn a_folder_of_programs_is_sent() {
     settle(&bench);
     let lost = bench.said().into_iter().filter(|line| line.contains("the folder of programs"));
     assert_eq!(lost.count(), 1);
+}
+
+/// Keys of the simulated handheld move the simulated controller, which shows that in the bytes of its display.
+#[test]
+fn the_simulations_understand_each_other() {
+    let mut bench = Bench::new();
+    bench.load::<SimHandheld>(&[]).unwrap();
+    bench.load::<SimNk105>(&[]).unwrap();
+    bench.load::<LcdReader>(&["values=X", "find=JOG"]).unwrap();
+    for (port, size) in [
+        ("sim-handheld.frames", 64),
+        ("sim-nk105.keys", 64),
+        ("sim-nk105.lcd", 512),
+        ("lcd.bus", 512),
+    ] {
+        bench.port(port, size);
+    }
+    let pass = |from: &str, to: &str| {
+        let from = bench.get::<hal_component::Port>(from);
+        let mut bytes = vec![0; usize::try_from(from.readable()).unwrap()];
+        assert!(bytes.is_empty() || from.read(&mut bytes));
+        assert!(bytes.is_empty() || bench.get::<hal_component::Port>(to).write(&bytes));
+    };
+    let run = |ms: u32| {
+        for _ in 0..ms {
+            bench.pass(MS);
+            bench.run("sim-handheld.update", MS);
+            pass("sim-handheld.frames", "sim-nk105.keys");
+            bench.run("sim-nk105.update", MS);
+            pass("sim-nk105.lcd", "lcd.bus");
+            bench.run("lcd.update", MS);
+        }
+    };
+    run(100);
+    bench.set("sim-handheld.key-15", true);
+    run(500);
+    assert!(bench.get::<bool>("lcd.found-0"));
+    bench.set("sim-handheld.key-15", false);
+    run(200);
+    let x = bench.get::<f64>("sim-nk105.x");
+    assert!(20.0 < x && x < 30.0, "{x}");
+    assert!((bench.get::<f64>("lcd.value-0") - x).abs() < 0.001);
+    // Faults of the cable are counted by the controller, which takes the keys as released.
+    bench.set("sim-handheld.key-15", true);
+    bench.set("sim-handheld.corrupt", true);
+    run(200);
+    assert_eq!((bench.get::<f64>("sim-nk105.x"), bench.get::<u32>("sim-nk105.mode")), (x, 0));
+    assert_eq!(bench.get::<u32>("sim-nk105.bad-frames"), 10);
 }

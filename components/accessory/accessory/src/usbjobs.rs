@@ -2,14 +2,14 @@
 
 use crate::{
     programs_folder::ProgramsFolder,
-    usb_orders::{self, Inbox, Order},
+    usb_orders::{self, Inbox, UsbOrder},
 };
 use hal_component::{
     Arg, Builder, Clock, Component, Error, In, Messages, Out, Texts, TicketHandle, Touch, Work,
     abi::{ArgSpec, component_flags},
 };
 use hal_storage::{
-    Configfs, Event, Folder, Gadget, NotEjected, Phase, Rules, Side, Storage, StorageError,
+    Configfs, Folder, Gadget, NotEjected, Phase, Rules, Side, Storage, StorageError, StorageEvent,
     folder::read_bounded, ledger::StoredJob, safe_name, storage::MOST_BYTES,
 };
 use std::{
@@ -250,18 +250,18 @@ impl Work for UsbWorker {
 }
 
 impl UsbWorker {
-    fn order(&mut self, storage: &mut Storage<Folder>, order: Order, ticket: TicketHandle) {
+    fn order(&mut self, storage: &mut Storage<Folder>, order: UsbOrder, ticket: TicketHandle) {
         let result = match order {
-            Order::Send { path, name } => {
+            UsbOrder::Send { path, name } => {
                 let read = read_bounded(Path::new(&path), MOST_BYTES);
                 match read {
                     Ok(bytes) => storage.send(&name, &bytes).map(drop),
                     Err(e) => Err(StorageError::Keeping(format!("file {path}").into(), e)),
                 }
             }
-            Order::Cancel(name) => storage.cancel(&name),
-            Order::Finish(name) => storage.finish(&name),
-            Order::Retry => {
+            UsbOrder::Cancel(name) => storage.cancel(&name),
+            UsbOrder::Finish(name) => storage.finish(&name),
+            UsbOrder::Retry => {
                 storage.retry();
                 Ok(())
             }
@@ -293,25 +293,25 @@ impl UsbWorker {
     }
 
     fn events(&mut self, failures: impl Iterator<Item = StorageError>) {
-        failures.for_each(|why| self.tell(Event::Failed(why)));
+        failures.for_each(|why| self.tell(StorageEvent::Failed(why)));
     }
 
-    fn tell(&mut self, event: Event) {
+    fn tell(&mut self, event: StorageEvent) {
         match event {
-            Event::Presented(side) => {
+            StorageEvent::Presented(side) => {
                 self.swaps.set(self.swaps.get().wrapping_add(1));
                 let text = self.texts.keep(&format!("image {side} is presented"));
                 self.messages.info(text, &[]);
             }
-            Event::Deleted(name) => {
+            StorageEvent::Deleted(name) => {
                 let text = format!("the image was full: job '{name}' was finished, and is deleted");
                 self.messages.info(self.texts.keep(&text), &[]);
             }
-            Event::Forced(side) => {
+            StorageEvent::Forced(side) => {
                 let text = format!("image {side} was taken from a host that held it");
                 self.messages.warn(self.texts.keep(&text), &[]);
             }
-            Event::Failed(why) => {
+            StorageEvent::Failed(why) => {
                 self.last_error = why.to_string();
                 let text = self.texts.keep(&self.last_error);
                 self.messages.error(text, &[]);

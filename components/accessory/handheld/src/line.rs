@@ -11,9 +11,9 @@ pub const LONGEST_MS: u32 = 10_000;
 /// Reason why a line presses nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum BadLine {
-    /// There is nothing in it.
+    /// Empty.
     Empty,
-    /// It is longer than [`MOST_BYTES`].
+    /// Longer than [`MOST_BYTES`].
     Long,
     /// A byte of it is no ASCII character.
     Encoding,
@@ -56,7 +56,7 @@ impl fmt::Display for BadLine {
 /// Reads a line. `keys` is the number of keys, `period_ms` the time between two frames.
 ///
 /// # Errors
-/// The line is no number of a key, or its time is outside its range.
+/// The line does not name a key, or its time is outside its range.
 pub fn parse(line: &[u8], keys: u8, period_ms: f64) -> Result<Press, BadLine> {
     if line.len() > MOST_BYTES {
         return Err(BadLine::Long);

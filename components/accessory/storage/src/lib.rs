@@ -29,4 +29,4 @@ pub use error::StorageError;
 pub use folder::Folder;
 pub use gadget::{Configfs, Gadget, NotEjected};
 pub use name::safe_name;
-pub use storage::{Event, Phase, Rules, Storage};
+pub use storage::{Phase, Rules, Storage, StorageEvent};

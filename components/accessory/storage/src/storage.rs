@@ -4,10 +4,10 @@ use crate::{
     bay::{Bay, Side},
     error::StorageError,
     gadget::{Gadget, NotEjected},
-    image::{self, Entry},
+    image::{self, ImageFile},
     ledger::Ledger,
     name::{is_same, safe_name},
-    plan::Plan,
+    plan::ImagePlan,
     prepare::{self, waiting_job},
 };
 use std::collections::VecDeque;
@@ -45,7 +45,7 @@ pub enum Phase {
 
 /// Something that happened.
 #[derive(Debug)]
-pub enum Event {
+pub enum StorageEvent {
     /// An image is presented.
     Presented(Side),
     /// A finished job is not on the new image.
@@ -60,9 +60,9 @@ pub enum Event {
 enum Work {
     Serving,
     /// The number of steps that are done.
-    Preparing(Plan, usize),
+    Preparing(ImagePlan, usize),
     /// Since when the host has been busy, and whether that was told.
-    Ejecting(Plan, Option<f64>, bool),
+    Ejecting(ImagePlan, Option<f64>, bool),
     /// Time of the last failure.
     Presenting(Option<f64>),
 }
@@ -77,7 +77,7 @@ pub struct Storage<B> {
     work: Work,
     /// True after a failure, until a user does something.
     is_paused: bool,
-    events: VecDeque<Event>,
+    events: VecDeque<StorageEvent>,
 }
 
 impl<B: Bay> Storage<B> {
@@ -148,7 +148,7 @@ impl<B: Bay> Storage<B> {
     }
 
     /// Takes what happened since the last call, in order.
-    pub fn event(&mut self) -> Option<Event> {
+    pub fn event(&mut self) -> Option<StorageEvent> {
         self.events.pop_front()
     }
 
@@ -222,7 +222,7 @@ impl<B: Bay> Storage<B> {
     }
 
     fn failed(&mut self, why: StorageError) {
-        self.events.push_back(Event::Failed(why));
+        self.events.push_back(StorageEvent::Failed(why));
         self.is_paused = true;
     }
 
@@ -250,11 +250,11 @@ impl<B: Bay> Storage<B> {
                 return false;
             }
             Work::Presenting(failed) => match gadget.present(self.ledger.presented) {
-                Ok(()) => self.events.push_back(Event::Presented(self.ledger.presented)),
+                Ok(()) => self.events.push_back(StorageEvent::Presented(self.ledger.presented)),
                 Err(why) => {
                     if failed.is_none() {
                         let why = StorageError::Gadget(self.ledger.presented, why);
-                        self.events.push_back(Event::Failed(why));
+                        self.events.push_back(StorageEvent::Failed(why));
                     }
                     self.work = Work::Presenting(Some(now));
                 }
@@ -273,15 +273,15 @@ impl<B: Bay> Storage<B> {
         }
     }
 
-    fn plan(&mut self) -> Result<Plan, StorageError> {
+    fn plan(&mut self) -> Result<ImagePlan, StorageError> {
         let side = self.ledger.presented;
         let present = self.bay.image(side).and_then(image::list);
         let present = present.map_err(|e| StorageError::Image(side, None, e))?;
         let mut waiting = Vec::new();
         for name in self.waiting.clone() {
-            waiting.push(Entry { len: waiting_job(&mut self.bay, &name)?.len() as u64, name });
+            waiting.push(ImageFile { len: waiting_job(&mut self.bay, &name)?.len() as u64, name });
         }
-        Plan::new(&self.ledger, &present, &waiting, self.rules.size)
+        ImagePlan::new(&self.ledger, &present, &waiting, self.rules.size)
     }
 
     /// Tries to take the image from the host.
@@ -289,7 +289,7 @@ impl<B: Bay> Storage<B> {
         &mut self,
         gadget: &mut impl Gadget,
         now: f64,
-        plan: Plan,
+        plan: ImagePlan,
         since: Option<f64>,
         was_told: bool,
     ) -> bool {
@@ -303,7 +303,7 @@ impl<B: Bay> Storage<B> {
                 if is_long && self.rules.may_force {
                     match gadget.force_eject() {
                         Ok(()) => {
-                            self.events.push_back(Event::Forced(side));
+                            self.events.push_back(StorageEvent::Forced(side));
                             self.swap(plan);
                         }
                         Err(why) => self.failed(StorageError::Gadget(side, why)),
@@ -311,7 +311,7 @@ impl<B: Bay> Storage<B> {
                     return true;
                 }
                 if is_long && !was_told {
-                    self.events.push_back(Event::Failed(StorageError::Busy(BUSY_TIME)));
+                    self.events.push_back(StorageEvent::Failed(StorageError::Busy(BUSY_TIME)));
                 }
                 self.work = Work::Ejecting(plan, Some(since), was_told || is_long);
                 return false;
@@ -321,7 +321,7 @@ impl<B: Bay> Storage<B> {
     }
 
     /// Makes the other image the presented one, after this one is ejected.
-    fn swap(&mut self, plan: Plan) {
+    fn swap(&mut self, plan: ImagePlan) {
         self.work = Work::Presenting(None);
         let next = Ledger { presented: self.ledger.presented.other(), jobs: plan.jobs };
         if let Err(why) = keep_state(&mut self.bay, &next) {
@@ -330,12 +330,12 @@ impl<B: Bay> Storage<B> {
             return;
         }
         self.ledger = next;
-        self.events.extend(plan.deleted.into_iter().map(Event::Deleted));
+        self.events.extend(plan.deleted.into_iter().map(StorageEvent::Deleted));
         for name in plan.added {
             if let Err(why) = self.bay.forget(&name) {
                 // The job is on the image; its copy is added once more at the next swap.
                 let why = StorageError::Keeping(format!("job '{name}'").into(), why);
-                self.events.push_back(Event::Failed(why));
+                self.events.push_back(StorageEvent::Failed(why));
             }
             self.waiting.retain(|other| *other != name);
         }

@@ -88,7 +88,7 @@ fn modules_that_cannot_be_imported_are_a_remark_and_an_error_of_each_call() {
     let why = "top.py:2: ModuleNotFoundError: No module named 'nothing_of_this_name'";
     assert!(remarks.contains(why), "{remarks}");
     let failed = outcome(&broken, "M400\n");
-    assert!(failed.contains(&format!("p.ngc:1: f: ")) && failed.contains(why), "{failed}");
+    assert!(failed.contains("p.ngc:1: f: ") && failed.contains(why), "{failed}");
     let refused = |python: &str| write(python).err().unwrap();
     let none = refused("TOPLEVEL = none.py");
     assert!(none.contains("m.ini:2: [PYTHON]TOPLEVEL: there is no file"), "{none}");

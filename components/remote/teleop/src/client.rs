@@ -2,7 +2,7 @@
 
 use crate::{
     answer::{Answer, Reason},
-    line::{Line, Lines},
+    line::{Lines, TextLine},
     words::Word,
 };
 
@@ -11,7 +11,7 @@ const ASK_MS: u64 = 1000;
 
 /// A step of the client's work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
+enum Stage {
     /// The login has been sent.
     SignsIn,
     /// The program has been sent.
@@ -28,7 +28,7 @@ enum Step {
 
 /// Something that people want to know.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Event {
+pub enum News {
     /// The login succeeded.
     SignedIn,
     /// The server has the program.
@@ -61,9 +61,9 @@ pub enum End {
 pub struct Client {
     lines: Lines,
     output: Vec<u8>,
-    events: Vec<Event>,
+    events: Vec<News>,
     program: Option<Vec<u8>>,
-    step: Step,
+    step: Stage,
     progress: Option<u8>,
     /// Time of the last question for the progress.
     asked: u64,
@@ -78,7 +78,7 @@ impl Client {
             output: format!("{} {user}:{secret}\r\n", Word::Ingresar.text()).into_bytes(),
             events: Vec::new(),
             program,
-            step: Step::SignsIn,
+            step: Stage::SignsIn,
             progress: None,
             asked: 0,
             end: None,
@@ -91,13 +91,13 @@ impl Client {
     }
 
     /// Returns what has happened since the last call.
-    pub fn events(&mut self) -> Vec<Event> {
+    pub fn events(&mut self) -> Vec<News> {
         core::mem::take(&mut self.events)
     }
 
     /// Returns the result, once the server has closed the connection or nothing more is to be awaited.
     pub fn end(&self) -> Option<&End> {
-        self.end.as_ref().filter(|_| self.step == Step::Leaves)
+        self.end.as_ref().filter(|_| self.step == Stage::Leaves)
     }
 
     /// Takes bytes of the server.
@@ -105,9 +105,9 @@ impl Client {
         self.lines.push(bytes);
         while let Some(line) = self.lines.next() {
             let answer = match &line {
-                Line::Text(text) => Answer::parse(text).ok_or_else(|| text.clone()),
-                Line::Long => Err("a line of more than 1024 bytes".to_owned()),
-                Line::NoText => Err("a line that is no UTF-8".to_owned()),
+                TextLine::Text(text) => Answer::parse(text).ok_or_else(|| text.clone()),
+                TextLine::Long => Err("a line of more than 1024 bytes".to_owned()),
+                TextLine::NoText => Err("a line that is no UTF-8".to_owned()),
             };
             match answer {
                 Ok(answer) => self.answer(answer, now),
@@ -119,12 +119,12 @@ impl Client {
     /// Takes the end of the connection.
     pub fn closed(&mut self) {
         self.finish(End::Lost);
-        self.step = Step::Leaves;
+        self.step = Stage::Leaves;
     }
 
     /// Asks for the progress while a job runs, which also shows that this client is there.
     pub fn poll(&mut self, now: u64) {
-        if self.step == Step::Runs && now >= self.asked + ASK_MS {
+        if self.step == Stage::Runs && now >= self.asked + ASK_MS {
             self.asked = now;
             self.say(Word::Avance);
         }
@@ -133,12 +133,12 @@ impl Client {
     /// Cancels the job, or leaves if none runs.
     pub fn cancel(&mut self) {
         match self.step {
-            Step::Runs => {
-                self.step = Step::Cancels;
+            Stage::Runs => {
+                self.step = Stage::Cancels;
                 self.say(Word::Cancelar);
             }
-            Step::Cancels | Step::Leaves => {}
-            Step::SignsIn | Step::Sends | Step::Asks => self.finish(End::Cancelled),
+            Stage::Cancels | Stage::Leaves => {}
+            Stage::SignsIn | Stage::Sends | Stage::Asks => self.finish(End::Cancelled),
         }
     }
 
@@ -149,63 +149,63 @@ impl Client {
     /// Notes the result, if there is none yet, and leaves.
     fn finish(&mut self, end: End) {
         self.end.get_or_insert(end);
-        if self.step != Step::Leaves {
-            self.step = Step::Leaves;
+        if self.step != Stage::Leaves {
+            self.step = Stage::Leaves;
             self.say(Word::Salir);
         }
     }
 
     fn answer(&mut self, answer: Answer, now: u64) {
         match (self.step, answer) {
-            (Step::SignsIn, Answer::Aceptado) => {
-                self.events.push(Event::SignedIn);
+            (Stage::SignsIn, Answer::Aceptado) => {
+                self.events.push(News::SignedIn);
                 match self.program.take() {
                     Some(program) => self.send(&program),
                     None => {
-                        self.step = Step::Asks;
+                        self.step = Stage::Asks;
                         self.say(Word::Avance);
                     }
                 }
             }
-            (Step::Sends, Answer::Recibido) => {
-                self.events.push(Event::Sent);
-                (self.step, self.asked) = (Step::Runs, now);
+            (Stage::Sends, Answer::Recibido) => {
+                self.events.push(News::Sent);
+                (self.step, self.asked) = (Stage::Runs, now);
                 self.say(Word::Ejecutar);
             }
-            (Step::Runs | Step::Asks | Step::Cancels, Answer::Avance(percent)) => {
+            (Stage::Runs | Stage::Asks | Stage::Cancels, Answer::Avance(percent)) => {
                 if self.progress.replace(percent) != Some(percent) {
-                    self.events.push(Event::Progress(percent));
+                    self.events.push(News::Progress(percent));
                 }
-                if self.step == Step::Asks {
+                if self.step == Stage::Asks {
                     self.finish(End::Done);
                 }
             }
             // The job may end before the server has read that it is cancelled.
-            (Step::Runs | Step::Cancels, Answer::Terminado) => {
+            (Stage::Runs | Stage::Cancels, Answer::Terminado) => {
                 if self.progress.replace(100) != Some(100) {
-                    self.events.push(Event::Progress(100));
+                    self.events.push(News::Progress(100));
                 }
                 self.finish(End::Done);
             }
-            (Step::Cancels, Answer::Cancelado) => self.finish(End::Cancelled),
+            (Stage::Cancels, Answer::Cancelado) => self.finish(End::Cancelled),
             (_, Answer::Denegado(why)) => self.finish(End::Denied(why)),
             (
-                Step::SignsIn | Step::Asks | Step::Sends | Step::Runs | Step::Cancels,
+                Stage::SignsIn | Stage::Asks | Stage::Sends | Stage::Runs | Stage::Cancels,
                 Answer::Error(why),
             )
             | (
-                Step::Sends | Step::Runs | Step::Cancels,
+                Stage::Sends | Stage::Runs | Stage::Cancels,
                 Answer::ErrorNuevo(why) | Answer::ErrorEjecutar(why),
             ) => self.finish(End::Refused(why)),
             (_, Answer::Desconexion) => self.finish(End::Stopped),
             // Answers to what was asked before the farewell.
-            (Step::Leaves, _) => {}
+            (Stage::Leaves, _) => {}
             (_, strange) => self.finish(End::Strange(strange.to_string())),
         }
     }
 
     fn send(&mut self, program: &[u8]) {
-        self.step = Step::Sends;
+        self.step = Stage::Sends;
         self.say(Word::EnviarNuevo);
         for line in program.split(|byte| *byte == b'\n') {
             let line = line.strip_suffix(b"\r").unwrap_or(line);

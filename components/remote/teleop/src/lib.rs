@@ -13,7 +13,7 @@ mod session;
 mod words;
 
 pub use answer::{Answer, Reason};
-pub use client::{Client, End, Event};
+pub use client::{Client, End, News};
 pub use line::MAX_LINE;
 pub use server::{Action, LIVENESS_MS, LOGIN_MS, MAX_SESSIONS, Machine, Server};
 pub use session::MAX_PROGRAM;

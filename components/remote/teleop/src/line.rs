@@ -5,7 +5,7 @@ pub const MAX_LINE: usize = 1024;
 
 /// A line without its end.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Line {
+pub(crate) enum TextLine {
     Text(String),
     /// More than [`MAX_LINE`] bytes, which were thrown away.
     Long,
@@ -39,7 +39,7 @@ impl Lines {
     }
 
     /// Returns the next whole line. It ends with LF, or CR LF.
-    pub(crate) fn next(&mut self) -> Option<Line> {
+    pub(crate) fn next(&mut self) -> Option<TextLine> {
         let rest = self.bytes.get(self.used..).unwrap_or_default();
         let found = rest.iter().skip(self.seen).position(|byte| *byte == b'\n');
         let Some(end) = found.map(|at| at + self.seen) else {
@@ -55,9 +55,9 @@ impl Lines {
         let line = rest.get(..end).unwrap_or_default();
         let line = line.strip_suffix(b"\r").unwrap_or(line);
         let line = if core::mem::take(&mut self.skips) || line.len() > MAX_LINE {
-            Line::Long
+            TextLine::Long
         } else {
-            str::from_utf8(line).map_or(Line::NoText, |text| Line::Text(text.to_owned()))
+            str::from_utf8(line).map_or(TextLine::NoText, |text| TextLine::Text(text.to_owned()))
         };
         self.used += end + 1;
         self.seen = 0;
@@ -67,11 +67,11 @@ impl Lines {
 
 #[cfg(test)]
 mod tests {
-    //! Line ends, cuts and limits.
+    //! TextLine ends, cuts and limits.
 
-    use super::{Line, Lines, MAX_LINE};
+    use super::{Lines, MAX_LINE, TextLine};
 
-    fn lines(bytes: &[u8], size: usize) -> Vec<Line> {
+    fn lines(bytes: &[u8], size: usize) -> Vec<TextLine> {
         let (mut lines, mut out) = (Lines::default(), Vec::new());
         for piece in bytes.chunks(size) {
             lines.push(piece);
@@ -86,14 +86,14 @@ mod tests {
     #[test]
     fn lines_are_the_same_however_they_are_cut() {
         let full = "x".repeat(MAX_LINE);
-        let text = |text: &str| Line::Text(text.to_owned());
+        let text = |text: &str| TextLine::Text(text.to_owned());
         for (bytes, expected) in [
             (&b"a\nb\r\n\r\n\nc"[..], vec![text("a"), text("b"), text(""), text("")]),
             (b"a\rb\r\r\n", vec![text("a\rb\r")]),
-            (b"\xffa\nb\n", vec![Line::NoText, text("b")]),
+            (b"\xffa\nb\n", vec![TextLine::NoText, text("b")]),
             (format!("{full}\r\n{full}\n").as_bytes(), vec![text(&full), text(&full)]),
-            (format!("{full}y\r\nb\n").as_bytes(), vec![Line::Long, text("b")]),
-            (format!("{full}{full}{full}\nb\n").as_bytes(), vec![Line::Long, text("b")]),
+            (format!("{full}y\r\nb\n").as_bytes(), vec![TextLine::Long, text("b")]),
+            (format!("{full}{full}{full}\nb\n").as_bytes(), vec![TextLine::Long, text("b")]),
         ] {
             for size in [1, 2, 3, 1000, 100_000] {
                 assert_eq!(lines(bytes, size), expected, "in pieces of {size}");

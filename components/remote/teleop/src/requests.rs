@@ -2,8 +2,8 @@
 
 use crate::{
     answer::{Answer, Reason},
-    line::Line,
-    server::{Action, Job, MAX_SESSIONS, Phase, Server, full},
+    line::TextLine,
+    server::{Action, CurrentJob, MAX_SESSIONS, Phase, Server, full},
     session::{Wait, refusal},
     words::{Code, Word},
 };
@@ -42,13 +42,13 @@ impl Server {
         }
     }
 
-    fn request(&mut self, id: u64, line: &Line) {
+    fn request(&mut self, id: u64, line: &TextLine) {
         let line = match line {
-            Line::Text(text) => text.trim(),
-            Line::Long => {
+            TextLine::Text(text) => text.trim(),
+            TextLine::Long => {
                 return self.refuse(id, Code::Largo, "a line has at most 1024 bytes".to_owned());
             }
-            Line::NoText => {
+            TextLine::NoText => {
                 return self.refuse(id, Code::Desconocido, "the line is no UTF-8".to_owned());
             }
         };
@@ -85,11 +85,11 @@ impl Server {
             }
             Word::Ejecutar => self.execute(id),
             Word::Cancelar => match self.job {
-                Some(Job { owner, phase: Phase::Runs, .. }) if owner == Some(id) => {
+                Some(CurrentJob { owner, phase: Phase::Runs, .. }) if owner == Some(id) => {
                     self.cancel(true);
                     self.wait(id, Wait::Cancel);
                 }
-                Some(Job { owner, .. }) if owner == Some(id) => {
+                Some(CurrentJob { owner, .. }) if owner == Some(id) => {
                     self.refuse(id, Code::Ocupado, "the server stops".to_owned());
                 }
                 Some(_) => {

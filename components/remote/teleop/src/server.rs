@@ -57,17 +57,17 @@ pub enum Action {
 /// Progress of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
-    /// It is being checked and started.
+    /// The program is being checked and started.
     Starts,
     Runs,
-    /// It has been cancelled, by its owner or by the end of the server.
+    /// Cancelled, by its owner or by the end of the server.
     Ends {
         by_owner: bool,
     },
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Job {
+pub(crate) struct CurrentJob {
     /// Number of the connection that runs it; `None` once it is gone.
     pub(crate) owner: Option<u64>,
     pub(crate) phase: Phase,
@@ -80,7 +80,7 @@ pub(crate) struct Job {
 pub struct Server {
     pub(crate) sessions: BTreeMap<u64, Session>,
     last: u64,
-    pub(crate) job: Option<Job>,
+    pub(crate) job: Option<CurrentJob>,
     pub(crate) machine: Machine,
     /// True after the first job.
     had_job: bool,
@@ -218,7 +218,9 @@ impl Server {
             self.tell(Some(id), &Answer::Error(why));
             self.close(id);
         }
-        let Some(Job { owner: Some(owner), phase: Phase::Runs, .. }) = self.job else { return };
+        let Some(CurrentJob { owner: Some(owner), phase: Phase::Runs, .. }) = self.job else {
+            return;
+        };
         if self.sessions.get(&owner).is_some_and(|s| now >= s.heard + LIVENESS_MS) {
             self.lose();
         }
@@ -230,7 +232,7 @@ impl Server {
             return;
         }
         match self.job {
-            Some(Job { phase: Phase::Runs, .. }) => self.cancel(false),
+            Some(CurrentJob { phase: Phase::Runs, .. }) => self.cancel(false),
             Some(_) => {}
             None => self.go_on(None, now),
         }
@@ -296,7 +298,7 @@ impl Server {
 
     /// Begins a job of a connection.
     pub(crate) fn begin(&mut self, id: u64, program: Vec<u8>) {
-        self.job = Some(Job { owner: Some(id), phase: Phase::Starts, lost: false });
+        self.job = Some(CurrentJob { owner: Some(id), phase: Phase::Starts, lost: false });
         self.actions.push_back(Action::Start { id, program });
     }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     answer::{Answer, Reason},
-    line::{Line, Lines},
+    line::{Lines, TextLine},
     words::{Code, Word},
 };
 
@@ -87,18 +87,18 @@ impl Session {
     }
 
     /// Reads a line of a program.
-    pub(crate) fn read(&mut self, mut payload: Payload, line: &Line) {
+    pub(crate) fn read(&mut self, mut payload: Payload, line: &TextLine) {
         let room = self.room(payload.word);
         payload.lines = payload.lines.saturating_add(1);
         match line {
-            Line::Text(text) if text == "." => return self.store(payload),
+            TextLine::Text(text) if text == "." => return self.store(payload),
             // A line that begins with a dot has another one before it.
-            Line::Text(text) => payload.add(text.strip_prefix('.').unwrap_or(text), room),
-            Line::Long => {
+            TextLine::Text(text) => payload.add(text.strip_prefix('.').unwrap_or(text), room),
+            TextLine::Long => {
                 let text = format!("line {} has more than 1024 bytes", payload.lines);
                 payload.refuse(Code::Largo, text);
             }
-            Line::NoText => {
+            TextLine::NoText => {
                 payload.refuse(Code::Sintaxis, format!("{} the line is no UTF-8", payload.lines));
             }
         }

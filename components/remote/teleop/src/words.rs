@@ -24,13 +24,13 @@ pub enum Word {
 pub struct RequestRow {
     /// The request.
     pub word: Word,
-    /// Its keyword.
+    /// Keyword.
     pub text: &'static str,
-    /// Its argument, as the manual writes it; empty without one.
+    /// Argument, as the manual writes it; empty without one.
     pub argument: &'static str,
-    /// Its answers.
+    /// Answers.
     pub answers: &'static str,
-    /// Its effect.
+    /// Effect.
     pub doc: &'static str,
 }
 
@@ -125,9 +125,9 @@ pub enum Code {
 pub struct CodeRow {
     /// The code.
     pub code: Code,
-    /// Its word.
+    /// Word.
     pub text: &'static str,
-    /// Its meaning.
+    /// Meaning.
     pub doc: &'static str,
 }
 

@@ -72,7 +72,7 @@ impl Engine {
                 self.runtime.stop()?;
             }
             ActionRequest::Timing { thread, on } => {
-                self.model.time_functs(thread.as_deref(), on)?
+                self.model.time_functs(thread.as_deref(), on)?;
             }
             ActionRequest::MessageLevel { level } => {
                 self.runtime.shared().mailbox.level.store(level, Ordering::Relaxed);

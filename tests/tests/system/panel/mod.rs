@@ -3,14 +3,21 @@
 #![expect(
     clippy::unwrap_used,
     clippy::indexing_slicing,
-    reason = "whatever fails here fails a test"
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "whatever fails here fails a test; figures are shown"
 )]
 
 mod accounts;
+mod cuts;
 mod display;
+mod figures;
+mod garbage;
 mod integrator;
+mod load;
 mod looks;
 mod loss;
+mod openapi;
 mod operator;
 mod printer;
 mod requests;
@@ -18,4 +25,6 @@ mod roles;
 mod samples;
 mod socket;
 mod stand;
+mod strangers;
 mod teleop;
+mod trouble;

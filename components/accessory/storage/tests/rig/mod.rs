@@ -1,6 +1,6 @@
 //! A storage in memory whose power can be cut, and a host that can hold the medium.
 
-use hal_storage::{Bay, Event, Gadget, NotEjected, Phase, Rules, Side, Storage};
+use hal_storage::{Bay, Gadget, NotEjected, Phase, Rules, Side, Storage, StorageEvent};
 use std::{
     cell::RefCell,
     collections::BTreeMap,
@@ -222,10 +222,10 @@ pub(crate) fn settle(storage: &mut Storage<Memory>, host: &mut Host, now: f64) -
 
 pub(crate) fn told(storage: &mut Storage<Memory>) -> Vec<String> {
     let text = |event| match event {
-        Event::Presented(side) => format!("presented {side}"),
-        Event::Deleted(name) => format!("deleted {name}"),
-        Event::Forced(side) => format!("forced {side}"),
-        Event::Failed(why) => why.to_string(),
+        StorageEvent::Presented(side) => format!("presented {side}"),
+        StorageEvent::Deleted(name) => format!("deleted {name}"),
+        StorageEvent::Forced(side) => format!("forced {side}"),
+        StorageEvent::Failed(why) => why.to_string(),
     };
     core::iter::from_fn(|| storage.event()).map(text).collect()
 }

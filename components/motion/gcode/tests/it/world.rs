@@ -241,7 +241,7 @@ fn function(state: &State) -> Answer {
             reply(vec![Effect::Name("_result".into(), result)], Next::Done(None))
         }
         ("twice", Turn::Begin) => execute("g0 x[#1+1]"),
-        ("twice", _) => reply(Vec::new(), Next::Done(Some(2.0 * call.arguments[0]))),
+        ("twice", _) => reply(Vec::new(), Next::Done(Some(2.0 * call.arguments.first().unwrap()))),
         ("itself", Turn::Begin) => execute("o<itself> call"),
         ("busy", Turn::Begin) => execute("g1 q3"),
         ("busy", Turn::Executed(Some(failure))) if &*failure.text == "g1 q3" => {

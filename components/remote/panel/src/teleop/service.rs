@@ -32,7 +32,7 @@ const TLS_TIME: Duration = Duration::from_secs(10);
 const AUTO: u64 = 1;
 
 /// Something that has happened beside the service.
-enum Event {
+enum Notice {
     Bytes(u64, Vec<u8>),
     Gone(u64),
     SignedIn(u64, String, Result<Role, Error>),
@@ -56,8 +56,8 @@ pub(super) struct Service {
     tls: Option<TlsAcceptor>,
     server: Server,
     connections: BTreeMap<u64, Connection>,
-    events: mpsc::Sender<Event>,
-    happened: mpsc::Receiver<Event>,
+    events: mpsc::Sender<Notice>,
+    happened: mpsc::Receiver<Notice>,
     /// User whose job starts or runs; it outlives the connection.
     owner: Option<User>,
     progress: Progress,
@@ -183,7 +183,7 @@ impl Service {
         self.connections.insert(id, connection);
         let events = self.events.clone();
         tokio::spawn(async move {
-            let (to, event) = (events.clone(), move |bytes| Event::Bytes(id, bytes));
+            let (to, event) = (events.clone(), move |bytes| Notice::Bytes(id, bytes));
             match tls {
                 None => connection::serve(stream, permits, to, event, queue).await,
                 Some(tls) => {
@@ -192,21 +192,21 @@ impl Service {
                     }
                 }
             }
-            drop(events.send(Event::Gone(id)).await);
+            drop(events.send(Notice::Gone(id)).await);
         });
     }
 
-    fn take(&mut self, event: Event) {
+    fn take(&mut self, event: Notice) {
         self.advance();
         let now = self.now;
         match event {
-            Event::Bytes(id, bytes) => {
+            Notice::Bytes(id, bytes) => {
                 self.server.receive(id, &bytes, now);
                 if let Some(connection) = self.connections.get_mut(&id) {
                     connection.waits = true;
                 }
             }
-            Event::Gone(id) => {
+            Notice::Gone(id) => {
                 self.server.gone(id);
                 if let Some(user) = self.connections.remove(&id).and_then(|c| c.user) {
                     let panel = self.panel.clone();
@@ -216,7 +216,7 @@ impl Service {
                     });
                 }
             }
-            Event::SignedIn(id, user, role) => {
+            Notice::SignedIn(id, user, role) => {
                 let result = role.as_ref().map(|role| *role >= Role::Operator);
                 self.server.signed_in(id, result.map_err(|e| e.text.clone()), now);
                 let is_in = self.server.user(id) == Some(user.as_str());
@@ -224,23 +224,23 @@ impl Service {
                     c.user = Some(sign_in::enter(&self.panel, &user, role));
                 }
             }
-            Event::Started(Ok(begun)) => {
+            Notice::Started(Ok(begun)) => {
                 self.progress = Progress::new(begun.lengths.clone());
                 self.server.started(Ok(()), now);
                 if let Some(owner) = self.owner.clone() {
                     let (panel, events) = (self.panel.clone(), self.events.clone());
                     tokio::spawn(async move {
                         let end = job::follow(&panel, &owner, &begun).await;
-                        drop(events.send(Event::Ended(end)).await);
+                        drop(events.send(Notice::Ended(end)).await);
                     });
                 }
             }
-            Event::Started(Err(why)) => {
+            Notice::Started(Err(why)) => {
                 self.owner = None;
                 self.is_free();
                 self.server.started(Err(why), now);
             }
-            Event::Ended(end) => {
+            Notice::Ended(end) => {
                 self.owner = None;
                 self.confirmed = None;
                 self.is_free();
@@ -265,7 +265,7 @@ impl Service {
                         // Hashing a password takes a while.
                         let role =
                             tokio::task::block_in_place(|| sign_in::role(&panel, &user, &secret));
-                        drop(events.send(Event::SignedIn(id, user, role)).await);
+                        drop(events.send(Notice::SignedIn(id, user, role)).await);
                     });
                 }
                 Action::Start { id, program } => self.start(id, program),
@@ -318,7 +318,7 @@ impl Service {
                 Some(user) => job::start(&panel, user, program).await,
                 None => Err(Reason::new(teleop::Code::Orden, "log in first")),
             };
-            drop(events.send(Event::Started(begun)).await);
+            drop(events.send(Notice::Started(begun)).await);
         });
     }
 

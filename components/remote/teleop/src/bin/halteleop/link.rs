@@ -2,7 +2,7 @@
 
 use crate::{
     Failure,
-    options::{Options, Status},
+    options::{Arguments, Status},
 };
 use ring::digest::{SHA256, digest};
 use rustls::{
@@ -39,7 +39,7 @@ enum Stream {
 
 impl Link {
     /// Connects.
-    pub(crate) fn open(options: &Options) -> Result<Self, Failure> {
+    pub(crate) fn open(options: &Arguments) -> Result<Self, Failure> {
         let address = options.address()?;
         let pinned = options.pinned()?;
         if pinned.is_none() && !address.ip().is_loopback() {

@@ -6,7 +6,7 @@ mod options;
 
 use clap::Parser as _;
 use link::Link;
-use options::{Options, Status, Work};
+use options::{Arguments, Status, Work};
 use signal_hook::{
     consts::{SIGINT, SIGTERM},
     flag,
@@ -17,7 +17,7 @@ use std::{
     sync::{Arc, atomic::AtomicBool, atomic::Ordering::Relaxed},
     time::{Duration, Instant},
 };
-use teleop::{Client, Code, End, Event};
+use teleop::{Client, Code, End, News};
 
 /// Longest silence of the server: it may check a program for a minute before the job starts.
 const SILENCE: Duration = Duration::from_secs(90);
@@ -26,7 +26,7 @@ const FAREWELL: Duration = Duration::from_secs(2);
 
 fn main() -> ExitCode {
     hal_output::program(|_| {
-        let (status, text) = match run(&Options::parse()) {
+        let (status, text) = match run(&Arguments::parse()) {
             Ok(()) => return ExitCode::SUCCESS,
             Err(why) => why,
         };
@@ -43,7 +43,7 @@ type Failure = (Status, String);
     clippy::disallowed_methods,
     reason = "a program at the edge: the server lives in real time"
 )]
-fn run(options: &Options) -> Result<(), Failure> {
+fn run(options: &Arguments) -> Result<(), Failure> {
     let program = match &options.work {
         Work::Run { file } => Some(options::read(file)?),
         Work::Progress => None,
@@ -91,12 +91,12 @@ fn run(options: &Options) -> Result<(), Failure> {
 }
 
 /// Prints what has happened.
-fn show(event: &Event, options: &Options) -> Result<(), Failure> {
+fn show(event: &News, options: &Arguments) -> Result<(), Failure> {
     let text = match event {
-        Event::Progress(percent) => format!("{percent} %\n"),
+        News::Progress(percent) => format!("{percent} %\n"),
         _ if options.quiet => return Ok(()),
-        Event::SignedIn => format!("logged in as {}\n", options.user),
-        Event::Sent => "the program is there; it is checked, then it runs\n".to_owned(),
+        News::SignedIn => format!("logged in as {}\n", options.user),
+        News::Sent => "the program is there; it is checked, then it runs\n".to_owned(),
     };
     hal_output::print(&text).map_err(|e| (Status::Local, e.to_string()))
 }

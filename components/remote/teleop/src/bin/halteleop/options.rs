@@ -1,4 +1,4 @@
-//! Options of the program, its files, and its exit status.
+//! Arguments of the program, its files, and its exit status.
 
 use crate::Failure;
 use clap::{Parser, Subcommand};
@@ -21,7 +21,7 @@ const MAX_SECRET: u64 = 4096;
 /// from here, 9 if the server has stopped.
 #[derive(Debug, Parser)]
 #[command(name = "halteleop", version)]
-pub(crate) struct Options {
+pub(crate) struct Arguments {
     /// Address and port of the machine.
     #[arg(long, global = true, default_value = "127.0.0.1:2000")]
     pub(crate) to: String,
@@ -117,7 +117,7 @@ fn contents(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-impl Options {
+impl Arguments {
     /// Returns the token or password: the first line of the file, without the address before a token.
     pub(crate) fn secret(&self) -> Result<String, Failure> {
         let path = match &self.secret_file {
