@@ -6,8 +6,8 @@ use crate::{
 };
 use hal_align::{Alignment, Conditions, Fit, Mark, Matrix, Misfit, Model, Transform, Vector, fit};
 use hal_marks::{
-    Calibration, Camera, Found, Mean, Picture, Search, Sight, Unfound, average, calibrate, choose,
-    search,
+    Calibration, Camera, FoundMark, Mean, Picture, Search, Sight, Unfound, average, calibrate,
+    choose, search,
 };
 use std::{fmt, path::Path};
 
@@ -66,7 +66,7 @@ pub(crate) struct Bench {
 /// Look in progress.
 #[derive(Default)]
 pub(crate) struct Look {
-    found: Vec<Found>,
+    found: Vec<FoundMark>,
     size: (usize, usize),
 }
 

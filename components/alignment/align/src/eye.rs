@@ -37,7 +37,7 @@ pub(crate) struct Instruction {
 
 /// Event for the worker.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Event {
+pub(crate) struct EyeEvent {
     pub(crate) number: u32,
     pub(crate) action: Action,
     pub(crate) mark: u32,
@@ -126,7 +126,7 @@ pub(crate) struct Shared {
 pub(crate) struct Eye {
     pins: EyePins,
     orders: Receiver<Instruction>,
-    events: Sender<Event>,
+    events: Sender<EyeEvent>,
     results: SeqReader<Results>,
     #[state]
     shared: Arc<Shared>,
@@ -135,7 +135,7 @@ pub(crate) struct Eye {
 }
 
 /// Ends of the ways to and from the worker.
-pub(crate) type Ends = (SeqWriter<Results>, Receiver<Event>);
+pub(crate) type Ends = (SeqWriter<Results>, Receiver<EyeEvent>);
 
 impl Eye {
     /// Creates the pins and the ways to and from the worker.
@@ -212,7 +212,7 @@ impl Eye {
     /// Passes an event to the worker.
     fn begin(&mut self, order: Instruction, mark: u32, x: f64, y: f64) {
         let scene = self.pins.scene();
-        let event = Event {
+        let event = EyeEvent {
             number: self.was.number.wrapping_add(1),
             action: order.action,
             mark,

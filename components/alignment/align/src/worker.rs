@@ -2,7 +2,7 @@
 
 use crate::{
     bench::{Bench, Failure, Look},
-    eye::{Action, Event, Results, Shared},
+    eye::{Action, EyeEvent, Results, Shared},
     lock,
 };
 use hal_align::Vector;
@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, atomic::Ordering::Relaxed};
 
 /// Event in progress.
 struct Progress {
-    event: Event,
+    event: EyeEvent,
     look: Look,
     /// Machine time of the last picture, in nanoseconds.
     since: i64,
@@ -20,7 +20,7 @@ struct Progress {
 /// The worker.
 #[derive(Touch)]
 pub(crate) struct Worker {
-    events: Receiver<Event>,
+    events: Receiver<EyeEvent>,
     results: SeqWriter<Results>,
     clock: Clock,
     messages: Messages,
@@ -38,7 +38,7 @@ impl Worker {
     pub(crate) fn new(
         bench: Arc<Mutex<Bench>>,
         shared: Arc<Shared>,
-        events: Receiver<Event>,
+        events: Receiver<EyeEvent>,
         results: SeqWriter<Results>,
         clock: Clock,
         messages: Messages,
@@ -88,7 +88,7 @@ impl Worker {
     }
 
     /// Reports the end of an event.
-    fn end(&mut self, event: &Event, result: Result<(), Failure>) {
+    fn end(&mut self, event: &EyeEvent, result: Result<(), Failure>) {
         let looks = matches!(event.action, Action::Look(_) | Action::Sight);
         self.last.number = event.number;
         self.last.error = result.err().map_or(0, |f| f as i32);

@@ -24,7 +24,7 @@ mod threshold;
 
 pub use camera::{Calibration, Camera, CameraProblem, Sight, calibrate};
 pub use draw::{Figure, Sheet, View};
-pub use measure::Found;
+pub use measure::FoundMark;
 pub use picture::{MAX_BYTES, MAX_SIDE, Picture, PictureProblem};
 pub use search::{Ink, MarkKind, Rejected, Search, Seen, search};
 pub use select::{Mean, Unfound, average, choose};

@@ -19,7 +19,7 @@ const FLOOR: f64 = 0.005;
 
 /// Mark in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundMark {
     /// Kind of the mark.
     pub kind: MarkKind,
     /// Centre in pixels from the left and from the top; the first pixel ends at 1.

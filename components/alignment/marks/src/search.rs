@@ -1,7 +1,7 @@
 //! Search: the marks of a picture, and why other regions are none.
 
 use crate::{
-    measure::{Found, Measures, measure},
+    measure::{FoundMark, Measures, measure},
     picture::Picture,
     region::{Region, regions},
     threshold::dark,
@@ -96,7 +96,7 @@ impl fmt::Display for Rejected {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seen {
     /// Marks.
-    pub marks: Vec<Found>,
+    pub marks: Vec<FoundMark>,
     /// Places of regions that are none, in pixels, with the reason.
     pub rejected: Vec<(Vector, Rejected)>,
 }
@@ -144,7 +144,7 @@ fn middle(region: &Region) -> Vector {
 }
 
 /// Judges a region.
-fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<Found, Rejected> {
+fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<FoundMark, Rejected> {
     let expected = match wanted.kind {
         MarkKind::Circle => PI / 4.0 * wanted.size * wanted.size,
         MarkKind::Square => wanted.size * wanted.size,
@@ -180,5 +180,5 @@ fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<Found, R
     }
     let angle = if kind == MarkKind::Square { m.angle } else { 0.0 };
     let Measures { centre, area, uncertainty, contrast, .. } = m;
-    Ok(Found { kind, centre, angle, area, uncertainty, contrast })
+    Ok(FoundMark { kind, centre, angle, area, uncertainty, contrast })
 }

@@ -1,7 +1,7 @@
 //! The wanted mark among those of a picture, and the mean of several pictures.
 
 use crate::{
-    measure::Found,
+    measure::FoundMark,
     search::{Rejected, Search, Seen},
 };
 use core::fmt;
@@ -52,9 +52,9 @@ impl fmt::Display for Unfound {
 ///
 /// # Errors
 /// There is none, or two are about as near.
-pub fn choose(seen: &Seen, near: Vector) -> Result<Found, Unfound> {
-    let distance = |m: &Found| (m.centre - near).length();
-    let mut marks: Vec<&Found> = seen.marks.iter().collect();
+pub fn choose(seen: &Seen, near: Vector) -> Result<FoundMark, Unfound> {
+    let distance = |m: &FoundMark| (m.centre - near).length();
+    let mut marks: Vec<&FoundMark> = seen.marks.iter().collect();
     marks.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
     match marks.as_slice() {
         [] => {
@@ -73,7 +73,7 @@ pub fn choose(seen: &Seen, near: Vector) -> Result<Found, Unfound> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mean {
     /// Mark with the mean of the centres and angles.
-    pub mark: Found,
+    pub mark: FoundMark,
     /// Largest distance of a centre from the mean, in pixels.
     pub scatter: f64,
     /// Number of pictures.
@@ -84,7 +84,7 @@ pub struct Mean {
 ///
 /// # Errors
 /// There are no marks, or they scatter.
-pub fn average(marks: &[Found]) -> Result<Mean, Unfound> {
+pub fn average(marks: &[FoundMark]) -> Result<Mean, Unfound> {
     let n = marks.len() as f64;
     let first = marks.first().ok_or(Unfound::NoPictures)?;
     let centre = marks.iter().fold(Vector::ZERO, |a, m| a + m.centre) * (1.0 / n);
@@ -93,14 +93,14 @@ pub fn average(marks: &[Found]) -> Result<Mean, Unfound> {
         return Err(Unfound::Scatter(scatter));
     }
     // A square looks the same after a quarter: the angles are differences from the first.
-    let off = |m: &Found| {
+    let off = |m: &FoundMark| {
         let by = m.angle - first.angle;
         by - 90.0 * libm::round(by / 90.0)
     };
     let angle = first.angle + marks.iter().map(off).sum::<f64>() / n;
     let angle = angle - 90.0 * libm::round(angle / 90.0);
     let uncertainty = first.uncertainty / libm::sqrt(n);
-    let mark = Found { centre, angle, uncertainty, ..*first };
+    let mark = FoundMark { centre, angle, uncertainty, ..*first };
     Ok(Mean { mark, scatter, pictures: marks.len() })
 }
 

@@ -17,7 +17,7 @@ impl Random {
     }
 }
 
-/// MarkKind of pictures.
+/// A kind of pictures.
 struct Case {
     name: &'static str,
     blur: f64,

@@ -35,7 +35,7 @@ pub enum Arcs {
 
 /// Conditions of a rewriting.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Options {
+pub struct Rules {
     /// Treatment of arcs that do not stay arcs.
     pub arcs: Arcs,
     /// Largest distance of lines, or of an arc that is kept, from the exact curve, in millimetres.
@@ -48,7 +48,7 @@ pub struct Options {
     pub header: Option<String>,
 }
 
-impl Default for Options {
+impl Default for Rules {
     fn default() -> Self {
         Self { arcs: Arcs::Lines, tolerance: 0.005, start: None, expand: false, header: None }
     }
@@ -87,7 +87,7 @@ pub struct Refusal {
 pub fn rewrite(
     text: &[u8],
     transform: &Transform,
-    options: &Options,
+    options: &Rules,
 ) -> Result<Rewritten, Vec<Refusal>> {
     let whole = |reason| vec![Refusal { line: 0, column: 0, reason }];
     if !transform.linear.is_usable()
@@ -110,7 +110,7 @@ pub fn rewrite(
 /// Program with its conditions.
 struct Program<'a> {
     transform: &'a Transform,
-    options: &'a Options,
+    options: &'a Rules,
     flow: Flow,
 }
 

@@ -9,7 +9,7 @@
 
 use hal_align::{
     Matrix, Parts, Transform, Vector,
-    rewrite::{Options, rewrite},
+    rewrite::{Rules, rewrite},
 };
 use hal_gcode::{
     Answer, Call, Environment, Interpreter, Numbered, Request, Settings, Step, Text,
@@ -158,7 +158,7 @@ fn compare(name: &str, text: &str, result: &str, transform: &Transform) -> usize
     let Some(after) = trace(result.as_bytes(), transform.shift) else {
         fail("does not run".to_owned())
     };
-    let tolerance = Options::default().tolerance;
+    let tolerance = Rules::default().tolerance;
     let mut rest = after.as_slice();
     for old in &before {
         let to = mapped(transform, old.to);
@@ -252,7 +252,7 @@ fn every_program_of_the_interpreters_tests_moves_as_its_source_does() {
             if compensated && n > 1 {
                 continue;
             }
-            let options = Options { start: Some(Vector::ZERO), expand: true, ..Options::default() };
+            let options = Rules { start: Some(Vector::ZERO), expand: true, ..Rules::default() };
             let Ok(out) = rewrite(text.as_bytes(), transform, &options) else { continue };
             accepted += 1;
             let name = format!("{name} by {n}");
@@ -319,7 +319,7 @@ fn random_programs_move_as_their_sources_do() {
     for round in 0..150 {
         let text = program(&mut random);
         for (n, transform) in transforms().iter().enumerate() {
-            let out = rewrite(text.as_bytes(), transform, &Options::default());
+            let out = rewrite(text.as_bytes(), transform, &Rules::default());
             let out = out.unwrap_or_else(|e| panic!("{}\n{text}", e[0].reason));
             let name = format!("program {round} by {n}");
             moves += compare(&name, &text, &String::from_utf8_lossy(&out.text), transform);
@@ -346,9 +346,9 @@ fn there_and_back_is_the_same_within_one_unit_of_the_last_digit() {
         text.push_str("M2\n");
         let rigid = Transform { linear: Matrix::rotation(0.3), shift: Vector::new(5.0, 6.0) };
         for transform in [rigid, parts(77.0, 1.0, 1.0, 0.0), parts(10.0, 1.002, 0.998, 0.1)] {
-            let there = rewrite(text.as_bytes(), &transform, &Options::default()).unwrap();
+            let there = rewrite(text.as_bytes(), &transform, &Rules::default()).unwrap();
             let inverse = transform.inverse().unwrap();
-            let back = rewrite(&there.text, &inverse, &Options::default()).unwrap();
+            let back = rewrite(&there.text, &inverse, &Rules::default()).unwrap();
             let before = trace(text.as_bytes(), Vector::ZERO).unwrap();
             let after = trace(&back.text, Vector::ZERO).unwrap();
             assert_eq!(before.len(), after.len());

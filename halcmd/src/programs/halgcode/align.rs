@@ -7,7 +7,7 @@ use crate::{
 };
 use hal_align::{
     Alignment, Fit, Mark, Matrix, Model, Transform, Vector,
-    rewrite::{Arcs, MAX_REFUSALS, Options, Rewritten, rewrite},
+    rewrite::{Arcs, MAX_REFUSALS, Rewritten, Rules, rewrite},
 };
 use std::{
     path::{Path, PathBuf},
@@ -126,10 +126,10 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         alignment.options.model = model;
     }
     alignment.options.mirror |= is_given(Setting::Mirror);
-    let mut options = Options {
+    let mut options = Rules {
         expand: is_given(Setting::Expand),
         header: is_given(Setting::Header).then(|| name_of(file)),
-        ..Options::default()
+        ..Rules::default()
     };
     match last(Setting::Arcs) {
         None | Some("lines") => {}

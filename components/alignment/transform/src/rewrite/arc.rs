@@ -7,7 +7,7 @@ use super::{
     curve::Curve,
     edit::{Digits, letter},
     modal::{ArcPlane, Modal, Motion},
-    transfer::{Displacement, Line, follow_z, is_coupled, straight, write},
+    transfer::{ChangedLine, Displacement, follow_z, is_coupled, straight, write},
     words::Word,
 };
 use crate::{Matrix, Vector};
@@ -34,7 +34,7 @@ pub(super) type Failure = (u32, Reason);
 pub(super) fn arc(
     program: &Program<'_>,
     modal: &mut Modal,
-    mut line: Line<'_>,
+    mut line: ChangedLine<'_>,
     codes: &Codes,
     left: bool,
     end: &[u8],
@@ -101,7 +101,7 @@ fn keeps(program: &Program<'_>, modal: &Modal, arc: &Arc) -> Result<bool, Failur
 fn keep(
     program: &Program<'_>,
     modal: &mut Modal,
-    line: &mut Line<'_>,
+    line: &mut ChangedLine<'_>,
     arc: &Arc,
     arc_word: Option<Word>,
 ) -> Result<(), Failure> {
@@ -150,7 +150,7 @@ fn keep(
 fn centre(
     program: &Program<'_>,
     modal: &Modal,
-    line: &mut Line<'_>,
+    line: &mut ChangedLine<'_>,
     arc: &Arc,
 ) -> Result<(), Failure> {
     let transform = program.transform;
@@ -180,7 +180,7 @@ fn centre(
 }
 
 /// Returns the first word of an arc on a line.
-fn first_word(line: &Line<'_>) -> Option<Word> {
+fn first_word(line: &ChangedLine<'_>) -> Option<Word> {
     line.words.list.iter().find(|w| b"xyzijkrp".contains(&w.letter)).copied()
 }
 
@@ -188,7 +188,7 @@ fn first_word(line: &Line<'_>) -> Option<Word> {
 fn chords(
     program: &Program<'_>,
     modal: &mut Modal,
-    mut line: Line<'_>,
+    mut line: ChangedLine<'_>,
     arc: &Arc,
     arc_word: Option<Word>,
     stops: bool,
@@ -294,7 +294,12 @@ impl Writer {
 }
 
 /// Makes the block of an arc its first line.
-fn first(line: &mut Line<'_>, modal: &Modal, arc_word: Option<Word>, [x, y, z]: [String; 3]) {
+fn first(
+    line: &mut ChangedLine<'_>,
+    modal: &Modal,
+    arc_word: Option<Word>,
+    [x, y, z]: [String; 3],
+) {
     let raw = line.raw;
     let named = |name, text: &str| format!("{}{text}", letter(raw, line.words, name));
     match arc_word {

@@ -7,7 +7,7 @@ use super::{
     codes::{Codes, Use, codes},
     edit::Edits,
     modal::{ArcPlane, Modal, Motion},
-    transfer::{Displacement, Line, follow_z, is_coupled, straight},
+    transfer::{ChangedLine, Displacement, follow_z, is_coupled, straight},
     words::Words,
 };
 
@@ -36,7 +36,7 @@ pub(super) fn block(
         let shown = char::from(second.letter.to_ascii_uppercase());
         return Err((second.column(), Reason::SecondPair(shown)));
     }
-    let mut line = Line { raw, words, edits: Edits::default() };
+    let mut line = ChangedLine { raw, words, edits: Edits::default() };
     let swaps = program.transform.linear.det() < 0.0;
     for side in codes.sides.iter().filter_map(|n| words.list.get(*n)).filter(|_| swaps) {
         let is_left = side.value.is_some_and(|v| v < 41.5);
@@ -89,7 +89,7 @@ fn takes_arc(modal: &Modal, words: &Words) -> bool {
 
 /// Rewrites a return by way of a point.
 fn go_back(
-    line: &mut Line<'_>,
+    line: &mut ChangedLine<'_>,
     modal: &mut Modal,
     program: &Program<'_>,
     code: i32,
@@ -106,7 +106,7 @@ fn go_back(
 
 /// Rewrites a motion that is no arc. Returns whether the line changes.
 fn motion(
-    line: &mut Line<'_>,
+    line: &mut ChangedLine<'_>,
     modal: &mut Modal,
     program: &Program<'_>,
     codes: &Codes,

@@ -18,7 +18,7 @@ fn turned_about(turn: f64, x: f64, y: f64) -> Transform {
     Transform { linear, shift: at - linear * at }
 }
 
-fn run(text: &str, transform: &Transform, options: &Options) -> Result<String, String> {
+fn run(text: &str, transform: &Transform, options: &Rules) -> Result<String, String> {
     match rewrite(text.as_bytes(), transform, options) {
         Ok(done) => Ok(String::from_utf8(done.text).unwrap()),
         Err(refusals) => {
@@ -29,11 +29,11 @@ fn run(text: &str, transform: &Transform, options: &Options) -> Result<String, S
 }
 
 fn done(text: &str, transform: &Transform) -> String {
-    run(text, transform, &Options::default()).unwrap()
+    run(text, transform, &Rules::default()).unwrap()
 }
 
 fn refused(text: &str, transform: &Transform) -> String {
-    run(text, transform, &Options::default()).unwrap_err()
+    run(text, transform, &Rules::default()).unwrap_err()
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn arcs_of_the_reference() {
         done("G0 X0 Y0\nG2 X10 Y0 R5\n", &similar),
         "G0 X10.0000 Y20.0000\nG2 X22.9904 Y27.5000 R7.5000\n"
     );
-    let circle = rewrite(b"G0 X10 Y0\nG3 I-10\n", &stretched(), &Options::default()).unwrap();
+    let circle = rewrite(b"G0 X10 Y0\nG3 I-10\n", &stretched(), &Rules::default()).unwrap();
     assert_eq!((circle.arcs, circle.chords), (1, 109));
     assert_eq!(circle.text.iter().filter(|b| **b == b'\n').count(), 110);
 }
@@ -126,7 +126,7 @@ fn mirrored_parts_exchange_left_and_right() {
 
 #[test]
 fn arcs_under_unequal_scales_become_lines_or_are_refused() {
-    let options = Options { tolerance: 0.5, ..Options::default() };
+    let options = Rules { tolerance: 0.5, ..Rules::default() };
     assert_eq!(
         run(
             "G0 X10 Y0 Z1\nN7 G3 X-10 I-10 Z3 F50 (c)\nX10 I10 Z1\nG1 X0\n",
@@ -145,12 +145,12 @@ fn arcs_under_unequal_scales_become_lines_or_are_refused() {
         run(
             "G0 X10 Y0\nG3 X-10 Y0 R10\nX-11 Y0 I-0.5\n",
             &stretched(),
-            &Options { tolerance: 2.0, ..options.clone() }
+            &Rules { tolerance: 2.0, ..options.clone() }
         )
         .unwrap(),
         "G0 X12.0000 Y0.0000\nG1 X6.0000 Y9.5263\nX-6.0000 Y9.5263\nX-12.0000 Y0.0000\nG3 X-13.2000 Y0.0000 I-0.6000\n"
     );
-    let none = Options { arcs: Arcs::Refuse, ..options };
+    let none = Rules { arcs: Arcs::Refuse, ..options };
     let text = run("G0 X10 Y0\n\nG3 I-10\nG1 X1\n", &stretched(), &none).unwrap_err();
     assert!(
         text.starts_with("3:0: the aligned part has unequal scales") && text.lines().count() == 1
@@ -220,9 +220,9 @@ fn what_cannot_be_kept_is_refused_by_line() {
 #[test]
 fn a_start_and_parameters_can_be_given() {
     let t = similar(90.0, 1.0, 0.0, 0.0);
-    let start = Options { start: Some(Vector::new(3.0, 4.0)), ..Options::default() };
+    let start = Rules { start: Some(Vector::new(3.0, 4.0)), ..Rules::default() };
     assert_eq!(run("G1 X1\n", &t, &start).unwrap(), "G1 X-4.0000 Y1.0000\n");
-    let expand = Options { expand: true, ..Options::default() };
+    let expand = Rules { expand: true, ..Rules::default() };
     assert_eq!(
         run("#1=2 #<w>=[3*2]\nG1 X#1 Y[#<w>+0.5]\n", &t, &expand).unwrap(),
         "#1=2 #<w>=[3*2]\nG1 X-6.5000 Y2.0000\n"
@@ -244,7 +244,7 @@ fn flow_control_stays_where_it_can_be_followed() {
 
 #[test]
 fn a_header_names_transform_and_source() {
-    let options = Options { header: Some("a(b).ngc".to_owned()), ..Options::default() };
+    let options = Rules { header: Some("a(b).ngc".to_owned()), ..Rules::default() };
     let text = run("\n%\nG0 X1 Y1\n", &similar(0.0, 1.0, 1.0, 2.0), &options).unwrap();
     let crc = crc32(b"\n%\nG0 X1 Y1\n");
     assert_eq!(
@@ -332,7 +332,7 @@ fn bytes_of_any_kind_never_panic_and_other_blocks_never_change() {
             }
             text.push_str(if random.next(2) == 0 { "\n" } else { "\r\n" });
         }
-        let options = Options { expand: round % 2 == 0, ..Options::default() };
+        let options = Rules { expand: round % 2 == 0, ..Rules::default() };
         let Ok(out) = rewrite(text.as_bytes(), &transforms[round % 2], &options) else { continue };
         rewritten += out.changed;
         let out = String::from_utf8(out.text).unwrap();

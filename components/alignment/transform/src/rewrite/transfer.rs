@@ -14,13 +14,13 @@ pub(super) fn is_coupled(transform: &Transform) -> bool {
 }
 
 /// Line that is being changed.
-pub(super) struct Line<'a> {
+pub(super) struct ChangedLine<'a> {
     pub(super) raw: &'a [u8],
     pub(super) words: &'a Words,
     pub(super) edits: Edits,
 }
 
-impl Line<'_> {
+impl ChangedLine<'_> {
     /// Writes two words; the first one stands before the second one.
     pub(super) fn pair(&mut self, names: [u8; 2], texts: [Option<String>; 2]) {
         let [first, second] = names;
@@ -71,7 +71,7 @@ pub(super) struct Displacement {
 
 /// Rewrites X and Y of a block, and follows the position.
 pub(super) fn straight(
-    line: &mut Line<'_>,
+    line: &mut ChangedLine<'_>,
     modal: &mut Modal,
     transform: &Transform,
     step: Displacement,
@@ -97,7 +97,7 @@ pub(super) fn straight(
 
 /// Writes X and Y, and keeps the rest that the digits leave.
 pub(super) fn write(
-    line: &mut Line<'_>,
+    line: &mut ChangedLine<'_>,
     modal: &mut Modal,
     step: Displacement,
     want: Vector,
