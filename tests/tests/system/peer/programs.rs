@@ -55,7 +55,7 @@ fn the_example_in_c_reads_and_sets_values() {
 fn the_example_of_the_socket_reads_and_sets_values() {
     let Some(python) = python() else { return };
     let (scratch, _running) = running();
-    let example = root().join("components/foreign/compat/examples/socket.py");
+    let example = root().join("components/foreign/compat/examples/over_socket.py");
     let output = scratch.run(scratch.command(&[], python).arg(example).arg("sum"));
     assert_eq!(output.status, Some(0), "{}", output.stderr);
     for part in SEEN {

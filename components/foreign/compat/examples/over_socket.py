@@ -1,7 +1,7 @@
 """Asks a running instance through its socket: a line of JSON for each request, and a line for its answer.
 
     halrun -b machine.hal
-    python3 socket.py sum
+    python3 over_socket.py sum
 
 Any language with Unix sockets and JSON does it in the same way."""
 
