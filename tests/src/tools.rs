@@ -5,7 +5,13 @@
 //! - `FERRULE_SKIPPED` names a file. Each skipped test adds a line `TEST: PROGRAM is not installed (REMEDY)`, which
 //!   `.ci/run` prints at its end.
 
-use std::{fs::OpenOptions, io::Write, path::PathBuf, process::{Command, Stdio}, thread};
+use std::{
+    fs::OpenOptions,
+    io::Write,
+    path::PathBuf,
+    process::{Command, Stdio},
+    thread,
+};
 
 /// A program outside the workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

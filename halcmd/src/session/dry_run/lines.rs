@@ -159,6 +159,13 @@ impl Session<'_> {
         }
     }
 
+    /// Lets everything exist from here on, because the rest of a Tcl file with an error was not executed.
+    pub(in crate::session) fn doubt_what_follows(&mut self, file: &str) {
+        if let Some(dry_run) = &mut self.dry_run {
+            dry_run.unknown.begin_anything(file);
+        }
+    }
+
     /// Returns whether the line that runs may use a name that does not exist in a dry run.
     pub(in crate::session) fn is_covered(&mut self, name: &str) -> bool {
         let at = self.current_line();
