@@ -62,8 +62,7 @@ impl JoinedLoad {
                 }
                 format!("{},{value}", first.1)
             } else if COUNTS.contains(&name) {
-                let sum =
-                    |a: &str, b: &str| Some(a.parse::<u32>().ok()?.checked_add(b.parse().ok()?)?);
+                let sum = |a: &str, b: &str| a.parse::<u32>().ok()?.checked_add(b.parse().ok()?);
                 sum(&first.1, value).ok_or_else(|| differs(first))?.to_string()
             } else if first.1 == value {
                 continue;

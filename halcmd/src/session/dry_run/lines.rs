@@ -23,6 +23,8 @@ const INTERFACES: [(&str, &str, &[&str]); 5] = [
     ("HAL", "HALUI", &["halui"]),
 ];
 
+/// Component of LinuxCNC's programs that show a machine.
+const VIEW: &str = "vismach";
 /// Failure code for a name that does not exist.
 const ENOENT: i32 = -2;
 
@@ -211,6 +213,10 @@ impl Session<'_> {
         let stem = base.split('.').next().unwrap_or_default();
         for name in [stem, stem.strip_prefix("hal_").unwrap_or(stem)] {
             unknown.expect(name, &at, program);
+        }
+        // LinuxCNC's views of machines, such as puma560gui, have a second component for the view itself.
+        if stem.ends_with("gui") {
+            unknown.expect(VIEW, &at, program);
         }
         // A program often gets the name for its component as an argument.
         for word in &launch.args {
