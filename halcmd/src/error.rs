@@ -206,6 +206,7 @@ pub enum Error {
         at: Box<str>,
     },
     ThreadsExist,
+    NoTask,
     NoScreen,
     Unexpected,
 }
@@ -322,6 +323,7 @@ impl core::fmt::Display for Error {
             Self::ThreadsExist => {
                 f.write_str("HAL_LIB: Cannot run 'setexact' after a thread has been created")
             }
+            Self::NoTask => f.write_str("this machine has no task, which runs programs"),
             Self::NoScreen => f.write_str("this view needs a terminal"),
             Self::Unexpected => f.write_str("the engine's answer does not match the request"),
         }

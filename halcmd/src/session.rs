@@ -225,7 +225,7 @@ impl<'a> Session<'a> {
     /// Executes a command given as words, without replacing variables.
     pub fn command(&mut self, words: &[String]) -> Outcome {
         let (statement, line) = Statement::of_words(words);
-        let result = self.carry_out(&statement, true).map(|_| ());
+        let result = self.execute_statement(&statement, true).map(|_| ());
         self.settled(result, &line)
     }
 
@@ -317,10 +317,10 @@ impl<'a> Session<'a> {
         }
         let values =
             Values { environment: self.environment, ini: self.own_ini.as_ref().or(self.ini) };
-        self.carry_out(&Statement::parse(text, values)?, nested)
+        self.execute_statement(&Statement::parse(text, values)?, nested)
     }
 
-    fn carry_out(&mut self, statement: &Statement, nested: bool) -> Result<Step, Fault> {
+    fn execute_statement(&mut self, statement: &Statement, nested: bool) -> Result<Step, Fault> {
         if statement.words().is_empty() {
             return Ok(Step::On);
         }

@@ -43,12 +43,7 @@ fn commands_print_what_they_should() {
     }
     std::fs::remove_dir_all(&at).unwrap();
     let path = folder().join("expected");
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(&path, &text).unwrap();
-    }
-    let expected = std::fs::read_to_string(&path).unwrap();
-    let first = expected.lines().zip(text.lines()).find(|(a, b)| a != b);
-    assert!(expected == text, "first difference: {first:?}; UPDATE_EXPECT=1 accepts it");
+    hal_golden::check(&path, &text);
 }
 
 #[test]
@@ -271,6 +266,40 @@ fn a_program_in_millimetres_moves_to_the_same_places() {
     std::fs::remove_dir_all(&at).unwrap();
     eprintln!("{compared} programs");
     assert!(compared >= 5, "only {compared} programs");
+}
+
+/// The pictures of a simulation are what they were; `UPDATE_EXPECT=1` draws them again.
+#[test]
+fn simulations_are_drawn_as_before() {
+    let configs = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../configs/maxnc");
+    let pictures = folder().join("pictures");
+    let at = scratch("simulation");
+    let coarse = |view: &'static str| vec!["-r", "20", "-w", view];
+    let mut cases: Vec<(PathBuf, Vec<&str>, &str)> = ["perspective", "front", "side", "top"]
+        .map(|view| (pictures.join(format!("ticks-{view}.svg")), coarse(view), "scissors-b"))
+        .to_vec();
+    cases.push((pictures.join("ticks-turned.svg"), vec!["-r", "20", "-a", "-60,10"], "scissors-b"));
+    cases.push((configs.join("scissors-a.svg"), vec!["-r", "100"], "scissors-a"));
+    cases.push((
+        configs.join("scissors-b.svg"),
+        vec!["-r", "100", "-w", "top"],
+        "scissors-b-plunged",
+    ));
+    for (path, mut words, part) in cases {
+        let program = configs.join(format!("{part}.nc"));
+        let ini = configs.join("maxnc.ini");
+        let size = if path.starts_with(&configs) { "1000x520" } else { "720x400" };
+        words.extend(["-S", size, "-o", "new.svg", "-i", ini.to_str().unwrap()]);
+        words.push(program.to_str().unwrap());
+        words.insert(0, "ticks");
+        let output = halgcode(&at, &words);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let new = std::fs::read_to_string(at.join("new.svg")).unwrap();
+        hal_golden::check(&path, &new);
+        // A line for each of the axes that are seen, and for each command that moves.
+        assert!(new.matches("<polyline").count() > 20, "{part}");
+    }
+    std::fs::remove_dir_all(&at).unwrap();
 }
 
 #[test]

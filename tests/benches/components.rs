@@ -17,7 +17,7 @@
 
 mod speed;
 
-use hal_tests::{every, programs::root};
+use hal_tests::{costs::with_rows_of, every, golden, programs::root};
 use speed::{Cost, bench::HAL_LIBRARY, costs, loads, nothing};
 use std::fmt::Write;
 
@@ -87,11 +87,11 @@ fn main() {
     }
     let table = table();
     println!("{table}");
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
+    if golden::is_update() {
         let path = root().join("components/SPEED.md");
-        let text = std::fs::read_to_string(&path).unwrap();
-        let (head, rest) = text.split_once(BEGIN).unwrap();
-        let (_, tail) = rest.split_once(END).unwrap();
-        std::fs::write(&path, format!("{head}{BEGIN}{table}{END}{tail}")).unwrap();
+        golden::rewrite_part(&path, BEGIN, END, |old| match std::env::var("COMPONENT") {
+            Ok(only) => with_rows_of(old, &table, &only),
+            Err(_) => table,
+        });
     }
 }

@@ -10,15 +10,15 @@
 
 pub mod browser;
 pub mod case;
+pub mod conformance;
+pub mod costs;
 pub mod counted;
 pub mod every;
 pub mod faults;
 pub mod foreign;
 pub mod fuzz;
-pub mod golden;
 mod guard;
 pub mod imports;
-pub mod judge;
 pub mod machine;
 pub mod mutations;
 pub mod pins;
@@ -34,3 +34,5 @@ pub mod trace;
 pub mod user;
 pub mod vcd;
 pub mod web;
+
+pub use hal_golden as golden;

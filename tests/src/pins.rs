@@ -4,8 +4,8 @@
 //! accepts, and for each `loadrt` line its functions, and its pins and parameters with type, direction and first value.
 
 use crate::{
+    conformance::case::{Case, named},
     foreign::{Bench, installed},
-    judge::case::{Case, named},
     programs::root,
 };
 use hal_protocol::{Direction, Kind, Link, Offer, Reply, Request, Type, Value};

@@ -6,12 +6,12 @@ pub mod case;
 mod recover;
 
 use crate::{
-    foreign::Bench,
-    judge::{
+    conformance::{
         Style,
         case::{Input, named},
         inputs::{Source, positive, within},
     },
+    foreign::Bench,
     machine::{get, says, script, status, thread},
     random::Random,
 };

@@ -41,6 +41,7 @@ const PROGRAMS: &[Tool] = &[
     Tool { name: "tclsh", what: "tclsh", remedy: "apt-get install tcl" },
     Tool { name: "dot", what: "Graphviz", remedy: "apt-get install graphviz" },
     Tool { name: "python3", what: "python3", remedy: "apt-get install python3" },
+    Tool { name: "pytest", what: "pytest", remedy: "apt-get install python3-pytest" },
     Tool { name: "ssconvert", what: "ssconvert", remedy: "apt-get install gnumeric" },
     Tool { name: "unshare", what: "unshare, with the right to mount", remedy: "run it as root" },
     Tool { name: "taskset", what: "taskset", remedy: "apt-get install util-linux" },

@@ -1,13 +1,10 @@
 //! Makes the folder `python` beside the library, which `halrun` puts on `PYTHONPATH`: the modules in Python, and the
-//! library under the names of its modules.
+//! library.
 
 use std::{
     env, fs, io,
     path::{Path, PathBuf},
 };
-
-/// Modules of the library.
-const MODULES: [&str; 3] = ["_hal", "_machine", "gcode"];
 
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=modules");
@@ -16,14 +13,21 @@ fn main() -> io::Result<()> {
     // OUT_DIR is `PROFILE/build/PACKAGE/out`.
     let beside = out.ancestors().nth(3).unwrap_or(Path::new(".")).join("python");
     copy(&here.join("modules"), &beside)?;
-    for name in MODULES {
-        let module = beside.join(format!("{name}.abi3.so"));
-        match fs::remove_file(&module) {
-            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
-            _ => std::os::unix::fs::symlink("../libferrule_python.so", module)?,
-        }
+    // Before, each module of the library was a link to it.
+    for old in ["_hal", "_machine", "gcode"] {
+        removed(&beside.join(format!("{old}.abi3.so")))?;
     }
-    Ok(())
+    let library = beside.join("ferrule/_library.abi3.so");
+    removed(&library)?;
+    std::os::unix::fs::symlink("../../libferrule_python.so", library)
+}
+
+/// Removes a file that may be missing.
+fn removed(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(e),
+        _ => Ok(()),
+    }
 }
 
 /// Copies the modules of a folder and its packages.

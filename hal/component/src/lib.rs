@@ -60,6 +60,7 @@ mod snapshot;
 mod solved;
 mod stream;
 mod sync;
+mod texts;
 mod worker;
 
 pub use args::Arg;
@@ -98,6 +99,7 @@ pub use shim::create;
 pub use snapshot::{Snapshot, SnapshotReader};
 pub use solved::{Solution, Solved, Unsolved, Ways};
 pub use stream::{StreamIn, StreamOut};
+pub use texts::Texts;
 pub use worker::Work;
 
 /// Nominal period of a thread.

@@ -29,7 +29,7 @@ mod who;
 pub(crate) use apart::threads;
 pub(crate) use board::{Current, NOBODY, lost, record};
 pub(crate) use doing::{
-    Control, Doing, Origin, What, begin_cycle, end_cycle, run_stop, run_worker,
+    Activity, Control, Doing, Origin, begin_cycle, end_cycle, run_stop, run_worker,
 };
 pub(crate) use instance::{Instance, Remains};
 pub(crate) use notes::{note_funct, note_own_threads, note_recording};

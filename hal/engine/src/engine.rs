@@ -33,7 +33,7 @@ pub struct Engine {
     pub(crate) runtime: Runtime,
     pub(crate) workers: Workers,
     pub(crate) snapshots: Snapshots,
-    /// In a trial: the program's component that is being created.
+    /// In a dry run: the program's component that is being created.
     pub(crate) tried: Option<Ix>,
     /// The last field: everything else points into its values.
     pub(crate) model: Model,

@@ -16,7 +16,7 @@ pub(crate) mod unload;
 use crate::{
     Engine, Error,
     change::undo::Undo,
-    ends::{self, Doing, What},
+    ends::{self, Activity, Doing},
     error::loading::Loading,
     graph::Ix,
     load::args::{Args, Declared, Instances},
@@ -33,7 +33,7 @@ impl Engine {
     pub(crate) fn load(&mut self, module: &str, words: &[String]) -> Result<(), Error> {
         self.model.unlocked(Lock::LOAD, "loading of programs")?;
         let instance = self.runtime.instance().clone();
-        let _within = instance.control.run(Doing::new(module, What::Load));
+        let _within = instance.control.run(Doing::new(module, Activity::Load));
         let foreign = self.foreign_files();
         if let Some(found) = self.model.loader().find_only_foreign(module, &foreign)? {
             return self.load_file(module, words, "", &found);
@@ -142,8 +142,8 @@ impl Engine {
         let (opens, threads) =
             (core::mem::take(&mut creating.opens), core::mem::take(&mut creating.threads));
         self.model.staged_mut().begin_threads(threads);
-        // A trial is dropped without opening.
-        if self.model.staged().is_dry() || self.runtime.is_trial() {
+        // An engine in a dry run is dropped without opening.
+        if self.model.staged().is_dry() || self.runtime.is_dry_run() {
             return Ok(());
         }
         // From here on, stop actions cover everything that opening drives.

@@ -22,12 +22,12 @@ impl Engine {
     /// Returns the messages of components and of the engine since the last call. They are logged as
     /// well.
     pub fn take_messages(&mut self) -> Vec<String> {
-        self.hear();
+        self.drain_messages();
         self.log.take()
     }
 
     /// Logs the messages of components.
-    pub(crate) fn hear(&mut self) {
-        self.log.hear(self.runtime.shared(), self.model.graph(), self.model.left());
+    pub(crate) fn drain_messages(&mut self) {
+        self.log.drain_messages(self.runtime.shared(), self.model.graph(), self.model.departed());
     }
 }

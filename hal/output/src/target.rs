@@ -24,12 +24,12 @@ pub(crate) struct Target {
     /// `None` if data is written directly to the target, or once the file is in its place.
     temporary: Option<PathBuf>,
     path: PathBuf,
-    keep: Option<Keep>,
+    attributes: Option<Attributes>,
 }
 
 /// Permissions and owner for the new file.
 #[derive(Clone, Copy, Debug)]
-struct Keep {
+struct Attributes {
     mode: u32,
     /// True if the caller requested this mode, false if it is that of the replaced file.
     is_asked: bool,
@@ -58,7 +58,10 @@ impl Target {
                 let mut options = OpenOptions::new();
                 options.write(true).truncate(true).custom_flags(flags.bits().cast_signed());
                 let file = options.open(path).map_err(|e| unread(path, e))?;
-                return Ok((Self { temporary: None, path: path.to_owned(), keep: None }, file));
+                return Ok((
+                    Self { temporary: None, path: path.to_owned(), attributes: None },
+                    file,
+                ));
             }
             Meant::New(place) => (place, None),
             Meant::Old(place, old) => {
@@ -71,10 +74,11 @@ impl Target {
         };
         let owner = old.as_ref().map(|old| (old.uid(), old.gid()));
         let kept = mode.or(old.as_ref().map(|old| old.mode() & 0o7777));
-        let keep = kept.map(|kept| Keep { mode: kept, is_asked: mode.is_some(), owner });
+        let attributes =
+            kept.map(|kept| Attributes { mode: kept, is_asked: mode.is_some(), owner });
         let (temporary, file) =
-            temporary(&place, keep.is_some()).map_err(|e| beside(e, old.is_some()))?;
-        Ok((Self { temporary: Some(temporary), path: place, keep }, file))
+            temporary(&place, attributes.is_some()).map_err(|e| beside(e, old.is_some()))?;
+        Ok((Self { temporary: Some(temporary), path: place, attributes }, file))
     }
 
     /// Returns whether the file is in its place.
@@ -94,7 +98,7 @@ impl Target {
     /// Moves the file to its place.
     pub(crate) fn settle(&mut self, file: &File) -> io::Result<()> {
         let Some(temporary) = &self.temporary else { return Ok(()) };
-        if let Some(Keep { mode, is_asked, owner }) = self.keep {
+        if let Some(Attributes { mode, is_asked, owner }) = self.attributes {
             if let Some((uid, gid)) = owner {
                 // Only root can change the owner. Otherwise the file belongs to the writer.
                 let _ = fchown(file, None, Some(Gid::from_raw(gid)));

@@ -32,7 +32,7 @@ mod worker;
 
 pub use argument::{ArgInfo, Bounds};
 pub use at::At;
-pub use class::Class;
+
 pub use client::{Client, INTERRUPTED, NOT_RUNNING};
 pub use code::Code;
 pub use failure::Failure;
@@ -45,7 +45,10 @@ pub use info::{
     ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
-pub use message::{Edit, LATEST, MAX_LEN, Request};
+pub use message::{
+    ActionRequest, ByClass, Class, Edit, EditRequest, LATEST, MAX_LEN, OutsideRequest, OwnRequest,
+    QueryRequest, Request, WaitRequest,
+};
 pub use order::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     WayInfo,

@@ -8,6 +8,14 @@ use crate::{
 use hal_protocol::{At, Code, Finding, Kind, Link, Related, Reply, Request};
 use std::{collections::BTreeMap, path::Path};
 
+/// Beginnings of names, and the components that make them under another name than their own.
+const OTHERWISE: [(&str, &str); 4] = [
+    ("ini", "inihal"),
+    ("parport", "hal_parport"),
+    ("speaker", "hal_speaker"),
+    ("viagpio", "hal_viagpio"),
+];
+
 /// Lines of a machine, and the names that they make.
 struct Lines {
     statements: Vec<(At, Vec<String>)>,
@@ -257,6 +265,8 @@ impl Lines {
         }
         let make = if MOTION.contains(&head) {
             "loadrt motmod makes it".to_owned()
+        } else if let Some((_, module)) = OTHERWISE.iter().find(|(begin, _)| *begin == head) {
+            format!("loadrt {module} makes it")
         } else {
             format!("loadrt {} makes it, or loadrt COMPONENT names={head}", head.replace('-', "_"))
         };

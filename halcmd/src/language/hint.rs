@@ -45,6 +45,10 @@ impl Error {
             | Self::NoCommandFile { why, .. }
             | Self::NotApplied { why, .. } => Some(why.to_string()),
             Self::IniNotFound { folders, .. } => Some(format!("looked in {folders}")),
+            Self::NoTask => Some(
+                "a machine with motmod has one if its INI file has TASK = milltask in section TASK"
+                    .to_owned(),
+            ),
             Self::NotYet { instead, .. } => Some((*instead).to_owned()),
             Self::NoTclsh => Some("apt-get install tcl".to_owned()),
             Self::LoadsDiffer { .. } => {

@@ -228,7 +228,7 @@ fn engine(path: &[PathBuf]) -> Result<Engine, Error> {
         value: "manual".into(),
         why: why.into(),
     })?;
-    Ok(Engine::trial(Options {
+    Ok(Engine::dry_run(Options {
         simulate: false,
         path: path.to_vec(),
         ..Options::simulated(place, ClockKind::Virtual)

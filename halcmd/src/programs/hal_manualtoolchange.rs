@@ -2,7 +2,7 @@
 
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, from_environment, options, plain, usage},
+    programs::options::{Opt, from_environment, options, plain, program_usage},
     session::remote::{Remote, instance_option},
     terminal::ended,
     terminal::termination::leave_on_signals,
@@ -49,7 +49,7 @@ fn run(words: &[String]) -> Result<(), String> {
     let (mut given, _) = options(NAME, OPTIONS, words).map_err(|e| e.to_string())?;
     from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
     if given.iter().any(|(id, _)| *id == Id::Help) {
-        Stdio.out(&format!("Usage: {NAME} [options]\n\noptions:\n{}", usage(OPTIONS)))?;
+        Stdio.out(&format!("Usage: {NAME} [options]\n\noptions:\n{}", program_usage(OPTIONS)))?;
         return Ok(());
     }
     let instance = given.iter().rev().find(|(id, _)| *id == Id::Instance);

@@ -8,7 +8,7 @@ use crate::{
     manual::help,
     manual::man,
     programs::common::{COMMON, Id, apply, short},
-    programs::options::{Opt, from_environment, options, plain, usage},
+    programs::options::{Opt, from_environment, options, plain, program_usage},
     programs::profile::Profile,
     session::messages,
     session::prompt,
@@ -173,6 +173,6 @@ fn usage_text() -> String {
          halcmd check [FILE...]      what is wrong with a machine, before it moves\n         \
          halcmd explain [CODE]       what a finding of check means\n\noptions:\n{}\n\
          'halcmd help' lists the commands, 'halcmd help COMMAND' explains one.\n",
-        usage(OPTIONS)
+        program_usage(OPTIONS)
     )
 }

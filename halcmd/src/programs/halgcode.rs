@@ -9,19 +9,25 @@
 //! | `path` | the way of the tool in machine coordinates |
 //! | `plot`, `views` | `plot`: pictures of the way |
 //! | `format`, `tokens`, `metric` | `format`: tidy text, line numbers, millimetres for inches |
+//! | `language` | the option for the dialect of a program |
 //! | `state` | `state`: the interpreter's state at a line |
+//! | `ticks`, `ticks/` | `ticks`: a program in single steps, as figures, a table or a picture |
+//! | `align` | `align`: a program in the coordinates of a part whose marks were measured |
 //! | `apt`, `apt/` | `apt`: cutter-location files for a robot arm: its cell from an INI file, the report, the files written |
 
+mod align;
 mod apt;
 mod canon;
 mod check;
 mod clock;
 mod filter;
 mod format;
+mod language;
 mod metric;
 mod plot;
 mod printer;
 mod state;
+mod ticks;
 mod tokens;
 mod views;
 
@@ -41,7 +47,7 @@ struct Command {
     run: fn(&[String]) -> Result<ExitCode, String>,
 }
 
-const COMMANDS: [Command; 6] = [
+const COMMANDS: [Command; 8] = [
     Command {
         name: "check",
         arguments: "[options] FILE...",
@@ -78,11 +84,25 @@ const COMMANDS: [Command; 6] = [
         run: state::main,
     },
     Command {
+        name: "ticks",
+        arguments: "[options] FILE",
+        help: "the program in single steps: figures, a table, or a picture of the simulation",
+        options: ticks::completable,
+        run: ticks::main,
+    },
+    Command {
         name: "apt",
         arguments: apt::ARGUMENTS,
         help: apt::HELP,
         options: apt::completable,
         run: apt::main,
+    },
+    Command {
+        name: "align",
+        arguments: align::ARGUMENTS,
+        help: align::HELP,
+        options: align::completable,
+        run: align::main,
     },
 ];
 
@@ -131,7 +151,7 @@ fn usage() -> String {
     for c in &COMMANDS {
         text.push_str(&format!("  {:<7} {:<24} {}\n", c.name, c.arguments, c.help));
     }
-    text.push_str("\nhalgcode COMMAND -h lists the options of a command.\n");
+    text.push_str("\nhalgcode COMMAND -h lists the options of a command, halgcode --version prints the version.\n");
     text
 }
 

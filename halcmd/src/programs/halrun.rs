@@ -10,7 +10,9 @@ mod log;
 pub(crate) mod machine;
 pub(crate) mod plan;
 mod realtime;
+pub(crate) mod refused;
 mod serve;
+mod settings;
 mod table;
 
 use crate::{
@@ -24,7 +26,7 @@ use crate::{
 use hal_engine::{Ends, Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
-use serve::{Local, stay};
+use serve::{Local, serve_until_end};
 use std::{
     path::Path,
     process::{Child, ExitCode},
@@ -148,7 +150,7 @@ pub(crate) fn prepare(plan: &Plan) -> Result<Files, Error> {
     let read = if matches!(plan.script, Script::Ini(_)) { Ini::read } else { Ini::open };
     let ini = ini_path.map(|path| read(Path::new(path))).transpose()?;
     match (&plan.script, &ini) {
-        (Script::Ini(_), Some(ini)) => machine::refuse(ini)?,
+        (Script::Ini(_), Some(ini)) => refused::refuse(ini)?,
         (_, Some(ini)) => {
             realtime::of_ini(ini)?;
             compat::of_ini(ini)?;
@@ -201,7 +203,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         && !plan.interactive
         && plan.script != Script::Terminal;
     if goes_on {
-        stay(plan, &mut engine);
+        serve_until_end(plan, &mut engine);
     }
     if let Some(said) = ends.said() {
         terminal.err(&format!("halrun: {said}\n"));

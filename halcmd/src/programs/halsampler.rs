@@ -2,7 +2,7 @@
 
 use crate::{
     Stdio, Terminal,
-    programs::options::{Opt, from_environment, mixed, plain, usage},
+    programs::options::{Opt, from_environment, mixed, plain, program_usage},
     session::remote::{Remote, instance_option, lost_words, pause},
     terminal::ended,
     terminal::termination::ending_flag,
@@ -88,8 +88,10 @@ fn run(words: &[String]) -> Result<(), String> {
     from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if given.iter().any(|(id, _)| *id == Id::Help) {
-        Stdio
-            .out(&format!("Usage: halsampler [options] [FILE]\n\noptions:\n{}", usage(OPTIONS)))?;
+        Stdio.out(&format!(
+            "Usage: halsampler [options] [FILE]\n\noptions:\n{}",
+            program_usage(OPTIONS)
+        ))?;
         return Ok(());
     }
     let channel = channel(value(Id::Channel).as_deref())?;

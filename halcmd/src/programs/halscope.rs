@@ -102,7 +102,7 @@ fn usage() -> String {
     for row in ROWS {
         text.push_str(&format!("  halscope {} {}\n      {}\n", row.name, row.words, row.help));
     }
-    text.push_str("Each explains its options with -h.\n");
+    text.push_str("Each explains its options with -h. 'halscope --version' prints the version.\n");
     text
 }
 

@@ -11,7 +11,7 @@ use crate::{
     check::{self, Checked, check, status},
     programs::{
         halrun::folders::plugin_path,
-        options::{Opt, mixed, plain, usage},
+        options::{Opt, mixed, plain, program_usage},
         profile::Profile,
     },
     terminal::ended,
@@ -61,7 +61,7 @@ fn run(words: &[String]) -> Result<(), String> {
         let about = "Usage: halsetup [options] [ANSWERS]\n\n\
                      Writes a machine's INI and HAL files into a new folder with its name. Without a file of answers\n\
                      it asks in the terminal, and keeps the answers beside the machine.\n\noptions:\n";
-        Stdio.out(&format!("{about}{}", usage(OPTIONS)))?;
+        Stdio.out(&format!("{about}{}", program_usage(OPTIONS)))?;
         return Ok(());
     }
     let output = given.iter().rev().find(|(id, _)| *id == Flag::Output);

@@ -3,7 +3,7 @@
 use crate::{
     Stdio, Terminal,
     programs::halsampler::{LOOK_EVERY, WAIT_MS, channel, one_file, option_error, parted},
-    programs::options::{Opt, from_environment, mixed, plain, usage},
+    programs::options::{Opt, from_environment, mixed, plain, program_usage},
     session::remote::{Remote, instance_option, pause},
     terminal::ended,
     terminal::termination::ending_flag,
@@ -47,8 +47,10 @@ fn run(words: &[String]) -> Result<(), String> {
     from_environment(OPTIONS, &|name| std::env::var(name).ok(), &mut given);
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if given.iter().any(|(id, _)| *id == Id::Help) {
-        Stdio
-            .out(&format!("Usage: halstreamer [options] [FILE]\n\noptions:\n{}", usage(OPTIONS)))?;
+        Stdio.out(&format!(
+            "Usage: halstreamer [options] [FILE]\n\noptions:\n{}",
+            program_usage(OPTIONS)
+        ))?;
         return Ok(());
     }
     let channel = channel(value(Id::Channel).as_deref())?;

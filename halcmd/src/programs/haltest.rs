@@ -21,9 +21,9 @@ mod expectation;
 mod failure;
 mod file;
 mod inject;
+mod instant;
 mod junit;
 mod list;
-mod moment;
 mod one;
 mod outcome;
 mod picture;
@@ -45,7 +45,7 @@ pub use process::{Options, run, run_with};
 
 use crate::{
     Error, Stdio, Terminal, nanoseconds,
-    programs::options::{Opt, mixed, plain, usage},
+    programs::options::{Opt, mixed, plain, program_usage},
     terminal::print_error,
 };
 use std::{path::PathBuf, process::ExitCode};
@@ -195,6 +195,6 @@ fn help() -> String {
          Runs the tests of machines: every TOML file in a folder and below it, or those named. Each\n\
          runs in virtual time, in an instance of its own. The status is 0 if all is as it should be,\n\
          1 if something is not, 2 if nothing could be tested.\n\noptions:\n{}",
-        usage(OPTIONS)
+        program_usage(OPTIONS)
     )
 }

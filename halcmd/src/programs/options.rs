@@ -62,7 +62,7 @@ pub struct Subcommand {
 }
 
 /// Options with their values, in order, and the words that follow.
-pub type Given<T> = (Vec<(T, Option<String>)>, Vec<String>);
+pub type ParsedOptions<T> = (Vec<(T, Option<String>)>, Vec<String>);
 
 /// Takes the options off the front of `words`: `-a -bc -nVALUE --long --long=VALUE --`.
 ///
@@ -72,7 +72,7 @@ pub fn options<T: Copy>(
     program: &'static str,
     table: &[Opt<T>],
     words: &[String],
-) -> Result<Given<T>, Error> {
+) -> Result<ParsedOptions<T>, Error> {
     let mut given = Vec::new();
     let (rest, _) = front(program, table, words, &mut given)?;
     Ok((given, rest.to_vec()))
@@ -86,7 +86,7 @@ pub fn mixed<T: Copy>(
     program: &'static str,
     table: &[Opt<T>],
     words: &[String],
-) -> Result<Given<T>, Error> {
+) -> Result<ParsedOptions<T>, Error> {
     let (mut given, mut others) = (Vec::new(), Vec::new());
     let mut rest = words;
     loop {
@@ -122,6 +122,9 @@ pub fn from_environment<T: Copy + PartialEq>(
     }
 }
 
+/// Description of `--version`.
+pub(crate) const VERSION_HELP: &str = "print the version";
+
 /// Runs a program, or prints its version if the only word is `--version`.
 #[must_use]
 pub fn versioned(program: &str, words: &[String], main: fn(&[String]) -> ExitCode) -> ExitCode {
@@ -151,6 +154,12 @@ pub fn usage<T>(table: &[Opt<T>]) -> String {
         text.push_str(&format!("  {left:<22} {}{variable}\n", option.help));
     }
     text
+}
+
+/// Lists the options of a program, whose version [`versioned`] prints, for a usage text.
+#[must_use]
+pub fn program_usage<T>(table: &[Opt<T>]) -> String {
+    format!("{}     {:<17} {VERSION_HELP}\n", usage(table), "--version")
 }
 
 /// Takes the options off the front of `words`. Returns the other words, and whether `--` ended the options.
@@ -258,7 +267,7 @@ mod tests {
         said(options("prog", TABLE, &words))
     }
 
-    fn said(parsed: Result<Given<char>, Error>) -> String {
+    fn said(parsed: Result<ParsedOptions<char>, Error>) -> String {
         match parsed {
             Err(e) => format!("! {e}"),
             Ok((given, rest)) => {

@@ -9,7 +9,7 @@ pub use unknown::{MOTION, Unknown};
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style,
     ini::{Ini, placed},
-    programs::halrun::{compat, folders::plugin_path, machine},
+    programs::halrun::{compat, folders::plugin_path, machine, refused},
     programs::profile::Profile,
 };
 use hal_engine::{ClockKind, Engine, Options};
@@ -117,7 +117,7 @@ impl DryRun {
             value: "trial".into(),
             why: why.into(),
         })?;
-        let mut engine = Engine::trial(Options {
+        let mut engine = Engine::dry_run(Options {
             old_names: ini.as_ref().is_some_and(Ini::is_old),
             interlock: machine.is_some() || whole.is_some(),
             earlier_values: std::env::var("HAL_COMPAT").is_ok_and(|v| v == "2.9")
@@ -141,7 +141,7 @@ impl DryRun {
                     session.stand_at(&at.file, at.line);
                     session.warn_at(text);
                 }
-                if let Err(error) = machine::refuse(ini) {
+                if let Err(error) = refused::refuse(ini) {
                     session.stand_at(path, 0);
                     session.report(&error);
                 }

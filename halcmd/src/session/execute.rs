@@ -133,7 +133,7 @@ impl Session<'_> {
     }
 
     /// Returns whether this is a command of a loaded component.
-    fn is_components(&mut self, name: &str) -> bool {
+    pub(crate) fn is_components(&mut self, name: &str) -> bool {
         // Help needs no instance.
         let mut list = || {
             let patterns = vec![name.to_owned()];

@@ -9,6 +9,7 @@ pin out real line "The value of the signal.";
 pin out bool driven "Whether an output is linked to the signal.";
 pin out bool inverts "The value of another component's parameter.";
 pin out bool missing "An unknown name is an error.";
+pin out bool waited "A wait in place takes its time.";
 param rw ui32 times = 3;
 option userspace yes;
 option userinit yes;
@@ -44,6 +45,9 @@ void user_mainloop(void)
             }
             if (hal_get_param_value_by_name("sim-parport.0.pin-01-out-invert", &type, &data) == 0) inverts_set(data->b);
             missing_set(hal_get_pin_value_by_name("level", &type, &data, &flag) == -1);
+            long long before = rtapi_get_time();
+            rtapi_delay(1000);
+            waited_set(rtapi_get_time() - before >= 1000 && rtapi_delay_max() >= 1000);
             if (stop) running = 0;
         }
         usleep(1000);

@@ -60,10 +60,10 @@ impl World {
 
     /// Does the work of the fastest thread before its cycle.
     fn take(&self) -> bool {
-        self.boundary.take(|| self.other.is_inside(), |change| self.carry_out(change))
+        self.boundary.take(|| self.other.is_inside(), |change| self.apply(change))
     }
 
-    fn carry_out(&self, change: &Change) {
+    fn apply(&self, change: &Change) {
         // SAFETY: checked.
         self.write(change.0.with(|v| unsafe { *v }));
     }
@@ -257,7 +257,7 @@ fn a_thread_that_is_added_is_not_overlooked() {
             let known = || list.load(Ordering::Acquire);
             let taken = fast
                 .boundary
-                .take(|| known() && fast.other.is_inside(), |change| fast.carry_out(change));
+                .take(|| known() && fast.other.is_inside(), |change| fast.apply(change));
             ALONE.note(taken && !known());
             taken
         });

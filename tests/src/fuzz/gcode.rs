@@ -3,6 +3,7 @@
 use hal_gcode::{
     Answer, Call, Environment, Interpreter, Numbered, Request, Settings, State, Step, Text,
     error::Problem,
+    function::{Effect, Next, Reply},
     remap::Remap,
     state::Limits,
     text::{
@@ -82,8 +83,15 @@ impl Environment for World {
     }
 }
 
-const LIMITS: Limits =
-    Limits { levels: 10, open: 50, quiet_lines: 500, lines: 2000, line_length: 4096, calls: 5000 };
+const LIMITS: Limits = Limits {
+    levels: 10,
+    open: 50,
+    quiet_lines: 500,
+    lines: 2000,
+    line_length: 4096,
+    calls: 5000,
+    turns: 100,
+};
 
 /// Runs a program to its end or error. The first byte says after how many steps the state is saved, loaded, and gone
 /// on from, which must change nothing.
@@ -98,8 +106,12 @@ pub fn program(bytes: &[u8]) {
 fn run(text: &[u8], at: u32) -> Vec<String> {
     let table = "T1 P1 Z1.5 D6\nT2 P2 Z2.5 X0.5 D10\nT3 P3 X-1 D0.8 I85 J115 Q2\n";
     let world = World { tools: ToolTable::parse(table).0 };
-    let entries =
-        ["M400 argspec=Pq ngc=lift", "M401 modalgroup=5 ngc=lift", "G88.6 argspec=XYzp ngc=lift"];
+    let entries = [
+        "M400 argspec=Pq ngc=lift",
+        "M401 modalgroup=5 ngc=lift",
+        "M402 argspec=p py=lift",
+        "G88.6 argspec=XYzp ngc=lift",
+    ];
     let remaps = entries.iter().filter_map(|e| Remap::parse(e).ok()).collect();
     let settings = Settings { limits: LIMITS, remaps, ..Settings::default() };
     let mut it = Interpreter::new(settings, Numbered::default());
@@ -136,7 +148,15 @@ fn run(text: &[u8], at: u32) -> Vec<String> {
                             .map(|n| (n, Some(1.5)))
                             .collect(),
                     ),
-                    Request::UserCode { .. } => Answer::Done,
+                    Request::Function { .. } => Answer::Function(Reply {
+                        effects: vec![Effect::Number(31, f64::from(step))],
+                        next: match step % 3 {
+                            0 => Next::Execute("G1 X1 F100".into()),
+                            1 => Next::Finish,
+                            _ => Next::Done(None),
+                        },
+                    }),
+                    Request::Finish | Request::UserCode { .. } => Answer::Done,
                 };
                 it.answer(&answer, &world, &mut out)
             }

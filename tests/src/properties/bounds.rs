@@ -1,7 +1,7 @@
 //! Documented limits of outputs, checked after each cycle.
 
 use super::case::{Bound, Case, filled};
-use crate::{foreign::Bench, judge::inputs::float, machine::get};
+use crate::{conformance::inputs::float, foreign::Bench, machine::get};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Tolerance for rounding, relative to the limit.

@@ -1,8 +1,8 @@
 //! Description of one component for the properties test: `tests/properties/NAME.toml`, parsed and checked.
 
 use crate::{
+    conformance::case::{self as judge, Input, named},
     every,
-    judge::case::{self as judge, Input, named},
     programs::root,
 };
 use hal_protocol::Offer;

@@ -2,7 +2,7 @@
 
 use super::{HELD, Round};
 use crate::{
-    judge::case::named,
+    conformance::case::named,
     machine::{get, script},
 };
 use hal_protocol::Value;

@@ -16,6 +16,9 @@ const OPENINGS: &[&str] = &[
 const DIALECT: &[(&str, &str)] = &[
     ("anew", "again"),
     ("dearest", "most expensive"),
+    ("given up", "aborted"),
+    ("is told", "is reported"),
+    ("mended", "fixed"),
     ("no number", "NaN"),
     ("whoever", "the actor by name"),
 ];

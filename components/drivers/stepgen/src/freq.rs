@@ -121,7 +121,7 @@ impl Freq {
             if wish > most {
                 if !self.complained {
                     self.complained = true;
-                    self.complain(wish, most);
+                    self.warn_of_limit(wish, most);
                 }
                 self.maxvel.set(most / scale);
             } else {
@@ -145,7 +145,7 @@ impl Freq {
         Limits { speed, accel }
     }
 
-    fn complain(&self, wish: f64, most: f64) {
+    fn warn_of_limit(&self, wish: f64, most: f64) {
         self.messages.error(
             "STEPGEN: Channel {}: The requested maximum velocity of {} steps/sec is too high.",
             &[self.number, libm::trunc(wish)],

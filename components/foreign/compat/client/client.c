@@ -62,6 +62,34 @@ long long rtapi_get_time(void)
     return now.tv_sec * 1000000000LL + now.tv_nsec;
 }
 
+long long rtapi_get_clocks(void)
+{
+    return rtapi_get_time();
+}
+
+/* The longest wait in place, in nanoseconds. */
+long rtapi_delay_max(void)
+{
+    return 10000;
+}
+
+void rtapi_delay(long ns)
+{
+    long long end = rtapi_get_time() + (ns < rtapi_delay_max() ? ns : rtapi_delay_max());
+    while (rtapi_get_time() < end) { }
+}
+
+/* A program is outside the kernel, and in no realtime thread. */
+int rtapi_is_kernelspace(void)
+{
+    return 0;
+}
+
+int rtapi_is_realtime(void)
+{
+    return 0;
+}
+
 long simple_strtol(const char *text, char **end, int base)
 {
     return strtol(text, end, base);

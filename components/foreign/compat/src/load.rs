@@ -3,11 +3,11 @@
 use crate::{
     arguments, board,
     docs::Docs,
+    dry_run::dry_run_of,
     elf::Elf,
     funct,
     loading::{self, Loading},
     module::{self, Exit, Main, Module},
-    rehearsal::rehearse,
     running, system, trap,
 };
 use core::ffi::{CStr, c_int, c_void};
@@ -86,11 +86,11 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let words: Vec<String> = words.iter().map(|w| text(*w)).collect();
     arguments::set(&module, &elf.parameters, &words).map_err(refuse(Status::EINVAL))?;
 
-    let on_trial = host.flags & host_flags::TRIAL != 0;
+    let in_dry_run = host.flags & host_flags::TRIAL != 0;
     let loading = Loading { host, file, module: module.clone(), ports: Vec::new().into() };
     let code = loading::within(&loading, || {
         prepared(&module, &path)
-            .and_then(|()| if on_trial { rehearse(&loading, main, exit) } else { Ok(()) })
+            .and_then(|()| if in_dry_run { dry_run_of(&loading, main, exit) } else { Ok(()) })
             .map(|()| running::within(Arc::as_ptr(&module), || main()))
     });
     let code = code.map_err(refuse(Status::EINVAL))?;
@@ -101,7 +101,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     module.made.store(true, Relaxed);
     module.ports.complete(loading.ports.into_inner().into());
     report_without_effect(&module, handle);
-    stay(&host, module)
+    hold_until_unload(&host, module)
 }
 
 /// Adds the source and a remedy to the dynamic linker's message.
@@ -164,7 +164,7 @@ fn report_without_effect(module: &Module, handle: *mut c_void) {
 }
 
 /// Ties the life of a module to its component: registers a stop action that does nothing but hold a reference.
-fn stay(host: &Host, module: Arc<Module>) -> Result<(), Refusal> {
+fn hold_until_unload(host: &Host, module: Arc<Module>) -> Result<(), Refusal> {
     /// # Safety
     /// The engine calls this with the state that was registered.
     unsafe extern "C" fn nothing(_: *mut c_void, _: *const CallHost) -> Status {

@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     hal_output::program(|_| {
         ended().unwrap_or_else(|(text, status)| {
             if !hal_output::reader_is_gone() {
-                complain(&text);
+                report(&text);
             }
             ExitCode::from(status)
         })
@@ -29,12 +29,12 @@ fn ended() -> Result<ExitCode, (String, u8)> {
         Err(wrong) => return Err((wrong.render().to_string(), USAGE)),
     };
     let said = run(&args).map_err(|e| (format!("{e}\n"), 1))?;
-    complain(&said.doubts);
+    report(&said.doubts);
     hal_output::print(&said.out).map_err(unwritten)?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Writes to standard error, and ignores a failure, which could not be reported anywhere.
-fn complain(text: &str) {
+fn report(text: &str) {
     std::io::stderr().write_all(text.as_bytes()).unwrap_or_default();
 }

@@ -31,12 +31,8 @@ fn texts_are_as_expected() {
                 _ => halcompile::c::text(&component, &wanted),
             };
             let path = here.join(format!("tests/expected/{name}.{ending}"));
-            if std::env::var_os("UPDATE_EXPECT").is_some() {
-                fs::write(&path, &text).unwrap();
-            } else if fs::read_to_string(&path).unwrap_or_default() != text {
-                wrong.push(path.display().to_string());
-            }
+            wrong.extend(hal_golden::compare(&path, &text).err());
         }
     }
-    assert!(wrong.is_empty(), "UPDATE_EXPECT=1 rewrites {wrong:?}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -128,9 +128,10 @@ impl<'py> Job<'py> {
 
     fn run(&mut self, py: Python<'py>) -> PyResult<(i32, u32)> {
         let mut out: Vec<Issued> = Vec::new();
-        let answers = run::Answers { probe_trips: false };
         let mut last = 0;
         loop {
+            let functions = self.world.functions();
+            let answers = run::Answers { probe_trips: false, functions };
             let going = run::step(&mut self.interpreter, &self.world, answers, &mut out);
             for issued in out.drain(..) {
                 if issued.line != last {

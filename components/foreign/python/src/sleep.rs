@@ -16,7 +16,7 @@ static SLEEPERS: Mutex<Vec<(ThreadId, Arc<Core>)>> = Mutex::new(Vec::new());
 /// Python's own `time.sleep`.
 static WALL: Mutex<Option<Py<PyAny>>> = Mutex::new(None);
 /// Longest single sleep, in nanoseconds: the limit of the request.
-const LONGEST_NS: u64 = 1_000_000_000_000;
+const MAX_SLEEP_NS: u64 = 1_000_000_000_000;
 
 /// Lets the calling thread sleep in machine time if the component's instance is on the virtual clock.
 pub(crate) fn begin(py: Python<'_>, core: &Arc<Core>) -> PyResult<()> {
@@ -67,7 +67,7 @@ pub(crate) fn sleep(py: Python<'_>, seconds: &Bound<'_, PyAny>) -> PyResult<()> 
     )]
     let mut left = (seconds * 1e9).round() as u64;
     loop {
-        let ns = left.min(LONGEST_NS);
+        let ns = left.min(MAX_SLEEP_NS);
         left -= ns;
         // Other components of this thread exchange values, too: their sleeps end together with the first one's.
         py.detach(|| {

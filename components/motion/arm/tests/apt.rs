@@ -114,9 +114,9 @@ fn arcs_stay_on_their_circle() {
 fn errors_name_line_and_column() {
     for (text, expected) in [
         ("GOTO/1,2", "1:1: GOTO takes three or six numbers"),
-        ("  GOTO/1,2,x3y%", "1:12: 'X3Y%' is no number"),
-        ("GOTO/1,2,", "1:9: '' is no number"),
-        ("GOTO/1,2,nan", "1:10: 'NAN' is no number"),
+        ("  GOTO/1,2,x3y%", "1:12: 'X3Y%' is not a number"),
+        ("GOTO/1,2,", "1:9: '' is not a number"),
+        ("GOTO/1,2,nan", "1:10: 'NAN' is not a number"),
         ("GOTO/1,2,1e99", "1:10: 1E99 is too large"),
         ("GOTO/1,2,3,4,5", "1:1: GOTO takes three or six numbers"),
         ("GOTO/1,2,3,0,0,0", "1:1: the vector has no length"),

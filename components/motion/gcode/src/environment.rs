@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{remap::Hook, state::State, tool::Tool};
+use crate::tool::Tool;
 
 /// The text of a file.
 pub type Text = Arc<dyn Source + Send + Sync>;
@@ -46,10 +46,14 @@ pub trait Environment {
         None
     }
 
-    /// Runs a function that a remap names, `None` if there is none of this name. A prolog may set parameters of the
-    /// innermost level, which is that of the subroutine.
-    fn hook(&self, _hook: Hook, _name: &str, _state: &mut State) -> Option<Result<(), Box<str>>> {
-        None
+    /// Tells whether `o<name> call` calls a function of another language.
+    fn function(&self, _name: &str) -> bool {
+        false
+    }
+
+    /// Returns the place of a tool in the tool table, as functions of another language number it.
+    fn tool_slot(&self, number: i32) -> Option<i32> {
+        self.tool(number).map(|t| t.pocket)
     }
 
     /// Tells whether the user's program `M100` to `M199` exists.

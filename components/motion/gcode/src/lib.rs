@@ -9,10 +9,13 @@
 //! | [`interpret`] | a block: its groups, checks and order |
 //! | [`motion`] | moves, arcs, compensation, cycles, splines, probing, threads |
 //! | [`canon`] | canonical calls and the frame from program to machine |
+//! | [`ticks`] | T-mode: a program as single steps of X, Y and Z |
 //! | [`tool`] | tools and tool tables |
+//! | [`dialect`] | the languages of programs: LinuxCNC's, RS274-D |
 //! | [`environment`] | the world's facts |
 //! | [`question`] | the questions to the machine and its answers |
 //! | [`remap`] | codes that run a subroutine, as an INI file asks |
+//! | [`function`], [`view`] | functions of another language, and the state that they see |
 //! | [`error`] | the problems with their places |
 //!
 //! The caller loads a text and calls [`Interpreter::next`] until it ends. A step that needs an answer from the machine
@@ -25,8 +28,10 @@
 
 pub mod axis;
 pub mod canon;
+pub mod dialect;
 pub mod environment;
 pub mod error;
+pub mod function;
 pub mod interpret;
 pub mod motion;
 pub mod parameters;
@@ -35,9 +40,12 @@ pub mod question;
 pub mod remap;
 pub mod state;
 pub mod text;
+pub mod ticks;
 pub mod tool;
+pub mod view;
 
 pub use canon::{Call, Issued};
+pub use dialect::Dialect;
 pub use environment::{Environment, Source, Text};
 pub use error::Error;
 pub use interpret::{Interpreter, Step};

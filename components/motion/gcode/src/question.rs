@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::axis::Position;
+use crate::{axis::Position, function::Reply};
 
 /// A question whose answer depends on motion that must be finished first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,6 +30,14 @@ pub enum Request {
         /// The names of pins, parameters or signals, in lower case.
         names: Vec<Box<str>>,
     },
+    /// The next step of the function of another language that is the innermost level of the state. Its calls so far
+    /// need not have been run.
+    Function {
+        /// The function's name.
+        name: Box<str>,
+    },
+    /// Nothing but the end of everything that was handed out.
+    Finish,
     /// A user's program (M100 to M199). Lines behind it may depend on what it does, so they are read after its end.
     UserCode {
         /// The M number.
@@ -62,7 +70,9 @@ pub enum Answer {
     Input(f64),
     /// The values of HAL by their names, `None` for a name that nothing has.
     Hal(Vec<(Box<str>, Option<f64>)>),
-    /// The user's program ended well.
+    /// The step of a function.
+    Function(Reply),
+    /// The user's program ended well, or everything that was handed out has ended.
     Done,
     /// The request failed; the program ends with this reason.
     Failed(Box<str>),

@@ -6,7 +6,7 @@
 use crate::{
     estimate::{Estimate, TimeTable},
     refusal::Refusal,
-    simulation::{Given, Simulation},
+    simulation::{KnownAnswers, Simulation},
     way::Way,
     world::World,
 };
@@ -51,7 +51,7 @@ pub struct Check {
 
 impl Check {
     /// Returns the check of a program that this interpreter has loaded.
-    pub fn new(interpreter: Interpreter, given: Given) -> Self {
+    pub fn new(interpreter: Interpreter, given: KnownAnswers) -> Self {
         let state = &interpreter.state;
         let first = state.lines_run;
         Self {

@@ -7,7 +7,7 @@
 use crate::{
     effects::Effects,
     refusal::{LineBegin, Refusal, Series},
-    simulation::{Given, Simulation},
+    simulation::{KnownAnswers, Simulation},
     world::World,
 };
 use hal_gcode::{Interpreter, State, axis::Position, error::Place};
@@ -69,7 +69,7 @@ pub struct DryRun {
 
 impl DryRun {
     /// Returns the dry run of a program that this interpreter has loaded.
-    pub fn new(interpreter: Interpreter, target: Target, given: Given) -> Self {
+    pub fn new(interpreter: Interpreter, target: Target, given: KnownAnswers) -> Self {
         let effects = Effects { outputs: given.outputs.clone(), ..Effects::default() };
         let main = interpreter.state.levels.first().map(|l| l.file.clone()).unwrap_or_default();
         Self {
@@ -142,7 +142,8 @@ impl DryRun {
         LineBegin {
             number: state.lines_run,
             file: level.map(|l| l.file.clone()).unwrap_or_default(),
-            line: level.map_or(0, |l| l.cursor.line + 1),
+            // A function has no line of its own.
+            line: level.filter(|l| l.is_of_file()).map_or(0, |l| l.cursor.line + 1),
         }
     }
 
@@ -240,6 +241,9 @@ impl DryRun {
 fn middle(state: &State) -> Option<Series> {
     if state.compensation.is_on() {
         return Some(Series::Compensation);
+    }
+    if state.levels.iter().any(|l| l.function().is_some()) {
+        return Some(Series::Function);
     }
     if state.nurbs.is_some() {
         return Some(Series::Nurbs);

@@ -4,16 +4,19 @@ use crate::number::{self, count, number};
 use crate::spindle::{self, Spindle};
 use crate::world::{Version, version};
 use hal_gcode::{
-    Numbered, Settings,
+    Dialect, Numbered, Settings,
     axis::{Axis, AxisMask},
     canon::Unit,
+    function::Hook,
     parameters::file::{Finding, ParameterFile},
-    remap::{Hook, Remap},
+    remap::Remap,
     state::modal::MAX_SPINDLES,
     tool::{self, ToolTable},
 };
 use hal_ini::Ini;
+use hal_remap::{Functions, Setup};
 use std::{
+    collections::BTreeSet,
     fmt::Write as _,
     path::{Path, PathBuf},
 };
@@ -62,6 +65,10 @@ pub struct Machine {
     pub folder: PathBuf,
     /// Remarks about the files: `file:line: text`.
     pub remarks: Vec<String>,
+    /// What the INI file says about functions in Python.
+    pub python: Option<Setup>,
+    /// The names of the functions that O-words call, once the functions have been started.
+    pub words: BTreeSet<Box<str>>,
     /// The kinematics if joints are not axes: their limits are not those of a place.
     pub kinematics: Option<String>,
 }
@@ -103,6 +110,8 @@ impl Machine {
             ini: None,
             folder: here,
             remarks: Vec::new(),
+            python: None,
+            words: BTreeSet::new(),
             kinematics: None,
         };
         let (mut table, mut parameters) = (None, None);
@@ -175,18 +184,36 @@ impl Machine {
         self.startup = ini.get("RS274NGC", "RS274NGC_STARTUP_CODE").map(str::to_owned);
         let random = ini.get("EMCIO", "RANDOM_TOOLCHANGER");
         self.settings.random_changer = random.is_some_and(|v| v.trim() == "1");
+        self.language(ini)?;
+        self.python = Setup::read(ini, &self.folder)?;
         for entry in ini.all("RS274NGC", "REMAP") {
             let at = format!("{}:{}", entry.file, entry.line);
             let remap = Remap::parse(&entry.value).map_err(|e| format!("{at}: {e}"))?;
             for hook in [Hook::Body, Hook::Prolog, Hook::Epilog] {
-                if let Some(name) = remap.hook(hook) {
+                if let Some(name) = remap.hook(hook).filter(|_| self.python.is_none()) {
                     let (code, option) = (remap.code, hook.option());
                     self.remarks.push(format!(
-                        "{at}: REMAP {code}: {option}={name} is a function in Python, which cannot run here; {code} will be refused"
+                        "{at}: REMAP {code}: {option}={name} is a function in Python, and there is no section [PYTHON]: {code} will be refused"
                     ));
                 }
             }
             self.settings.remaps.push(remap);
+        }
+        Ok(())
+    }
+
+    /// Takes the language of programs, and the feed of programs that state none.
+    fn language(&mut self, ini: &Ini) -> Result<(), String> {
+        if let Some(entry) = ini.all("RS274NGC", "DIALECT").next() {
+            let dialect = Dialect::named(&entry.value);
+            self.settings.dialect = dialect.ok_or_else(|| number::wrong(entry, Dialect::NAMES))?;
+        }
+        if let Some(entry) = ini.all("RS274NGC", "DEFAULT_FEED").next() {
+            let feed = number(ini, "RS274NGC", "DEFAULT_FEED")?;
+            let feed = feed.filter(|f| *f > 0.0 && f.is_finite());
+            let wanted = "a feed above 0 in the machine's units per minute";
+            let feed = feed.ok_or_else(|| number::wrong(entry, wanted))?;
+            self.settings.default_feed = feed * self.settings.unit.millimetres();
         }
         Ok(())
     }
@@ -223,6 +250,19 @@ impl Machine {
         self.top_speed.1 = positive("TRAJ", "MAX_ANGULAR_VELOCITY")?.unwrap_or(f64::INFINITY);
         self.period = positive("EMCMOT", "SERVO_PERIOD")?.map_or(1e-3, |ns| ns * 1e-9);
         Ok(())
+    }
+
+    /// Starts the functions in Python of the machine, if the INI file has any. What is wrong with them is a remark, and an
+    /// error of each line that calls one.
+    pub fn start_functions(&mut self) -> Option<Functions> {
+        let mut setup = self.python.clone()?;
+        setup.task = u8::from(self.settings.task);
+        let (functions, result) = Functions::start(setup);
+        self.words.clone_from(functions.words());
+        if let Err(why) = result {
+            self.remarks.push(format!("[PYTHON]: {why}"));
+        }
+        Some(functions)
     }
 
     /// Reads the tool table again.

@@ -59,6 +59,14 @@ mod tests {
             ("[AXIS_X]\nMIN_LIMIT = -1O\n", &format!("[AXIS_X]MIN_LIMIT '-1O': {kinds}")),
             ("[AXIS_Y]\nMAX_LIMIT = nan\n", &format!("[AXIS_Y]MAX_LIMIT 'nan': {kinds}")),
             ("[JOINT_2]\nMAX_JERK = 1,5\n", &format!("[JOINT_2]MAX_JERK '1,5': {kinds}")),
+            (
+                "[RS274NGC]\nDIALECT = din\n",
+                "[RS274NGC]DIALECT 'din': it must be linuxcnc or rs274d",
+            ),
+            (
+                "[RS274NGC]\nDEFAULT_FEED = 0\n",
+                "[RS274NGC]DEFAULT_FEED '0': it must be a feed above 0 in the machine's units per minute",
+            ),
             ("[TRAJ]\nLINEAR_UNITS = cm\n", "[TRAJ]LINEAR_UNITS 'cm': it must be mm or inch"),
         ] {
             let why = read(text).err().unwrap_or_default();
@@ -71,6 +79,11 @@ mod tests {
             let machine = read(&format!("[TRAJ]\nLINEAR_UNITS = {text}\n")).ok().unwrap();
             assert_eq!(machine.settings.unit, unit, "{text}");
         }
+        let language =
+            "[TRAJ]\nLINEAR_UNITS = inch\n[RS274NGC]\nDIALECT = RS274D\nDEFAULT_FEED = 2\n";
+        let machine = read(language).ok().unwrap();
+        assert_eq!(machine.settings.dialect, hal_gcode::Dialect::Rs274d);
+        assert_eq!(machine.settings.default_feed, 50.8);
         let machine = read("[AXIS_X]\nMIN_LIMIT = -10 to the left\nMAX_LIMIT =\n").ok().unwrap();
         assert_eq!(machine.limits[0], (Some(-10.0), None));
         // With trivial kinematics, a joint's travel is that of its axis; the narrower one counts.

@@ -51,6 +51,8 @@ pub struct LineBegin {
 /// A fact that only the machine knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
+    /// The effect of a function in Python.
+    Function,
     /// The value of a HAL item.
     Hal,
     /// The result of M66.
@@ -66,6 +68,8 @@ pub enum Series {
     Compensation,
     /// A chain of canned cycles.
     Cycle,
+    /// A function in Python and the lines that it executes.
+    Function,
     /// The control points of a NURBS.
     Nurbs,
 }
@@ -73,6 +77,7 @@ pub enum Series {
 impl fmt::Display for Unknown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::Function => "the effect of a function in Python",
             Self::Hal => "a value of HAL",
             Self::Input => "the result of M66",
             Self::Probe => "the result of a probe",
@@ -85,6 +90,7 @@ impl fmt::Display for Series {
         f.write_str(match self {
             Self::Compensation => "cutter compensation",
             Self::Cycle => "a series of canned cycles",
+            Self::Function => "a function in Python",
             Self::Nurbs => "a NURBS",
         })
     }

@@ -1,18 +1,27 @@
 //! A program from its begin to its end, with the answers of a machine that stands still.
 
 use crate::world::World;
+use core::cell::RefCell;
 use hal_gcode::{Answer, Environment, Error, Interpreter, Issued, Request, Step};
+use hal_remap::Functions;
 
 /// Answers of the machine that is not there.
 #[derive(Clone, Copy)]
-pub struct Answers {
+pub struct Answers<'a> {
     /// Probes trip at the end of their move.
     pub probe_trips: bool,
+    /// Functions in Python, if they run here.
+    pub functions: Option<&'a RefCell<Functions>>,
 }
 
-impl Answers {
+impl Answers<'_> {
     /// Returns the answer to a question.
-    pub fn answer(self, request: &Request, interpreter: &Interpreter) -> Answer {
+    pub fn answer(
+        self,
+        request: &Request,
+        interpreter: &Interpreter,
+        world: &dyn Environment,
+    ) -> Answer {
         let state = &interpreter.state;
         match request {
             Request::Probe => {
@@ -23,7 +32,15 @@ impl Answers {
             Request::Input { .. } => Answer::Input(0.0),
             // The environment has those that are known.
             Request::Hal { .. } => Answer::Hal(Vec::new()),
-            Request::UserCode { .. } => Answer::Done,
+            Request::Function { .. } => {
+                let functions = self.functions.and_then(|f| f.try_borrow_mut().ok());
+                let step = match functions {
+                    Some(mut functions) => functions.step(state, world),
+                    None => Err("functions in Python do not run here".to_owned()),
+                };
+                step.map_or_else(|why| Answer::Failed(why.into()), Answer::Function)
+            }
+            Request::UserCode { .. } | Request::Finish => Answer::Done,
         }
     }
 }
@@ -32,12 +49,12 @@ impl Answers {
 pub fn step(
     interpreter: &mut Interpreter,
     world: &dyn Environment,
-    answers: Answers,
+    answers: Answers<'_>,
     out: &mut Vec<Issued>,
 ) -> Result<bool, Error> {
     let mut step = interpreter.next(world, out)?;
     while let Step::Ask(request) = step {
-        let answer = answers.answer(&request, interpreter);
+        let answer = answers.answer(&request, interpreter, world);
         step = interpreter.answer(&answer, world, out)?;
     }
     Ok(step != Step::Ended)
@@ -50,7 +67,7 @@ pub fn step(
 pub fn run(
     interpreter: &mut Interpreter,
     world: &World,
-    answers: Answers,
+    answers: Answers<'_>,
     mut each: impl FnMut(&Interpreter, &Issued) -> Result<(), Stop>,
 ) -> Result<(), Stop> {
     let mut out = Vec::new();
@@ -93,7 +110,7 @@ pub fn start(interpreter: &mut Interpreter, world: &World) -> Result<(), String>
     }
     let Some(code) = world.machine.startup.as_deref() else { return Ok(()) };
     interpreter.mdi(code);
-    let answers = Answers { probe_trips: false };
+    let answers = Answers { probe_trips: false, functions: None };
     let mut out = Vec::new();
     loop {
         match step(interpreter, world, answers, &mut out) {

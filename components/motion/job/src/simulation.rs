@@ -18,7 +18,7 @@ use std::collections::VecDeque;
 
 /// Rules of the machine for the answers that it need not give.
 #[derive(Clone, Debug, Default)]
-pub struct Given {
+pub struct KnownAnswers {
     /// Place for tool changes in millimetres; axes without a coordinate stay where they are.
     pub change_position: Option<[Option<f64>; 9]>,
     /// Answers of an earlier run, in their order.
@@ -35,7 +35,7 @@ pub struct Simulation {
     pub interpreter: Interpreter,
     /// The calls of the last line.
     pub calls: Vec<Issued>,
-    given: Given,
+    given: KnownAnswers,
 }
 
 /// Facts of the world, with the tool table of an earlier run.
@@ -60,6 +60,9 @@ impl Environment for Asked<'_> {
     fn hal(&self, name: &str) -> Option<f64> {
         self.world.hal(name)
     }
+    fn function(&self, name: &str) -> bool {
+        self.world.function(name)
+    }
     fn user_code(&self, code: u16) -> bool {
         self.world.user_code(code)
     }
@@ -67,7 +70,7 @@ impl Environment for Asked<'_> {
 
 impl Simulation {
     /// Returns the simulation of a program that this interpreter has loaded.
-    pub fn new(interpreter: Interpreter, given: Given) -> Self {
+    pub fn new(interpreter: Interpreter, given: KnownAnswers) -> Self {
         Self { interpreter, calls: Vec::new(), given }
     }
 
@@ -113,7 +116,8 @@ impl Simulation {
             Request::Probe => unknown(Unknown::Probe),
             Request::Input { .. } => unknown(Unknown::Input),
             Request::Hal { .. } => unknown(Unknown::Hal),
-            Request::UserCode { .. } => Ok(Answer::Done),
+            Request::Function { .. } => unknown(Unknown::Function),
+            Request::UserCode { .. } | Request::Finish => Ok(Answer::Done),
             Request::ToolChange { .. } => Ok(Answer::ToolChange {
                 position: self.given.change_position.map(|stated| {
                     let mut at = state.frame.machine_mm(state.position);

@@ -2,7 +2,9 @@
 
 use crate::machine::Machine;
 use hal_gcode::{Environment, Source, Text, tool::Tool};
+use hal_remap::Functions;
 use std::{
+    cell::RefCell,
     collections::BTreeMap,
     fs::{File, Metadata},
     os::unix::fs::{FileExt, MetadataExt, PermissionsExt},
@@ -16,6 +18,16 @@ pub struct World {
     pub machine: Machine,
     /// Values of HAL items, as options give them.
     pub hal: BTreeMap<String, f64>,
+    /// Functions in Python, if they run here.
+    pub functions: Option<RefCell<Functions>>,
+}
+
+impl World {
+    /// Returns the world of a program, and starts the functions in Python of its machine.
+    pub fn with_functions(mut machine: Machine, hal: BTreeMap<String, f64>) -> Self {
+        let functions = machine.start_functions().map(RefCell::new);
+        Self { machine, hal, functions }
+    }
 }
 
 /// The most bytes that are read from a pipe.
@@ -107,6 +119,10 @@ impl Environment for World {
 
     fn hal(&self, name: &str) -> Option<f64> {
         self.hal.get(&name.to_ascii_lowercase()).copied()
+    }
+
+    fn function(&self, name: &str) -> bool {
+        self.machine.words.contains(name)
     }
 
     fn user_code(&self, code: u16) -> bool {

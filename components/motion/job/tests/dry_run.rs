@@ -10,7 +10,7 @@ use hal_job::{
     Files, Machine, World,
     dry_run::{DryRun, Found, Target},
     refusal::{Refusal, Series, Unknown},
-    simulation::Given,
+    simulation::KnownAnswers,
 };
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -45,7 +45,7 @@ fn world(folder: PathBuf) -> World {
     machine.settings.remaps = REMAPS.iter().map(|r| Remap::parse(r).unwrap()).collect();
     machine.tools = ToolTable::parse(TABLE).0;
     machine.folders = vec![folder];
-    World { machine, hal: BTreeMap::new() }
+    World { machine, hal: BTreeMap::new(), functions: None }
 }
 
 fn load(world: &World, name: &str) -> Interpreter {
@@ -111,7 +111,7 @@ fn unbroken(world: &World, name: &str, at: u64) -> (Option<Line>, Vec<Answer>, u
 }
 
 /// Runs dry to the end, in slices.
-fn seek(world: &World, name: &str, target: Target, given: Given) -> Result<Found, Refusal> {
+fn seek(world: &World, name: &str, target: Target, given: KnownAnswers) -> Result<Found, Refusal> {
     let mut run = DryRun::new(load(world, name), target, given);
     loop {
         if let Some(found) = run.advance(world, 7)? {
@@ -162,8 +162,8 @@ fn a_dry_run_to_500_random_lines_gives_the_state_of_the_unbroken_run() {
         let (file, number) = (level.file.clone(), level.cursor.line + 1);
         let target = Target::Line { file: Some(file), line: number, pass };
         let recorded: VecDeque<Answer> = answers[..known].iter().cloned().collect();
-        let without = seek(&world, name, target.clone(), Given::default());
-        let replay = Given { answers: recorded, ..Given::default() };
+        let without = seek(&world, name, target.clone(), KnownAnswers::default());
+        let replay = KnownAnswers { answers: recorded, ..KnownAnswers::default() };
         let with = seek(&world, name, target, replay.clone());
         let by_number = seek(&world, name, Target::Number(at), replay);
         if let Some(of) = series(&state) {
@@ -173,7 +173,7 @@ fn a_dry_run_to_500_random_lines_gives_the_state_of_the_unbroken_run() {
             });
             // From the line that it names, a start is possible.
             assert!(from[0].number < at && from[0] == from[1], "{name} at {at}: {from:?}");
-            let replay = Given { answers: answers.into(), ..Given::default() };
+            let replay = KnownAnswers { answers: answers.into(), ..KnownAnswers::default() };
             seek(&world, name, Target::Number(from[0].number), replay).unwrap();
             count(match of {
                 Series::Compensation => "refused: compensation",
@@ -223,7 +223,7 @@ fn in_program(program: &str, target: Target, answers: &[Answer]) -> Result<Found
     let settings = world.machine.settings.clone();
     let mut it = Interpreter::new(settings, Numbered::default());
     it.load("job.ngc", Arc::new(program.as_bytes().to_vec()));
-    let given = Given { answers: answers.to_vec().into(), ..Given::default() };
+    let given = KnownAnswers { answers: answers.to_vec().into(), ..KnownAnswers::default() };
     let mut run = DryRun::new(it, target, given);
     loop {
         match run.advance(&world, 1000) {

@@ -135,15 +135,20 @@ impl State {
         }
         self.tell_spindles();
         self.end_override();
-        let rests = self.path.parked() != Parked::No && !self.is_jogging();
-        if (self.is_idle() || rests)
-            && let Some(ticket) = self.stop_ticket.take()
-        {
-            ticket.done();
+        if self.stop_ticket.is_some() {
+            let rests = self.path.parked() != Parked::No && !self.is_jogging();
+            if (self.is_idle() || rests)
+                && let Some(ticket) = self.stop_ticket.take()
+            {
+                ticket.done();
+            }
         }
     }
 
     fn wheels(&mut self, pins: &Pins) {
+        if self.have_wheels_stopped(pins) {
+            return;
+        }
         let ready = self.enabled && !self.inputs.jog_inhibit && !self.is_homing();
         let is_turned = ready && self.is_wheel_turned(pins);
         let blocked_by = if is_turned { self.blocks_wheel() } else { None };
@@ -185,6 +190,14 @@ impl State {
                 axis.teleop.wheel(&wheel, limits.is_some(), || limits.unwrap_or_default());
             }
         }
+    }
+
+    /// Returns whether all wheels are where they were in the last cycle.
+    fn have_wheels_stopped(&self, pins: &Pins) -> bool {
+        let mut joints = self.joints.iter().zip(&pins.joints);
+        let mut axes = self.axes.iter().zip(&pins.axes);
+        joints.all(|(joint, pins)| joint.free.has_counted(pins.jog_counts))
+            && axes.all(|(axis, pins)| axis.teleop.has_counted(pins.jog_counts))
     }
 
     /// Returns whether a wheel that counts in this mode has turned.

@@ -62,7 +62,7 @@ It creates `servo-thread`, and `base-thread` when there is a base period. Add
 `motion-command-handler` and then `motion-controller` to servo-thread. Kinematics such as
 `trivkins` must be loaded before it.
 
-Each joint is told its limits with `motion.configure joint=N …`; then `motion.enable` switches the
+`motion.configure joint=N …` sets the limits of each joint; then `motion.enable` switches the
 machine on, `motion.home` finds home switches, `motion.jog` moves a joint or an axis, and
 `motion.move` moves along a straight line.
 It goes off by itself when `motion.enable` goes FALSE, a limit switch closes, an amplifier has a

@@ -15,6 +15,8 @@ pub(crate) struct Outputs {
     feed: Shown<3>,
     tool: Shown<9>,
     digital: Shown<1>,
+    /// Velocity along the current move.
+    along: f64,
 }
 
 impl Outputs {
@@ -89,6 +91,7 @@ impl Outputs {
         let (travelled, along) = s.path.along();
         t.tc_0_pos.set(travelled);
         t.tc_0_vel.set(along);
+        t.tc_0_acc.set((along - core::mem::replace(&mut self.along, along)) / s.dt);
         t.traj_pos_out.set(travelled);
         t.traj_vel_out.set(along);
         let ([x, y, z], radius) = s.path.circle();

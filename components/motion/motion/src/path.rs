@@ -155,8 +155,9 @@ pub(crate) struct Path {
     velocity: f64,
     /// Travel since the start of the current move.
     travelled: f64,
-    /// Direction in x and y, in degrees.
+    /// Direction in x and y, in degrees, and a step in that direction.
     heading: f64,
+    direction: [f64; 2],
     scale: f64,
     /// Reason of the last move that the planner refused, until it is taken.
     refused: Option<Refusal>,
@@ -175,6 +176,7 @@ const AT_REST: Step = Step {
     feed: 0.0,
     highest: 0.0,
     moving: false,
+    rests: true,
 };
 
 impl Path {
@@ -207,6 +209,7 @@ impl Path {
             velocity: 0.0,
             travelled: 0.0,
             heading: 0.0,
+            direction: [0.0; 2],
             scale: 1.0,
             refused: None,
             failed: None,
@@ -253,7 +256,7 @@ impl Path {
         let retracts = self.retracts(&drive);
         let session = self.session.as_mut()?;
         let is_paused = self.paused && !retracts;
-        let mut holds = self.stop.is_some() || is_paused || !self.last.moving && !drive.may_begin;
+        let mut holds = self.stop.is_some() || is_paused || self.last.rests && !drive.may_begin;
         let mut reverse = self.reverse != drive.reverse;
         let (scale, mut top) = match retracts {
             true => (drive.retract, drive.retract_top),

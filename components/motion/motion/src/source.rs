@@ -107,7 +107,7 @@ impl State {
 
     /// Returns the origin of what moves, or of what moved last.
     pub(crate) fn origin_in_progress(&self) -> MotionSource {
-        if self.is_jogging() && self.rests_on_path() {
+        if self.rests_on_path() && self.is_jogging() {
             self.origin.beside
         } else {
             self.origin.source

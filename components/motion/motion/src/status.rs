@@ -20,13 +20,13 @@ pub(crate) fn blank() -> MotionStatus {
 /// changed.
 pub(crate) fn update(r: &mut MotionStatus, s: &State, lists: &Lists, changed: u32) {
     let current = s.path.current();
-    let homing = s.is_homing();
+    let (homing, jogging) = (s.is_homing(), s.is_jogging());
     r.enabled = s.enabled;
     r.mode = s.mode as u32;
-    r.in_position = s.is_idle();
+    r.in_position = s.path.is_idle() && !jogging && !homing;
     r.all_homed = s.is_all_homed();
     r.homing = homing;
-    r.jogging = !homing && s.is_jogging();
+    r.jogging = !homing && jogging;
     r.requested_velocity = s.path.feeds().0;
     r.distance_to_go = s.path.distance_to_go();
     r.feed_scale = s.feed.net;

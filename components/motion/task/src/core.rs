@@ -13,6 +13,7 @@ mod check;
 mod checking;
 mod end;
 mod entry;
+mod function;
 mod journal;
 mod origin;
 mod overrides;
@@ -122,6 +123,8 @@ struct Job {
     input: f64,
     questions: Vec<values::HalQuestion>,
     user_code: Result<(), String>,
+    /// A function in Python is at work on its next step.
+    is_stepping_function: bool,
     began: f64,
 }
 
@@ -213,6 +216,8 @@ pub(crate) struct Core {
     pub(crate) spindle_scale: [f64; MAX_SPINDLES],
     spindle_counts: [bool; MAX_SPINDLES],
     overriding: overrides::Orders,
+    /// The last wait for an input ended without it.
+    pub(crate) input_was_late: bool,
     /// Number of jobs that have ended, and of those that have failed.
     pub(crate) jobs: (u32, u32),
     /// Machine time of the current or last job in seconds.
@@ -271,6 +276,7 @@ impl Core {
             spindle_scale: [1.0; MAX_SPINDLES],
             spindle_counts: [true; MAX_SPINDLES],
             overriding: overrides::Orders::default(),
+            input_was_late: false,
             jobs: (0, 0),
             job_time: 0.0,
             message: Box::default(),
@@ -366,17 +372,6 @@ impl Core {
             (Some(_), Some(origin)) => origin.line,
             (_, Some(origin)) => flight.unwrap_or(origin.line),
             (_, None) => flight.unwrap_or(0),
-        }
-    }
-
-    /// Returns whether the job waits for a tool, and its number.
-    pub(crate) fn awaited_tool(&self) -> Option<i32> {
-        match (&self.waiting, self.queue.front().map(|entry| &entry.action)) {
-            _ if !self.flight.is_empty() => None,
-            (Some(Waiting::Change { tool, .. }), _) => Some(*tool),
-            // The change waits until its tool is prepared.
-            (None, Some(Action::Change(tool))) if self.preparing.is_some() => Some(*tool),
-            _ => None,
         }
     }
 

@@ -7,7 +7,7 @@
 //! | `outside` | the interface of the core to everything outside |
 //! | `worker`, `command_record` | the worker; orders as records of the service `motion` |
 //! | `journal_file` | the file of the journal |
-//! | `programs`, `texts` | programs of users; texts of messages |
+//! | `programs` | programs of users |
 //! | `commands`, `pins`, `status`, `codes` | commands and pins `task.*`; the snapshot `task.status`; G codes in force |
 #![forbid(unsafe_code)]
 
@@ -22,7 +22,6 @@ mod pins;
 mod programs;
 mod setup;
 mod status;
-mod texts;
 mod worker;
 
 use ::core::time::Duration;

@@ -1,7 +1,7 @@
 //! Everything outside the core: motion, iocontrol, files, the clock.
 
 use hal_component::{IoRequest, IoState};
-use hal_gcode::{Numbered, tool::ToolTable};
+use hal_gcode::{Environment, Numbered, State, tool::ToolTable};
 use hal_job::{journal::Record, spindle::Spindle};
 use std::path::Path;
 
@@ -209,6 +209,12 @@ pub(crate) trait Outside {
     fn program(&mut self) -> Progress;
     /// Ends the user's program.
     fn end_program(&mut self);
+    /// Begins the next step of the function in Python that is the innermost level of a state.
+    fn begin_function(&mut self, state: &State, env: &dyn Environment) -> Result<(), String>;
+    /// Returns how far that step has come.
+    fn function(&mut self) -> hal_remap::Progress;
+    /// Ends the functions in progress.
+    fn end_functions(&mut self);
     /// Tells the operator something.
     fn say(&mut self, level: Level, text: &str);
     /// Reports how a command ended.

@@ -44,6 +44,8 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
         machine.settings.axes = XYZ;
     }
     let rules = rules(&machine)?;
+    machine.settings.task = true;
+    let functions = machine.start_functions();
     let files = Files {
         ini: ini.clone(),
         parameters: machine.parameters.clone(),
@@ -53,8 +55,9 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
         codes: machine.codes.clone(),
         named: named(&machine),
         letters: Letters::from(machine.settings.axes.0),
+        functions,
     };
-    let world = World { machine, hal: BTreeMap::new() };
+    let world = World { machine, hal: BTreeMap::new(), functions: None };
     Ok((Box::new(Core::new(world, rules)?), files))
 }
 

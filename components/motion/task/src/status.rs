@@ -14,7 +14,7 @@ use hal_gcode::{
 use std::sync::Arc;
 
 /// Version of [`TaskStatus`].
-pub(crate) const VERSION: u32 = 2;
+pub(crate) const VERSION: u32 = 3;
 /// Number of words of a text.
 const TEXT: usize = 32;
 /// Number of spindles.
@@ -99,6 +99,10 @@ pub(crate) struct TaskStatus {
     pub(crate) message: [u64; TEXT],
     /// Importance of the last message: 0 a message of the program, 1 an error.
     pub(crate) message_level: u32,
+    /// Seconds that a pause of G4 still takes; 0 without one.
+    pub(crate) delay_left: f64,
+    /// True from the end of a wait for an input (M66) that came too late, until the next one ends.
+    pub(crate) input_timeout: bool,
 }
 
 /// The state of the task, with its texts.
@@ -113,10 +117,10 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    pub(crate) fn of(core: &Core, motion: &MotionState, io: &IoState) -> Self {
+    pub(crate) fn of(core: &Core, motion: &MotionState, io: &IoState, now: f64) -> Self {
         let file = core.program.as_deref().map(file_name).unwrap_or_default();
         Self {
-            status: Some(status(core, io)),
+            status: Some(status(core, io, now)),
             message: core.message.to_string(),
             file,
             velocity: motion.velocity,
@@ -175,7 +179,7 @@ impl Report {
     }
 }
 
-fn status(core: &Core, io: &IoState) -> TaskStatus {
+fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
     let state = &core.interpreter.state;
     let modal = &state.modal;
     let frame = &state.frame;
@@ -234,6 +238,8 @@ fn status(core: &Core, io: &IoState) -> TaskStatus {
         file: packed(&core.program.as_ref().map(|p| p.to_string_lossy()).unwrap_or_default()),
         message: packed(&core.message),
         message_level: u32::from(core.message_level == Level::Error),
+        delay_left: core.delay_left(now),
+        input_timeout: core.input_was_late,
     }
 }
 

@@ -3,6 +3,7 @@
 mod check;
 mod entry;
 mod fake;
+mod functions;
 mod job;
 mod real;
 mod recover;
@@ -32,6 +33,10 @@ use std::{
 
 /// A machine on which each move takes the same time.
 struct Fake {
+    /// Functions in Python of the machine.
+    functions: Option<hal_remap::Functions>,
+    /// The worker waits for each step of a function.
+    is_patient: bool,
     now: f64,
     motion: MotionState,
     io: IoState,
@@ -70,6 +75,8 @@ impl Fake {
     fn new() -> Self {
         let estop = Estop { commanded: false, open: false };
         Self {
+            functions: None,
+            is_patient: true,
             now: 0.0,
             motion: MotionState {
                 enabled: true,
@@ -180,7 +187,8 @@ impl Rig {
         machine.limits[2].1 = Some(80.0);
         machine.limits[8].1 = Some(0.0);
         change(&mut machine, &mut rules);
-        let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
+        let core =
+            Core::new(World { machine, hal: BTreeMap::new(), functions: None }, rules).unwrap();
         let mut rig = Self { core, fake: Fake::new(), tickets: 0, folder };
         rig.step();
         let path = rig.folder.join("job.ngc");

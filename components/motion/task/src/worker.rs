@@ -6,6 +6,7 @@ mod machine;
 use crate::{
     command_record::Letters,
     core::{Core, Mode, user::Command},
+    outside::Outside as _,
     pins::Pins,
     status::{Report, TaskStatus, operator_view},
 };
@@ -14,6 +15,7 @@ use hal_component::{
     Uses, Work,
 };
 use hal_gcode::parameters::file::ParameterFile;
+use hal_remap::Functions;
 use machine::Machine;
 use std::{
     collections::VecDeque,
@@ -31,7 +33,7 @@ pub(crate) struct SharedState {
 }
 
 /// The files of a machine that the task writes or guards, and the folders of user programs.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Files {
     pub(crate) ini: Option<PathBuf>,
     pub(crate) parameters: Option<(PathBuf, ParameterFile)>,
@@ -43,6 +45,8 @@ pub(crate) struct Files {
     /// Files that the INI file consists of or names.
     pub(crate) named: Vec<PathBuf>,
     pub(crate) letters: Letters,
+    /// Functions in Python.
+    pub(crate) functions: Option<Functions>,
 }
 
 /// State that the commands and the worker share.
@@ -118,7 +122,8 @@ impl Work for Worker {
         let done = core.step(&mut self.world, items);
         self.world.claim(&core);
         self.pins.show(core.has_work());
-        let report = Report::of(&core, &self.world.status, &self.world.io.state());
+        let (io, now) = (self.world.io.state(), self.world.now());
+        let report = Report::of(&core, &self.world.status, &io, now);
         if let Some(operator) = &self.world.operator {
             operator.show(&operator_view(&core, &self.world.io.state()));
         }

@@ -73,7 +73,7 @@ const ARGS: &[&ArgSpec] = &[
 ];
 
 /// Capacity of the command queue to the task.
-const ROOM: usize = 64;
+const QUEUE_LEN: usize = 64;
 
 macro_rules! names {
     ($($(#[$about:meta])* $ty:ident = $name:literal;)*) => {$(
@@ -108,7 +108,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         return Err(Error::new(format!("cycle_time is {seconds}, must be between 0.001 and 10")));
     }
     let pins = Pins::make(b)?;
-    let (to, from) = b.queue(ROOM);
+    let (to, from) = b.queue(QUEUE_LEN);
     let (shared, read) = b.shared(Shared::new());
     commands::open(b, &to, pins, &shared)?;
     if b.needs_interlock() || b.arg_int("interlock").is_some_and(|on| on != 0) {

@@ -24,7 +24,9 @@ const MAX_EVENTS: u32 = 96;
 /// A way that is rounding: nothing moves for it.
 const NO_WAY: f64 = 1e-13;
 
-/// Periods of rest, beyond the length of the filter, before motion leaves an exact stop.
+/// Periods of rest, beyond the length of the filter, before motion leaves an exact stop under a limit of jerk. Without
+/// one, motion leaves it in the next period: decelerations and accelerations that follow each other at rest are within
+/// their limits, also as finite differences.
 const REST: u32 = 3;
 
 /// Walks along a track, one servo period at a time.
@@ -89,6 +91,8 @@ pub struct Step {
     pub highest: f64,
     /// True while the follower or its filter moves.
     pub moving: bool,
+    /// True if the speed is 0 at the end of the period, as it is at an exact stop.
+    pub rests: bool,
 }
 
 impl Follower {
@@ -149,6 +153,7 @@ impl Follower {
             feed: self.feed,
             highest: self.highest,
             moving: self.speed > 0.0 || !self.is_flat(),
+            rests: self.speed == 0.0 && (self.samples == 1 || self.is_flat()),
         }
     }
 
@@ -234,12 +239,12 @@ impl Follower {
                 self.back = reverse;
                 self.to_go = cell.length - self.to_go;
             }
-            if usize::from(cell.samples) != self.samples && !self.change_filter(&cell) {
+            if usize::from(cell.samples) != self.samples && !self.change_filter(&cell, still) {
                 break;
             }
             if self.to_go <= 0.0 || self.speed == 0.0 && self.to_go <= NO_WAY {
                 self.to_go = 0.0;
-                if !self.cross(track, &cell) {
+                if !self.cross(track, &cell, still) {
                     break;
                 }
                 continue;
@@ -270,8 +275,9 @@ impl Follower {
         moved
     }
 
-    /// Goes to the next cell, or waits at a stop. Returns false if the input stays.
-    fn cross(&mut self, track: &impl Path, cell: &Cell) -> bool {
+    /// Goes to the next cell, or waits at a stop. `still` is true while nothing has moved in this period. Returns false if
+    /// the input stays.
+    fn cross(&mut self, track: &impl Path, cell: &Cell, still: bool) -> bool {
         let (number, floor) = if self.back {
             let Some(number) = self.cell.checked_sub(1) else {
                 self.speed = 0.0;
@@ -290,7 +296,7 @@ impl Follower {
         let cell = track.cell(self.cell).unwrap_or(*cell);
         if if self.back { next.stop } else { cell.stop } {
             self.speed = 0.0;
-            if !self.has_rested() {
+            if !self.has_rested(still) {
                 return false;
             }
         }
@@ -300,9 +306,9 @@ impl Follower {
     }
 
     /// Takes over the length of the filter from a cell, which needs rest. Returns false if the motion must wait.
-    fn change_filter(&mut self, cell: &Cell) -> bool {
+    fn change_filter(&mut self, cell: &Cell, still: bool) -> bool {
         self.speed = 0.0;
-        if self.has_rested() {
+        if self.has_rested(still) {
             self.samples = usize::from(cell.samples).max(1).min(self.ring.len());
             self.next = 0;
             self.ring.fill(0.0);
@@ -311,9 +317,11 @@ impl Follower {
         false
     }
 
-    /// Returns true if the input has rested for longer than the filter and the third difference look back.
-    fn has_rested(&self) -> bool {
-        usize::try_from(self.flat.saturating_sub(REST)).is_ok_and(|f| f >= self.samples)
+    /// Returns true if the input has rested for longer than the filter and the third difference look back, or, without a
+    /// filter, since the start of this period.
+    fn has_rested(&self, still: bool) -> bool {
+        let rests = usize::try_from(self.flat.saturating_sub(REST));
+        if self.samples == 1 { still } else { rests.is_ok_and(|f| f >= self.samples) }
     }
 
     /// Averages the travel over the last periods.
@@ -339,7 +347,7 @@ impl Follower {
 
     /// Moves the output along the track.
     fn advance(&mut self, track: &impl Path, travel: f64) {
-        if self.is_flat() {
+        if self.is_flat() || self.samples == 1 {
             // Input and output agree but for rounding.
             if let Some(cell) = track.cell(self.cell) {
                 self.output = self.place(&cell);

@@ -28,7 +28,7 @@ const KEPT: usize = 16;
 const AROUND: usize = 8;
 
 /// Longest line that is joined.
-const LONGEST: f64 = 1.0;
+const MAX_LENGTH: f64 = 1.0;
 
 /// Smallest cosine of the angle between neighbouring lines of a run: 30°.
 const STRAIGHT: f64 = 0.866;
@@ -46,7 +46,7 @@ pub(crate) struct Join {
 impl Join {
     /// Returns true if a segment can be part of a run.
     pub(crate) fn is_dense(segment: &Segment) -> bool {
-        segment.length <= LONGEST
+        segment.length <= MAX_LENGTH
             && segment.mode != Mode::ExactStop
             && matches!(segment.curve, Curve::Line { .. })
     }

@@ -76,7 +76,7 @@ impl Order {
         now == GRANTED
     }
 
-    /// Writer: agrees to reverse motion if the reader has asked, and returns true while old slots may be given up.
+    /// Writer: agrees to reverse motion if the reader has asked, and returns true while old slots may be dropped.
     pub(crate) fn settle(&self) -> bool {
         // Pairs with Release in `may_turn`.
         let now = self.reverse.load(Ordering::Acquire);

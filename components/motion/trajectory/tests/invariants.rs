@@ -101,7 +101,7 @@ fn two_runs_are_the_same_bits_on_every_machine() {
 }
 
 /// Hash of all poses of the programs above. It changes with the planner, never with the machine.
-const HASH: u64 = 0xcc8c_dae9_c811_68a1;
+const HASH: u64 = 0xcec6_66a0_fb16_cd34;
 
 #[test]
 fn mirrored_and_permuted_programs_take_the_same_time() {
@@ -334,11 +334,17 @@ fn exact_stops_pass_their_point_and_rest_there() {
         let seen = poses(planned(&program, &machine).track(), &machine, Pose::ZERO, 1.0);
         let corners = program.poses();
         for corner in &corners[1..corners.len() - 1] {
-            let near = |p: &&Pose| {
-                let by = **p - Pose(*corner);
-                by.dot_all(&by).sqrt() < 1e-9
+            let off = |p: &Pose| {
+                let by = *p - Pose(*corner);
+                by.dot_all(&by).sqrt()
             };
-            assert!(seen.iter().filter(near).count() >= 3, "{corner:?}");
+            let at: Vec<usize> = (0..seen.len()).filter(|k| off(&seen[*k]) < 1e-9).collect();
+            // A filter dwells there. Without one, motion leaves in the next period, from a speed of 0.
+            let least = if jerk.is_finite() { 3 } else { 1 };
+            assert!(at.len() >= least, "{corner:?}");
+            let fastest = machine.axes.map(|l| l.acceleration).iter().sum::<f64>();
+            let first = off(&seen[at[at.len() - 1] + 1]);
+            assert!(first <= 0.5 * fastest * machine.period * machine.period, "{first}");
         }
     }
 }

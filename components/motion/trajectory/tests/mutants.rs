@@ -119,8 +119,8 @@ const MUTANTS: [Mutant; 22] = [
     Mutant {
         mistake: "a filter that is not flat takes a new length",
         file: "follower.rs",
-        right: "usize::try_from(self.flat.saturating_sub(REST)).is_ok_and(|f| f >= self.samples)",
-        wrong: "self.flat < u32::MAX",
+        right: "if self.samples == 1 { still } else { rests.is_ok_and(|f| f >= self.samples) }",
+        wrong: "self.flat < u32::MAX || still || rests.is_err()",
         fails: BY_NAME,
     },
     Mutant {

@@ -16,7 +16,7 @@ use judge::{
 /// Largest times of small arcs without a limit of jerk and with one, in one sense; in both senses with a limit of jerk, at
 /// tolerances of 0.1, 0.01 and 0: there the curvature has to change its sign inside the tolerance.
 const MOST: [f64; 2] = [1.02, 1.12];
-const MOST_WITH_TURNS: [f64; 3] = [1.12, 1.32, 1.52];
+const MAX_WITH_TURNS: [f64; 3] = [1.12, 1.32, 1.52];
 
 /// Trapezoids take at most 3 % more than the bound, in the mean; a jerk of 1e5 (57 times the acceleration) at most 8 %,
 /// and a jerk of 1e4 at most 40 %.
@@ -43,7 +43,7 @@ fn times_are_near_the_bounds() {
 fn small_arcs_are_near_the_centripetal_bound() {
     let least = small_arcs_bound();
     for (name, both) in [("one sense", false), ("both senses", true)] {
-        for (p, turning) in [0.1, 0.01, 0.0].into_iter().zip(MOST_WITH_TURNS) {
+        for (p, turning) in [0.1, 0.01, 0.0].into_iter().zip(MAX_WITH_TURNS) {
             let program = small_arcs(both, p);
             let [t, j] = [f64::INFINITY, 1e5].map(|jerk| taken(&program, &machine(jerk)) / least);
             println!("arcs of radius 4 in {name}, P {p}: {t:.4}, at a jerk of 1e5 {j:.4}");

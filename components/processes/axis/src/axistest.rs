@@ -9,8 +9,8 @@ impl Component for Axistest {
     const NAME: &'static str = "axistest";
     const DOC: &'static str = concat!(
         "Moves an axis back and forth, or jogs it, to find its highest speed.\n\n\
-         The commanded position jumps from end to end: the speed of a move is what whoever follows \
-         the command allows. It is `steptest` without an acceleration.\n\n",
+         The commanded position jumps from end to end: the speed of a move is what the driver \
+         of the motor allows. It is `steptest` without an acceleration.\n\n",
         runs!(),
         "Otherwise `position-cmd` is ahead of `position-fb` by 10 in the direction of a jog; without \
          one it follows `position-fb`.\n\n\

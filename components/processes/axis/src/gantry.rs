@@ -87,7 +87,7 @@ impl Component for Gantry {
                 "Position feedback of the joint, in units.",
                 0.0,
             )?;
-            read.joints.push(Told { home, pos_fb, offset });
+            read.joints.push(JointState { home, pos_fb, offset });
             let pos_cmd = b.item(
                 &format!("joint.{i:02}.pos-cmd"),
                 "Position command of the joint, in units.",
@@ -101,7 +101,7 @@ impl Component for Gantry {
 }
 
 #[derive(Touch)]
-struct Told {
+struct JointState {
     home: In<bool>,
     pos_fb: In<f64>,
     offset: Out<f64>,
@@ -109,7 +109,7 @@ struct Told {
 
 #[derive(Touch)]
 struct Read {
-    joints: Vec<Told>,
+    joints: Vec<JointState>,
     position_fb: Out<f64>,
     home: Out<bool>,
     limit: Out<bool>,

@@ -619,7 +619,7 @@ mod tests {
             bench.set(&name, usual);
         }
         run(&mut bench, 500);
-        assert_eq!(offset(&bench, 0), 1.0, "without beginning anew");
+        assert_eq!(offset(&bench, 0), 1.0, "without beginning again");
     }
 
     #[test]

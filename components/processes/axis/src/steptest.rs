@@ -11,7 +11,7 @@ impl Component for Steptest {
     const DOC: &'static str = concat!(
         "Moves an axis back and forth, or jogs it, to find its highest speed and acceleration.\n\n\
          The commanded position jumps from end to end: the speed and acceleration of a move are those \
-         that whoever follows the command allows, such as `stepgen.N.maxvel` and \
+         that the driver of the motor allows, such as `stepgen.N.maxvel` and \
          `stepgen.N.maxaccel`.\n\n",
         runs!(),
         "Otherwise `position-cmd` is ahead of `position-fb` by two periods at `maxvel` in the \

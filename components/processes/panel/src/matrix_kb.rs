@@ -28,9 +28,9 @@ impl Component for MatrixKb {
         column: in 2 rows of 3 columns, r1c2 is 6. Above 192 numbers the 192 and the 128 \
         are doubled until they are enough. Two keys are heard at once.\n\n\
         With `s` it scans. Each run reads the columns of one row, then selects the next row. When a row is \
-        read twice alike, each key in it that was otherwise the time before is told, also at \
+        read twice alike, each key in it that was otherwise the time before is reported, also at \
         `keycode`; so a key that changes while another one of its row bounces may stay unheard. While as many keys are held as `key_rollover` allows, no more are heard, and one that \
-        was not heard then stays so until it is pressed anew; a release counts in any case. Keys whose \
+        was not heard then stays so until it is pressed again; a release counts in any case. Keys whose \
         numbers reach into the 128 are not heard: from row 8 on with eight columns and no more than 24 rows.\n\n\
         # Example\n\n\
         ```hal\n\
@@ -85,7 +85,7 @@ fn keyboard(b: &mut Builder<'_>, name: &str, size: &Size) -> Result<(), Error> {
     let keycode = format!("{name}.keycode");
     if !size.scans {
         let keycode = b.item(&keycode, "Code received from the device.", 0)?;
-        return b.function(name, "Receives one code.", Told { keycode, keys });
+        return b.function(name, "Receives one code.", Receiver { keycode, keys });
     }
     let doc = "Key event of this run, the last if there were several; 64 without an event.";
     let keycode = b.item(&keycode, doc, 0)?;
@@ -223,12 +223,12 @@ impl Keys {
 
 /// Keyboard whose device delivers codes.
 #[derive(Touch)]
-struct Told {
+struct Receiver {
     keycode: In<u32>,
     keys: Keys,
 }
 
-impl Update for Told {
+impl Update for Receiver {
     fn update(&mut self, _: Period) {
         let (code, codes) = (self.keycode.get(), self.keys.codes);
         if code & codes.press == codes.press {

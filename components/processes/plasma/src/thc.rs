@@ -1,5 +1,5 @@
 //! `thc`.
-use crate::height::{Height, single};
+use crate::height::{Correction, Height, is_at_speed};
 use hal_component::{
     Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags, pins,
 };
@@ -106,27 +106,17 @@ impl Update for Run {
             p.z_pos_out.set(z);
             return;
         }
-        let wanted = p.requested_vel.get();
-        let lowest = single(wanted - wanted * (p.velocity_tol.get() * 0.01));
-        let now = p.current_vel.get();
-        let fast = now > 0.0 && now >= lowest;
+        let fast = is_at_speed(p.requested_vel.get(), p.current_vel.get(), p.velocity_tol.get());
         p.vel_status.set(fast);
-        if p.torch_on.get() {
-            if p.arc_ok.get() && fast {
-                let (volts, wanted) = (p.volts.get(), p.volts_requested.get());
-                let tolerance = p.voltage_tol.get();
-                // Within the tolerance, both corrections apply and cancel out.
-                if volts + tolerance > wanted {
-                    self.height.correct(-p.correction_vel.get());
-                }
-                if volts - tolerance < wanted {
-                    self.height.correct(p.correction_vel.get());
-                }
-                self.height.forget();
-            }
-        } else {
-            self.height.take_back(z);
-        }
+        let (volts, wanted) = (p.volts.get(), p.volts_requested.get());
+        let tolerance = p.voltage_tol.get();
+        // Within the tolerance, both corrections apply and cancel out.
+        let correction = Correction {
+            lowers: volts + tolerance > wanted,
+            raises: volts - tolerance < wanted,
+            by: p.correction_vel.get(),
+        };
+        self.height.control(p.torch_on.get(), p.arc_ok.get() && fast, z, &correction);
         p.z_pos_out.set(z + f64::from(self.height.offset));
     }
 }

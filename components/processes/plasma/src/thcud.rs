@@ -1,5 +1,5 @@
 //! `thcud`.
-use crate::height::{Height, single};
+use crate::height::{Correction, Height, is_at_speed};
 use hal_component::{
     Builder, Component, Error, In, Out, ParamRw, Period, Touch, Update, abi::component_flags, pins,
 };
@@ -90,23 +90,16 @@ impl Update for Run {
             p.z_pos_out.set(z);
             return;
         }
-        let wanted = p.requested_vel.get();
-        let lowest = single(wanted - wanted * (p.velocity_tol.get() * 0.01));
-        let now = p.current_vel.get();
-        let fast = now > 0.0 && now >= lowest;
+        let fast = is_at_speed(p.requested_vel.get(), p.current_vel.get(), p.velocity_tol.get());
         p.vel_status.set(fast);
-        if p.torch_on.get() {
-            if p.arc_ok.get() && fast {
-                if p.torch_down.get() {
-                    self.height.correct(-p.correction_vel.get());
-                }
-                if p.torch_up.get() {
-                    self.height.correct(p.correction_vel.get());
-                }
-                self.height.forget();
-            }
-        } else {
-            p.removing_offset.set(self.height.take_back(z));
+        let correction = Correction {
+            lowers: p.torch_down.get(),
+            raises: p.torch_up.get(),
+            by: p.correction_vel.get(),
+        };
+        let burns = p.arc_ok.get() && fast;
+        if let Some(removed) = self.height.control(p.torch_on.get(), burns, z, &correction) {
+            p.removing_offset.set(removed);
         }
         p.z_pos_out.set(z + f64::from(self.height.offset));
     }

@@ -26,7 +26,7 @@ use hal_component::{Component, In, Out, Period, Update};
 ///
 /// # Example
 ///
-/// The whole wiring. A spindle at 300 turns a minute is told to stand at 90 degrees. It stops
+/// The whole wiring. A spindle at 300 turns a minute is to stop at 90 degrees. It stops
 /// (`begin` waits for that), the loop turns it to the angle, and when it stands there motmod locks
 /// it. The motor is simulated: `motor` ramps, and `encoder` sums up its turns.
 ///

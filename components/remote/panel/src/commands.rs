@@ -23,7 +23,7 @@ pub(crate) struct Row {
 /// Effect of a command.
 pub(crate) enum Action {
     /// Sends the engine these requests, one after the other; a refusal ends them.
-    Engine(fn(&Given<'_>) -> Result<Vec<Request>, Error>),
+    Engine(fn(&Input<'_>) -> Result<Vec<Request>, Error>),
     /// Jogs, with the number of the lease.
     Jog,
     /// Opens a program of the list.
@@ -95,7 +95,7 @@ pub(crate) fn find(name: &str) -> Result<&'static Row, Error> {
 }
 
 /// A command with its arguments.
-pub(crate) struct Given<'a> {
+pub(crate) struct Input<'a> {
     pub(crate) args: &'a Args,
     /// True if the machine's unit of length is the inch.
     pub(crate) is_inch: bool,
@@ -104,7 +104,7 @@ pub(crate) struct Given<'a> {
 /// Longest text of an argument in bytes.
 const MAX_TEXT: usize = 4096;
 
-impl Given<'_> {
+impl Input<'_> {
     /// Returns an argument as the engine reads it.
     fn text(&self, name: &str) -> Result<Option<String>, Error> {
         let malformed = |why: &str| Err(Error::new(Code::Malformed, format!("{name} {why}")));
@@ -138,7 +138,7 @@ impl Given<'_> {
     fn number(&self, name: &str) -> Result<f64, Error> {
         let text = self.needed(name)?;
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-        let malformed = || Error::new(Code::Malformed, format!("{name} '{text}' is no number"));
+        let malformed = || Error::new(Code::Malformed, format!("{name} '{text}' is not a number"));
         number.ok_or_else(malformed)
     }
 
@@ -204,7 +204,7 @@ impl Given<'_> {
 }
 
 /// Sets a coordinate system so that an axis has this value where it is.
-fn touch_off(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+fn touch_off(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["axis", "value", "system"])?;
     let malformed = |text: String| Error::new(Code::Malformed, text);
     let axis = given.needed("axis")?.to_ascii_uppercase();
@@ -224,7 +224,7 @@ fn touch_off(given: &Given<'_>) -> Result<Vec<Request>, Error> {
 }
 
 /// Sets the offset of a tool along axes, and its diameter.
-fn tool_offset(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+fn tool_offset(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["tool", "x", "z", "diameter"])?;
     let tool: u32 = given
         .needed("tool")?
@@ -280,31 +280,31 @@ fn guard(name: &str) -> Result<(), Error> {
     Ok(())
 }
 
-fn setp(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+fn setp(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["name", "value"])?;
     guard(&given.needed("name")?)?;
     Ok(vec![Request::Set { name: given.needed("name")?, value: given.needed("value")? }])
 }
 
-fn sets(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+fn sets(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["name", "value"])?;
     Ok(vec![Request::SetSignal { name: given.needed("name")?, value: given.needed("value")? }])
 }
 
-fn net(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+fn net(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["signal", "pins"])?;
     let pins: Vec<String> = given.needed("pins")?.split_whitespace().map(str::to_owned).collect();
     pins.iter().try_for_each(|pin| guard(pin))?;
     Ok(vec![Request::Net { signal: given.needed("signal")?, pins }])
 }
 
-fn linkp(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+fn linkp(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["pin", "signal"])?;
     guard(&given.needed("pin")?)?;
     Ok(vec![Request::Link { pin: given.needed("pin")?, signal: given.needed("signal")? }])
 }
 
-fn unlink(given: &Given<'_>) -> Result<Vec<Request>, Error> {
+fn unlink(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["pin"])?;
     guard(&given.needed("pin")?)?;
     Ok(vec![Request::Unlink { pin: given.needed("pin")? }])

@@ -40,7 +40,7 @@ impl Engine {
         let waiting = Arc::new(AtomicUsize::new(0));
         let thread = thread::Builder::new().name("engine".to_owned());
         let left = waiting.clone();
-        let begun = thread.spawn(move || carry(client, &queue, &left));
+        let begun = thread.spawn(move || serve(client, &queue, &left));
         begun.map_err(|e| hal_output::reason(&e))?;
         Ok(Self { jobs, waiting, stops: Arc::default() })
     }
@@ -83,7 +83,7 @@ impl Engine {
         waits.await.map_err(|_| gone())?
     }
 
-    fn send(&self, request: Request, most: usize) -> Result<Waits, Error> {
+    fn send(&self, request: Request, most: usize) -> Result<PendingReply, Error> {
         let full = || Error::new(Code::TooMany, "too many requests wait for the engine");
         if self.waiting.fetch_add(1, Relaxed) >= most {
             self.waiting.fetch_sub(1, Relaxed);
@@ -101,14 +101,14 @@ impl Engine {
     }
 }
 
-type Waits = oneshot::Receiver<Result<Reply, Error>>;
+type PendingReply = oneshot::Receiver<Result<Reply, Error>>;
 
 fn gone() -> Error {
     Error::new(Code::NoEngine, "the engine has ended")
 }
 
 /// Executes requests until the engine or this program ends.
-fn carry(mut client: Client, jobs: &Receiver<Job>, waiting: &AtomicUsize) {
+fn serve(mut client: Client, jobs: &Receiver<Job>, waiting: &AtomicUsize) {
     while let Ok(job) = jobs.recv() {
         waiting.fetch_sub(1, Relaxed);
         if client.is_gone() {

@@ -51,7 +51,7 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
     let scale = Unit::Millimetre.to(machine.settings.unit);
     let machine_unit = machine.settings.unit;
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
-    let world = World { machine, hal: std::collections::BTreeMap::new() };
+    let world = World::with_functions(machine, std::collections::BTreeMap::new());
     start(&mut it, &world)?;
     it.load(&file.display().to_string(), world::program(file)?);
     let mut way = Way::new(it.state.frame, it.state.position);
@@ -62,7 +62,9 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
     geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0 });
     let (begun, mut out) = (Instant::now(), Vec::new());
     for n in 0_u32.. {
-        let going = step(&mut it, &world, Answers { probe_trips: true }, &mut out);
+        let functions = world.functions.as_ref();
+        let answers = Answers { probe_trips: true, functions };
+        let going = step(&mut it, &world, answers, &mut out);
         for issued in out.drain(..) {
             match &issued.call {
                 Call::UseLengthUnits(new) => unit = *new,

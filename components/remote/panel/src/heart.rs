@@ -1,4 +1,4 @@
-//! Pins of the panel: pulses from the servo thread, and the beats that answer them.
+//! Pins of the panel: pulses from the servo thread, the beats that answer them, and the pins of teleoperation.
 
 use hal_protocol::{Client, Direction, Kind, Link as _, PinPage, Place, Reply, Request, Type};
 use std::{
@@ -8,10 +8,11 @@ use std::{
     },
     thread,
 };
+use teleop::LIVENESS_MS;
 
 /// Interval of the exchange, in nanoseconds of machine time.
 const INTERVAL_NS: u64 = 4_000_000;
-/// Pins, in the order of their creation, with the signal and the pin of `remote` that each is linked with.
+/// Pins, in the order of their creation, with the signal and the pin of `remote` that each is linked with, if any.
 const PINS: &[(&str, Type, Direction, &str, &str)] = &[
     ("halpanel.pulse", Type::U32, Direction::In, "remote-pulse", "remote.pulse"),
     ("halpanel.beat", Type::U32, Direction::Out, "remote-beat", "remote.beat"),
@@ -20,6 +21,13 @@ const PINS: &[(&str, Type, Direction, &str, &str)] = &[
     ("halpanel.permit", Type::Bit, Direction::In, "remote-permit", "remote.permit"),
     ("halpanel.hold", Type::Bit, Direction::In, "remote-hold", "remote.hold"),
     ("halpanel.allowed", Type::Bit, Direction::In, "remote-allowed", "remote.allowed"),
+    ("teleop.serve", Type::Bit, Direction::Io, "", ""),
+    ("teleop.port", Type::U32, Direction::Io, "", ""),
+    ("teleop.listening", Type::U32, Direction::Out, "", ""),
+    ("teleop.sessions", Type::U32, Direction::Out, "", ""),
+    ("teleop.running", Type::Bit, Direction::Out, "", ""),
+    ("teleop.link-ok", Type::Bit, Direction::Out, "", ""),
+    ("teleop.progress", Type::U32, Direction::Out, "", ""),
 ];
 const PULSE: usize = 0;
 const BEAT: usize = 1;
@@ -28,6 +36,13 @@ const LEASE: usize = 3;
 const PERMIT: usize = 4;
 const HOLD: usize = 5;
 const ALLOWED: usize = 6;
+const SERVE: usize = 7;
+const PORT: usize = 8;
+const LISTENING: usize = 9;
+const SESSIONS: usize = 10;
+const RUNNING: usize = 11;
+const LINK_OK: usize = 12;
+const PROGRESS: usize = 13;
 
 /// Values of the pins. Each stands alone: none is read as proof of another.
 #[derive(Debug, Default)]
@@ -46,12 +61,74 @@ pub(crate) struct Heart {
     pub(crate) hold: AtomicBool,
     /// True while the machine's wiring allows motion from afar.
     pub(crate) allowed: AtomicBool,
+    /// True while this program sends pulses back for a teleoperated job.
+    keeps: AtomicBool,
+    /// Machine time in milliseconds of the last line of that job's client: its silence ends the beats.
+    pub(crate) heard: AtomicU32,
+    /// Pins of teleoperation.
+    pub(crate) teleop: Teleop,
 }
 
-/// Starts the thread that exchanges the pins.
-pub(crate) fn start(place: &Place) -> Result<Arc<Heart>, String> {
+/// Values of the pins of teleoperation.
+#[derive(Debug, Default)]
+pub(crate) struct Teleop {
+    /// True while the server shall listen.
+    pub(crate) serve: AtomicBool,
+    /// Port at which it shall.
+    pub(crate) port: AtomicU32,
+    /// True once it cannot: ends the wish at the pin.
+    pub(crate) refused: AtomicBool,
+    /// Port at which it listens; 0 while it does not.
+    pub(crate) listening: AtomicU32,
+    /// Number of users that are logged in.
+    pub(crate) sessions: AtomicU32,
+    /// True while a job of a client runs.
+    pub(crate) running: AtomicBool,
+    /// True unless the client of that job has vanished or is silent.
+    pub(crate) link_ok: AtomicBool,
+    /// Progress in percent.
+    pub(crate) progress: AtomicU32,
+}
+
+impl Heart {
+    /// Begins or ends to send pulses back for a teleoperated job.
+    pub(crate) fn keep(&self, keeps: bool) {
+        self.keeps.store(keeps, Relaxed);
+    }
+
+    /// Sends a pulse back, unless the client of the job has been silent too long.
+    fn echo(&self, pulse: u32) {
+        let silence = u64::from(pulse.wrapping_sub(self.heard.load(Relaxed)));
+        // What was heard after the pulse was made is no silence.
+        if self.keeps.load(Relaxed) && (silence <= LIVENESS_MS || silence > u64::from(u32::MAX / 2))
+        {
+            self.beat.store(pulse, Relaxed);
+        }
+    }
+
+    /// Returns the values of the pins that this program writes whenever they change.
+    fn written(&self) -> [(usize, u64); 7] {
+        let teleop = &self.teleop;
+        let count = |n: &AtomicU32| u64::from(n.load(Relaxed));
+        let bit = |on: &AtomicBool| u64::from(on.load(Relaxed));
+        [
+            (BEAT, count(&self.beat)),
+            (CLIENTS, count(&self.clients)),
+            (LISTENING, count(&teleop.listening)),
+            (SESSIONS, count(&teleop.sessions)),
+            (RUNNING, bit(&teleop.running)),
+            (LINK_OK, bit(&teleop.link_ok)),
+            (PROGRESS, count(&teleop.progress)),
+        ]
+    }
+}
+
+/// Starts the thread that exchanges the pins. Teleoperation begins at `teleop`, with the port where it is wanted at once.
+pub(crate) fn start(place: &Place, teleop: (bool, u16)) -> Result<Arc<Heart>, String> {
     let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
     let mut page = join(&mut client).map_err(|e| e.to_string())?;
+    page.set(SERVE, teleop.0.into());
+    page.set(PORT, teleop.1.into());
     let heart = Arc::new(Heart::default());
     let shared = heart.clone();
     let beat = move || {
@@ -62,12 +139,17 @@ pub(crate) fn start(place: &Place) -> Result<Arc<Heart>, String> {
             shared.permit.store(page.get(PERMIT) & 1 != 0, Relaxed);
             shared.hold.store(page.get(HOLD) & 1 != 0, Relaxed);
             shared.allowed.store(page.get(ALLOWED) & 1 != 0, Relaxed);
-            for (pin, value) in [(BEAT, &shared.beat), (CLIENTS, &shared.clients)] {
-                let value = u64::from(value.load(Relaxed));
+            shared.echo(count(page.get(PULSE)));
+            for (pin, value) in shared.written() {
                 if page.own(pin) != Some(value) {
                     page.set(pin, value);
                 }
             }
+            if shared.teleop.refused.swap(false, Relaxed) {
+                page.set(SERVE, 0);
+            }
+            shared.teleop.serve.store(page.get(SERVE) & 1 != 0, Relaxed);
+            shared.teleop.port.store(count(page.get(PORT)), Relaxed);
         }
     };
     let begun = thread::Builder::new().name("heart".to_owned()).spawn(beat);
@@ -84,7 +166,7 @@ fn join(client: &mut Client) -> Result<PinPage, hal_protocol::Failure> {
     let pins = u32::try_from(PINS.len()).unwrap_or(u32::MAX);
     let page = client.share_pins(pins, None)?;
     client.call(Request::Ready)?;
-    for (name, _, _, signal, pin) in PINS {
+    for (name, _, _, signal, pin) in PINS.iter().filter(|(.., pin)| !pin.is_empty()) {
         // The machine's files may have linked the pin: then its signal is used.
         let patterns = vec![(*pin).to_owned()];
         let own = client.call(Request::List { kind: Kind::Pins, patterns, ty: None })?;

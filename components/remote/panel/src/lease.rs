@@ -124,6 +124,18 @@ impl Clients {
         }
     }
 
+    /// Notes that the engine, whose lease has number `now`, has ended the one of this client that it had `confirmed`.
+    pub(crate) fn check(&self, client: u64, now: u32, confirmed: &mut Option<u64>) {
+        let held = self.number(client);
+        if held.is_some_and(|number| number == u64::from(now)) {
+            *confirmed = held;
+        } else if let Some(number) = confirmed.take()
+            && held == Some(number)
+        {
+            self.lost(number);
+        }
+    }
+
     /// Takes the lease for a client; `force` takes it from another.
     pub(crate) async fn take(
         &self,

@@ -20,6 +20,7 @@ mod server;
 mod session;
 mod socket;
 mod status;
+mod teleop;
 mod tls;
 mod values;
 

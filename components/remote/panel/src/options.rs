@@ -11,6 +11,9 @@ pub struct Options {
     /// Address and port to listen at; port 0 takes a free one.
     #[arg(long, default_value = "127.0.0.1:7776")]
     pub listen: SocketAddr,
+    /// Address and port of teleoperation, which then begins at once; without it, `[REMOTE]TELEOP`.
+    #[arg(long)]
+    pub teleop: Option<SocketAddr>,
     /// Name of the instance.
     #[arg(long)]
     pub instance: Option<String>,

@@ -54,13 +54,13 @@ pub(crate) struct Wanted {
     /// Length of a capture in seconds of machine time.
     seconds: f64,
     #[serde(default)]
-    trigger: Option<Wish>,
+    trigger: Option<TriggerSpec>,
 }
 
 /// Trigger that a client wants.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Wish {
+struct TriggerSpec {
     /// Condition, as `halscope` reads it.
     when: String,
     /// Seconds before the trigger.

@@ -25,11 +25,7 @@ impl Security {
     /// Reads the files, and refuses a network address without them.
     pub(crate) fn open(options: &Options) -> Result<Self, String> {
         let (listen, ip) = (options.listen, options.listen.ip());
-        if !ip.is_loopback() && (options.accounts.is_none() || options.certificate.is_none()) {
-            return Err(format!(
-                "{listen} is a network address: it needs --accounts and --certificate"
-            ));
-        }
+        Self::check_needs(listen, options)?;
         if ip.is_unspecified() && options.name.is_empty() {
             return Err(format!(
                 "{listen} stands for every address: --name states the one that browsers open"
@@ -41,6 +37,15 @@ impl Security {
         names.push("localhost".to_owned());
         let tls = options.certificate.as_deref().map(|file| tls::open(file, &names)).transpose()?;
         Ok(Self { accounts, tls, names })
+    }
+
+    /// Refuses a network address without accounts and a certificate.
+    pub(crate) fn check_needs(listen: SocketAddr, options: &Options) -> Result<(), String> {
+        let has_both = options.accounts.is_some() && options.certificate.is_some();
+        if listen.ip().is_loopback() || has_both {
+            return Ok(());
+        }
+        Err(format!("{listen} is a network address: it needs --accounts and --certificate"))
     }
 
     /// Returns the scheme of the server's addresses.

@@ -12,6 +12,7 @@ use crate::{
     security::Security,
     session::{Sessions, secret},
     status,
+    teleop::{self, Teleop},
 };
 use axum::Router;
 use hal_ini::Ini;
@@ -109,6 +110,8 @@ pub fn run(options: &Options) -> Result<(), String> {
     }
     let security = Security::open(options)?;
     let ini = options.ini_file.as_deref().map(read_ini).transpose()?;
+    let teleop = teleop_address(options, ini.as_ref())?;
+    Security::check_needs(teleop.unwrap_or(teleop::ADDRESS), options)?;
     let place = Place::find(options.instance.as_deref())?;
     let info = info::info(place.name(), ini.as_ref());
     let runtime = runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
@@ -125,6 +128,7 @@ pub fn run(options: &Options) -> Result<(), String> {
         let programs = programs.map(std::path::absolute).transpose();
         let programs = programs.map_err(|e| hal_output::reason(&e))?;
         let audit = Audit::open(&audit)?;
+        let teleop_port = teleop.unwrap_or(teleop::ADDRESS).port();
         prepare::load(&place, ini.as_ref())?;
         let address_file = options.address_file.clone().unwrap_or_else(|| beside("url"));
         let panel = Arc::new(Panel {
@@ -135,7 +139,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             machine: status::observe(&place)?,
             sessions: Sessions::default(),
             clients: Clients::default(),
-            heart: heart::start(&place)?,
+            heart: heart::start(&place, (teleop.is_some(), teleop_port))?,
             audit,
             programs,
             reading: Mutex::default(),
@@ -158,7 +162,9 @@ pub fn run(options: &Options) -> Result<(), String> {
         .map_err(|e| e.to_string())?;
         let router = http::router(&panel);
         let tls = panel.security.tls.as_ref().map(|tls| tls.acceptor.clone());
+        let teleop = Teleop::start(&panel, teleop.unwrap_or(teleop::ADDRESS));
         let served = serve(&listener, &router, tls.as_ref()).await;
+        teleop.stop().await;
         // Without the file nobody opens an address that is gone.
         drop(std::fs::remove_file(&panel.address_file));
         served
@@ -170,6 +176,15 @@ fn programs(options: &Options, ini: Option<&Ini>) -> Option<PathBuf> {
     let prefix = Path::new(ini?.get("DISPLAY", "PROGRAM_PREFIX")?);
     // A name without a folder is one in the folder of the INI file.
     Some(options.ini_file.as_deref()?.parent()?.join(prefix))
+}
+
+/// Returns the address of teleoperation that the options or the INI file name.
+fn teleop_address(options: &Options, ini: Option<&Ini>) -> Result<Option<SocketAddr>, String> {
+    let entry = ini.and_then(|ini| ini.get("REMOTE", "TELEOP"));
+    let Some(text) = entry.filter(|_| options.teleop.is_none()) else { return Ok(options.teleop) };
+    text.trim().parse().map(Some).map_err(|_| {
+        format!("[REMOTE]TELEOP is '{text}', must be ADDRESS:PORT, as {}", teleop::ADDRESS)
+    })
 }
 
 fn read_ini(path: &Path) -> Result<Ini, String> {

@@ -72,6 +72,12 @@ With release it first ends the hold of a program: both, or neither.",
         run: |keeper, call| keeper.start(lease(call), call.bit("release").unwrap_or(false)),
     },
     Row {
+        name: "remote.refused",
+        doc: "Says that what remote.start has announced was refused: there is nothing that a lost lease would hold.",
+        args: &[&LEASE],
+        run: |keeper, call| keeper.refused(lease(call)),
+    },
+    Row {
         name: "remote.tool-changed",
         doc: "Answers a tool change: presses the button at remote.tool-changed for 0.2 s, or until remote.tool-change falls.",
         args: &[&LEASE],

@@ -140,8 +140,12 @@ impl Keeper {
     }
 
     /// Ends the lease, as if it were lost.
-    pub(crate) fn give(&self, number: u32) -> Result<(), Error> {
+    pub(crate) fn give(&mut self, number: u32) -> Result<(), Error> {
         self.check(number)?;
+        // A job that has ended since the last step is none that is lost.
+        if let Some(status) = self.motion.status() {
+            self.follow_job(&status);
+        }
         if self.lease.number.compare_exchange(number, 0, Relaxed, Relaxed).is_ok() {
             fence(SeqCst); // As in `start`.
             self.lease.lost.store(true, Relaxed);
@@ -232,6 +236,19 @@ impl Keeper {
             }
         }
         self.orphaned = false;
+        Ok(())
+    }
+
+    /// Forgets a program that was announced and has not begun.
+    pub(crate) fn refused(&mut self, number: u32) -> Result<(), Error> {
+        self.check(number)?;
+        if let Some(status) = self.motion.status() {
+            self.follow_job(&status);
+        }
+        if matches!(self.job, Job::Commanded(_)) {
+            self.job = Job::None;
+            self.lease.job.store(false, Relaxed);
+        }
         Ok(())
     }
 

@@ -3,3 +3,4 @@
 mod job;
 mod jogs;
 mod rig;
+mod vanish;

@@ -106,6 +106,38 @@ fn arcs_are_moves_of_one_degree() {
     assert_eq!(texts[..4], ["G1 Z0", "", "G2 I5", ""], "further moves of a line have no text");
 }
 
+/// The last move of an arc goes to the end that the program states, to the last digit, whatever its sweep.
+#[test]
+fn an_arc_ends_exactly_at_its_end() {
+    for (degrees, count) in [(0.5, 1), (1.0, 1), (1.5, 2), (89.5, 90), (180.0, 180), (359.5, 360)] {
+        for code in ["G2", "G3"] {
+            let angle = f64::to_radians(if code == "G2" { -degrees } else { degrees });
+            let short = |v: f64| format!("{v:.4}");
+            let end = [short(20.0 * angle.cos()), short(20.0 * angle.sin())];
+            let text =
+                format!("F300\nG1 X20 Y0 Z0\n{code} X{} Y{} Z-3 I-20\nG1 Y9\n", end[0], end[1]);
+            let all = moves(&text);
+            // Rounding of the end to four decimals may reach the next degree.
+            let arc = all.len() - 2;
+            assert!(arc == count || arc == count + 1, "{code} {degrees}: {arc} moves");
+            let [x, y] = end.map(|v| v.parse::<f64>().unwrap());
+            let last = all.get(arc).map(at).unwrap();
+            let off = last.iter().zip([x, y, -3.0]).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-9, "{code} {degrees}: {last:?}");
+            assert_eq!(all.get(arc + 1).map(at).unwrap()[0], last[0], "the next line begins there");
+        }
+    }
+}
+
+/// Blank lines, comments, line numbers alone, and lines without coordinates make no move, and end nothing.
+#[test]
+fn lines_without_coordinates_make_no_move() {
+    let text =
+        "N10 G0 X1 Z5\n\n   \n(a comment)\nN20\nM3 S1000\nF300\nG1 X2\n\n\nM8\nN30 X3\n\nG90\n";
+    let places: Vec<f64> = moves(text).iter().map(|c| at(c)[0]).collect();
+    assert_eq!(places, [1.0, 2.0, 3.0]);
+}
+
 #[test]
 fn every_point_is_checked_before_anything_moves() {
     let refused = |text: &str| {

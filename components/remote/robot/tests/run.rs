@@ -392,3 +392,26 @@ fn a_late_copy_stops_nothing() {
     assert_eq!(driver.state(), State::Running);
     assert_eq!(driver.events()[1..3], [Event::Sent(0), Event::Executed(0, true)]);
 }
+
+/// Answers have no numbers: behind the time-out of a line, the word of the probe is taken for the probe's answer. Any other
+/// refusal stops the run.
+#[test]
+fn a_refusal_behind_the_time_out_counts_unless_it_has_the_word_of_the_probe() {
+    for (word, wanted) in [
+        ("error format", State::Running),
+        ("error range", State::Stopped(Stopped::Refused(0, robot::Refusal::Range))),
+    ] {
+        let mut driver = Driver::new(1.0);
+        driver.connected(0.0);
+        driver.receive(b"-400 0 -30\r\nEsperando inicio\r\n", 0.0);
+        assert!(driver.run(moves(2), 0, 0.0));
+        driver.receive(b"done\r\nerror unknown\r\n", 0.1);
+        assert_eq!(driver.output(), b"inicio\r\n?\r\nSPEED,5.000\r\n");
+        driver.poll(2.0);
+        assert_eq!(driver.output(), b"SPEED\r\n", "the probe behind the time-out");
+        driver.receive(format!("{word}\r\n").as_bytes(), 2.1);
+        assert_eq!(driver.state(), wanted, "{word}");
+        let executed = driver.events().contains(&Event::Executed(0, false));
+        assert_eq!(executed, wanted == State::Running, "{word}");
+    }
+}

@@ -1,4 +1,4 @@
-//! An engine on trial: components are created but never opened, threads declared but never run.
+//! An engine in a dry run: components are created but never opened, threads declared but never run.
 
 use crate::{ClockKind, Engine, Error, Options, graph::new_item::NewItem, name::Name};
 use hal_protocol::{Class, ComponentState, Failure, Reply, Request, TicketInfo};
@@ -11,18 +11,18 @@ impl Engine {
     ///
     /// # Errors
     /// The system refuses.
-    pub fn trial(mut options: Options) -> Result<Self, Failure> {
+    pub fn dry_run(mut options: Options) -> Result<Self, Failure> {
         options.clock = ClockKind::Virtual;
         options.hold = true;
         options.simulate = true;
         let mut engine = Self::without_socket(options)?;
-        engine.runtime.only_try();
+        engine.runtime.set_dry_run();
         Ok(engine)
     }
 
     /// Handles a request that would reach outside or move the clock; returns `None` for all others.
-    pub(crate) fn try_only(&mut self, request: &Request) -> Option<Result<Reply, Error>> {
-        if !self.runtime.is_trial() {
+    pub(crate) fn dry_run_reply(&mut self, request: &Request) -> Option<Result<Reply, Error>> {
+        if !self.runtime.is_dry_run() {
             return None;
         }
         if let Request::Run { .. } = request {

@@ -45,7 +45,7 @@ impl Engine {
     pub(crate) fn reap(&mut self) {
         if self.runtime.has_garbage() {
             // Messages are texts of libraries that may close now.
-            self.hear();
+            self.drain_messages();
             self.runtime.free_garbage();
         }
     }

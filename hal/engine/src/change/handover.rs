@@ -83,7 +83,7 @@ impl<C> Boundary<C> {
     pub(crate) fn take(
         &self,
         others_inside: impl FnOnce() -> bool,
-        carry_out: impl FnOnce(&C),
+        apply: impl FnOnce(&C),
     ) -> bool {
         if self.offered.load(Ordering::Relaxed).is_null() {
             return false;
@@ -97,7 +97,7 @@ impl<C> Boundary<C> {
         // Pairs with `offer` (contents of the change) and `withdraw` (only one side gets it).
         let change = self.offered.swap(null_mut(), Ordering::AcqRel);
         // SAFETY: the control side keeps an offered change alive until it is taken or withdrawn.
-        let done = unsafe { change.as_ref() }.map(carry_out).is_some();
+        let done = unsafe { change.as_ref() }.map(apply).is_some();
         if done {
             self.taken.store(true, Ordering::Release); // Pairs with `is_taken`.
         }

@@ -61,14 +61,14 @@ pub(crate) struct Staged {
     dry: bool,
     stores: Vec<Store>,
     pending_removal: Vec<PendingRemoval>,
-    begins: Vec<Ix>,
-    parting: BTreeSet<u64>,
+    new_threads: Vec<Ix>,
+    ended_probes: BTreeSet<u64>,
     starts: bool,
     undo: Vec<Undo>,
     orders: BTreeMap<Ix, Order>,
     before: Option<Before>,
     /// Addresses of new slots and cells that threads see before the boundary.
-    seen: BTreeSet<usize>,
+    visible: BTreeSet<usize>,
     /// Addresses in the own memory of new components, which no thread uses yet.
     own: BTreeSet<usize>,
 }
@@ -107,7 +107,7 @@ impl Staged {
 
     /// Runs new threads from the end of the transaction on.
     pub(crate) fn begin_threads(&mut self, threads: Vec<Ix>) {
-        self.begins.extend(threads);
+        self.new_threads.extend(threads);
     }
 
     /// Starts threads at the end, or does not.
@@ -116,14 +116,14 @@ impl Staged {
     }
 
     /// Ends a probe that watches something that is removed.
-    pub(crate) fn part(&mut self, probe: u64) {
-        self.parting.insert(probe);
+    pub(crate) fn end_probe(&mut self, probe: u64) {
+        self.ended_probes.insert(probe);
     }
 
     /// Marks a new slot as visible, because its own thread writes it from the first cycle on.
     pub(crate) fn sees(&mut self, slot: Ptr<Slot>) {
         let cell = own_cell(slot);
-        self.seen.extend([slot.0.addr().get(), cell.0.addr().get()]);
+        self.visible.extend([slot.0.addr().get(), cell.0.addr().get()]);
     }
 
     /// Marks an address in the own memory of a new component as used by no thread.
@@ -160,7 +160,7 @@ impl Staged {
 
     /// Returns whether new threads begin at the end.
     pub(crate) const fn has_new_threads(&self) -> bool {
-        !self.begins.is_empty()
+        !self.new_threads.is_empty()
     }
 
     /// Returns whether something is removed at the end.
@@ -170,7 +170,7 @@ impl Staged {
 
     /// Returns whether this probe ends with the transaction.
     pub(crate) fn parts(&self, probe: u64) -> bool {
-        self.parting.contains(&probe)
+        self.ended_probes.contains(&probe)
     }
 
     /// Returns what is removed at the end.
@@ -208,7 +208,7 @@ impl Staged {
     /// Returns whether an address is new to all threads: it was `made` in this transaction and is
     /// not marked as visible, or it is in the own memory of a new component.
     pub(crate) fn is_unseen(&self, address: usize, made: bool) -> bool {
-        made && !self.seen.contains(&address) || self.own.contains(&address)
+        made && !self.visible.contains(&address) || self.own.contains(&address)
     }
 
     /// Takes the stores, in the order of the requests.
@@ -218,16 +218,16 @@ impl Staged {
 
     /// Takes the new threads.
     pub(crate) fn take_new_threads(&mut self) -> Vec<Ix> {
-        core::mem::take(&mut self.begins)
+        core::mem::take(&mut self.new_threads)
     }
 
     /// Takes the probes that end.
-    pub(crate) fn take_parting(&mut self) -> BTreeSet<u64> {
-        core::mem::take(&mut self.parting)
+    pub(crate) fn take_ended_probes(&mut self) -> BTreeSet<u64> {
+        core::mem::take(&mut self.ended_probes)
     }
 
     /// Takes the things to be removed.
-    pub(crate) fn take_going(&mut self) -> Vec<PendingRemoval> {
+    pub(crate) fn take_pending_removal(&mut self) -> Vec<PendingRemoval> {
         core::mem::take(&mut self.pending_removal)
     }
 

@@ -11,7 +11,7 @@ use crate::{
     realtime::runtime::TIMEOUT_NS,
     sync::Arc,
 };
-use hal_protocol::{Edit, Lock, Reply, Request};
+use hal_protocol::{ByClass, Edit, EditRequest, Lock, Reply};
 
 /// Numbers of stores and lists that a transaction carried out.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,7 +38,7 @@ impl Engine {
     pub(crate) fn apply(
         &mut self,
         files: &[String],
-        edits: &[Edit],
+        edits: Vec<Edit>,
         dry: bool,
     ) -> Result<Reply, Error> {
         let mut at = 0;
@@ -49,12 +49,15 @@ impl Engine {
                 e.model.staged_mut().only_check();
             }
             refused = true;
-            for (i, edit) in edits.iter().enumerate() {
+            for (i, edit) in edits.into_iter().enumerate() {
                 at = i;
                 if let Some(file) = files.get(edit.file as usize) {
                     e.model.stand(file, edit.line);
                 }
-                e.stage(&edit.request)?;
+                let ByClass::Edit(request) = edit.request.by_class() else {
+                    return Err(Error::Protocol { why: "this does not change the graph".into() });
+                };
+                e.stage(&request)?;
             }
             refused = false;
             Ok(())
@@ -73,43 +76,42 @@ impl Engine {
         }
     }
 
-    /// Stages a request of the class [`hal_protocol::Class::Edit`]; refuses all others.
-    pub(crate) fn stage(&mut self, request: &Request) -> Result<(), Error> {
+    /// Stages an edit.
+    pub(crate) fn stage(&mut self, request: &EditRequest) -> Result<(), Error> {
         match request {
-            Request::Load { module, args } => {
+            EditRequest::Load { module, args } => {
                 self.load_again(module).and_then(|()| self.load(module, args))
             }
-            Request::LoadForeign { module, args, prefix } => self
+            EditRequest::LoadForeign { module, args, prefix } => self
                 .load_again(&format!("{prefix}{module}"))
                 .and_then(|()| self.load_foreign(module, args, prefix)),
-            Request::Unload { name } => self.model.unload(name),
-            Request::UnloadAll => self.model.unload_all(),
-            Request::NewSignal { name, ty } => self.model.new_signal(name, *ty).map(|_| ()),
-            Request::DeleteSignal { name: Some(name) } => self.model.delete_signal(name),
-            Request::DeleteSignal { name: None } => self.model.delete_all_signals(),
-            Request::Net { signal, pins } => self.model.net(signal, pins),
-            Request::Link { pin, signal } => self.model.link(pin, signal),
-            Request::Unlink { pin } => self.model.unlink(pin),
-            Request::Set { name, value } => self.model.set_item(name, value),
-            Request::SetSignal { name, value } => self.model.set_signal(name, value),
-            Request::AddFunct { funct, thread, position, init } => {
+            EditRequest::Unload { name } => self.model.unload(name),
+            EditRequest::UnloadAll => self.model.unload_all(),
+            EditRequest::NewSignal { name, ty } => self.model.new_signal(name, *ty).map(|_| ()),
+            EditRequest::DeleteSignal { name: Some(name) } => self.model.delete_signal(name),
+            EditRequest::DeleteSignal { name: None } => self.model.delete_all_signals(),
+            EditRequest::Net { signal, pins } => self.model.net(signal, pins),
+            EditRequest::Link { pin, signal } => self.model.link(pin, signal),
+            EditRequest::Unlink { pin } => self.model.unlink(pin),
+            EditRequest::Set { name, value } => self.model.set_item(name, value),
+            EditRequest::SetSignal { name, value } => self.model.set_signal(name, value),
+            EditRequest::AddFunct { funct, thread, position, init } => {
                 self.model.add_funct(funct, thread, *position, *init)
             }
-            Request::RemoveFunct { funct, thread } => {
+            EditRequest::RemoveFunct { funct, thread } => {
                 self.model.remove_funct(funct, thread.as_deref())
             }
-            Request::Start => self.start_threads(),
-            Request::Alias { param, name, alias } => self.model.alias(*param, name, alias),
-            Request::Unalias { param, name } => self.model.unalias(*param, name),
-            Request::SetLock { level } => {
+            EditRequest::Start => self.start_threads(),
+            EditRequest::Alias { param, name, alias } => self.model.alias(*param, name, alias),
+            EditRequest::Unalias { param, name } => self.model.unalias(*param, name),
+            EditRequest::SetLock { level } => {
                 self.model.set_lock(*level);
                 Ok(())
             }
-            Request::ClearLock { bits } => {
+            EditRequest::ClearLock { bits } => {
                 self.model.set_lock(Lock(self.model.lock().0 & !bits.0));
                 Ok(())
             }
-            _ => Err(Error::Protocol { why: "this does not change the graph".into() }),
         }
     }
 
@@ -130,7 +132,7 @@ impl Engine {
 
     /// Carries out the staged effects.
     fn commit(&mut self) -> Result<Taken, Error> {
-        self.part_probes(&self.model.removed_nodes());
+        self.end_probes(&self.model.removed_nodes());
         let staged = self.model.staged();
         let (dry, starts) = (staged.is_dry(), staged.starts());
         let faulty = starts && self.runtime.fault().is_some();
@@ -146,8 +148,9 @@ impl Engine {
             }
         }
         let threads = self.runtime.has_threads() || self.model.staged().has_new_threads();
-        let seen = threads && self.runtime.is_running() && !self.runtime.is_virtual();
-        let (early, change) = if seen { self.model.split(change)? } else { (Vec::new(), change) };
+        let is_visible = threads && self.runtime.is_running() && !self.runtime.is_virtual();
+        let (early, change) =
+            if is_visible { self.model.split(change)? } else { (Vec::new(), change) };
         let taken = Taken { stores: change.stores.len(), lists: change.lists.len() };
         if dry {
             self.roll_back();
@@ -157,12 +160,12 @@ impl Engine {
         for ix in self.model.staged_mut().take_new_threads() {
             self.begin_thread(ix)?;
         }
-        if !self.runtime.is_trial() {
+        if !self.runtime.is_dry_run() {
             self.workers.start()?;
         }
         early.iter().for_each(Store::apply);
         self.runtime.commit(&change)?;
-        if !self.runtime.is_trial() {
+        if !self.runtime.is_dry_run() {
             self.workers.release();
         }
         self.model.have_lists(stale);
@@ -200,12 +203,13 @@ impl Engine {
         if done.starts() {
             self.run_threads();
         }
-        let (pending_removal, parting) = (done.take_going(), done.take_parting());
+        let (pending_removal, ended_probes) =
+            (done.take_pending_removal(), done.take_ended_probes());
         let (_log, _orders, before) = done.into_log();
         self.model.keep(before);
         if !pending_removal.is_empty() {
             self.model.has_left(pending_removal.iter().filter_map(PendingRemoval::component));
-            self.have_parted(parting);
+            self.remove_probes(ended_probes);
             pending_removal.iter().for_each(|removal| self.release(*removal));
             self.reap();
             if !self.runtime.is_virtual() && self.runtime.is_running() {
@@ -222,7 +226,7 @@ impl Engine {
     /// is kept until it ends.
     fn roll_back(&mut self) {
         let mut staged = self.model.take_staged();
-        let pending_removal = staged.take_going();
+        let pending_removal = staged.take_pending_removal();
         let (log, orders, before) = staged.into_log();
         let Some(before) = before else { return };
         pending_removal

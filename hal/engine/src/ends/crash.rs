@@ -121,7 +121,7 @@ pub(super) fn tell() {
     }
     let mut text = guard::why();
     text.add(format_args!("; outputs are at their safe levels, and this process ends\n"));
-    sys::complain(text.as_str());
+    sys::report(text.as_str());
     notes::have_told();
 }
 
@@ -262,17 +262,17 @@ fn tell_lost() {
     if lost > 0 {
         let mut text = Text::new();
         text.add(format_args!("the recording: {lost} changes were lost for want of room\n"));
-        sys::complain(text.as_str());
+        sys::report(text.as_str());
     }
 }
 
 /// Reports what the guard could not write in time.
 fn tell_unwritten() {
     match WRITING.swap(NOTHING, Ordering::Relaxed) {
-        RECORDING => sys::complain(
+        RECORDING => sys::report(
             "the recording's file takes nothing: it ends at its last write, and the flight recorder keeps no file\n",
         ),
-        FLIGHT => sys::complain("the flight recorder's file takes nothing: its event is lost\n"),
+        FLIGHT => sys::report("the flight recorder's file takes nothing: its event is lost\n"),
         _ => {}
     }
 }

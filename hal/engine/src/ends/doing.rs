@@ -21,14 +21,14 @@ use hal_abi::CommandRun;
 #[derive(Debug)]
 pub(crate) struct Doing {
     component: Box<str>,
-    what: What,
+    what: Activity,
     /// Number by which the watcher knows it.
     number: u32,
 }
 
 /// Kind of component code.
 #[derive(Debug)]
-pub(crate) enum What {
+pub(crate) enum Activity {
     /// Everything that loading runs: a library's initialisation, `create`, opening.
     Load,
     /// A command, by its name.
@@ -44,7 +44,7 @@ pub(crate) enum What {
 }
 
 impl Doing {
-    pub(crate) fn new(component: &str, what: What) -> Arc<Self> {
+    pub(crate) fn new(component: &str, what: Activity) -> Arc<Self> {
         static NEXT: AtomicU32 = AtomicU32::new(0);
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         let new = Self { component: component.into(), what, number };
@@ -60,12 +60,12 @@ impl Doing {
     pub(crate) fn describe(&self, text: &mut Text) {
         text.add(format_args!("component '{}', ", self.component));
         match &self.what {
-            What::Load => text.add(format_args!("as it is loaded")),
-            What::Command(name) => text.add(format_args!("command '{name}'")),
-            What::Task(name) => text.add(format_args!("task '{name}'")),
-            What::Worker(name) => text.add(format_args!("worker '{name}'")),
-            What::Stop => text.add(format_args!("stop action")),
-            What::Unload => text.add(format_args!("as it is unloaded")),
+            Activity::Load => text.add(format_args!("as it is loaded")),
+            Activity::Command(name) => text.add(format_args!("command '{name}'")),
+            Activity::Task(name) => text.add(format_args!("task '{name}'")),
+            Activity::Worker(name) => text.add(format_args!("worker '{name}'")),
+            Activity::Stop => text.add(format_args!("stop action")),
+            Activity::Unload => text.add(format_args!("as it is unloaded")),
         }
     }
 }

@@ -69,7 +69,7 @@ impl Engine {
             self.snapshots.leak();
             self.model.leak();
         }
-        self.hear();
+        self.drain_messages();
         self.log.end_joins(None);
         self.runtime.instance().leave();
         self.clients.close();

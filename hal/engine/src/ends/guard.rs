@@ -241,7 +241,7 @@ fn soon<T>(lock: &Mutex<T>, ms: u32) -> Option<MutexGuard<'_, T>> {
 /// Reports that a recorder's data cannot be reached.
 fn interrupted() {
     crash::has_written();
-    sys::complain(INTERRUPTED);
+    sys::report(INTERRUPTED);
 }
 
 impl Instance {
@@ -296,7 +296,7 @@ impl Instance {
         crash::come_on();
         let still = self.is_still();
         self.say_rest();
-        let Some(saved) = soon(&self.saved, WAIT_MS) else { return sys::complain(INTERRUPTED) };
+        let Some(saved) = soon(&self.saved, WAIT_MS) else { return sys::report(INTERRUPTED) };
         saved.programs.iter().for_each(|pid| crate::os::end_process(*pid, false));
         let (tape, flight) = (saved.tape.clone(), saved.flight.clone());
         drop(saved);
@@ -308,7 +308,7 @@ impl Instance {
             };
             tape.salvage(still, self.shared.now());
             if let Some(stopped) = tape.stopped() {
-                sys::complain(&format!("{stopped}\n"));
+                sys::report(&format!("{stopped}\n"));
             }
         }
         crash::come_on();
@@ -316,7 +316,7 @@ impl Instance {
             crash::writes_flight();
             let Some(mut flight) = soon(flight, WAIT_MS) else { return interrupted() };
             let said = flight.salvage(still, self.shared.now(), why);
-            said.iter().for_each(|text| sys::complain(&format!("{text}\n")));
+            said.iter().for_each(|text| sys::report(&format!("{text}\n")));
         }
         crash::has_written();
     }
@@ -328,12 +328,12 @@ impl Instance {
             names.iter().find(|n| n.0 == id).map_or("?", |n| n.1.as_str())
         };
         while let Some(message) = self.shared.mailbox.message() {
-            let text = crate::messages::text::worded(&message, name_of(message.component));
-            sys::complain(&(text + "\n"));
+            let text = crate::messages::text::format(&message, name_of(message.component));
+            sys::report(&(text + "\n"));
         }
         while let Some(message) = self.shared.mailbox.text() {
             let text = crate::messages::text::spoken(&message, name_of(message.component));
-            sys::complain(&(text + "\n"));
+            sys::report(&(text + "\n"));
         }
     }
 }

@@ -38,7 +38,7 @@ pub(super) fn close(file: c_int) {
 
 /// Writes to standard error. Errors are ignored, and so is a reader that does not read: there is no
 /// one left to report them to.
-pub(crate) fn complain(text: &str) {
+pub(crate) fn report(text: &str) {
     let mut rest = text.as_bytes();
     while !rest.is_empty() {
         let mut look = libc::pollfd { fd: libc::STDERR_FILENO, events: libc::POLLOUT, revents: 0 };

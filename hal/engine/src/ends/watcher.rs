@@ -102,13 +102,13 @@ fn watch(program: &str, process: c_int, pidfd: &OwnedFd, end: &OwnedFd) {
     let lost = board.lost.load(Ordering::Relaxed);
     if let (true, Some((_, path))) = (lost > 0, &known.recording) {
         let path = path.display();
-        sys::complain(&format!("{program}: {path}: {lost} changes were lost for want of room\n"));
+        sys::report(&format!("{program}: {path}: {lost} changes were lost for want of room\n"));
     }
     if board.untold.load(Ordering::Relaxed) == 0 {
         return;
     }
     known.leave_nothing(board);
-    sys::complain(&format!("{program}: {}\n", known.say(board, status)));
+    sys::report(&format!("{program}: {}\n", known.say(board, status)));
 }
 
 /// Contents of the text on the board.

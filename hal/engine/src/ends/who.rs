@@ -96,7 +96,7 @@ fn origin(place: Registers, origins: &[Origin]) -> Option<&Origin> {
 mod tests {
     use super::{Registers, Text, describe};
     use crate::{
-        ends::doing::{Control, Doing, What},
+        ends::doing::{Activity, Control, Doing},
         name::Name,
     };
 
@@ -110,10 +110,10 @@ mod tests {
         };
         let control = Control::default();
         assert!(said().starts_with("thread '"), "{}", said());
-        let outer = control.run(Doing::new("mine", What::Load));
+        let outer = control.run(Doing::new("mine", Activity::Load));
         assert_eq!(said(), "component 'mine', as it is loaded");
         let before = control.beats();
-        drop(control.run(Doing::new("other", What::Command(name("other.go")))));
+        drop(control.run(Doing::new("other", Activity::Command(name("other.go")))));
         assert!(control.beats() > before);
         assert_eq!(said(), "component 'mine', as it is loaded");
         assert!(control.doing().is_some());

@@ -32,7 +32,7 @@ pub(crate) struct Model {
     loader: Loader,
     /// Components that have been unloaded or are about to be; a stuck thread may still hold some of
     /// them.
-    left: Vec<Ix>,
+    departed: Vec<Ix>,
     /// The last field: everything else points into it.
     pub(in crate::graph) arena: Arena,
 }
@@ -47,7 +47,7 @@ impl Model {
             lock: Lock::NONE,
             rings: BTreeMap::new(),
             loader: Loader::new(path),
-            left: Vec::new(),
+            departed: Vec::new(),
             arena: Arena::new(lock)?,
         })
     }
@@ -227,26 +227,26 @@ impl Model {
 /// Components that have left.
 impl Model {
     /// Returns the components that are still to be freed.
-    pub(crate) fn left(&self) -> &[Ix] {
-        &self.left
+    pub(crate) fn departed(&self) -> &[Ix] {
+        &self.departed
     }
 
     /// Takes the components that are still to be freed.
     pub(crate) fn take_left(&mut self) -> Vec<Ix> {
-        core::mem::take(&mut self.left)
+        core::mem::take(&mut self.departed)
     }
 
     /// Adds components that are to be freed.
     pub(crate) fn has_left(&mut self, components: impl IntoIterator<Item = Ix>) {
         for ix in components {
-            if !self.left.contains(&ix) {
-                self.left.push(ix);
+            if !self.departed.contains(&ix) {
+                self.departed.push(ix);
             }
         }
     }
 
     /// Removes a component that has been freed from the list of those to be freed.
     pub(crate) fn is_freed(&mut self, component: Ix) {
-        self.left.retain(|left| *left != component);
+        self.departed.retain(|left| *left != component);
     }
 }

@@ -78,7 +78,7 @@ impl Declared {
 }
 
 #[derive(Clone, Debug)]
-enum Given {
+enum ArgumentValue {
     Int(i64),
     Float(f64),
     Text(Box<str>),
@@ -89,7 +89,7 @@ enum Given {
 /// Checked arguments.
 #[derive(Debug, Default)]
 pub(crate) struct Args {
-    given: Vec<(Box<str>, Given)>,
+    given: Vec<(Box<str>, ArgumentValue)>,
     /// The lists of strings as passed to the plugin, by index into `given`: made once for all
     /// instances.
     shown: BTreeMap<usize, Box<[Str]>>,
@@ -103,7 +103,7 @@ impl Args {
         also: &[&str],
         words: &[String],
     ) -> Result<Self, Error> {
-        let mut given: Vec<(Box<str>, Given)> = Vec::new();
+        let mut given: Vec<(Box<str>, ArgumentValue)> = Vec::new();
         for word in words {
             let word = word.replace('"', "");
             let (name, value) = word
@@ -144,14 +144,14 @@ impl Args {
         };
         let mut value = ArgValue { given: 1, ..none };
         match given {
-            Given::Int(i) => {
+            ArgumentValue::Int(i) => {
                 value.int = *i;
                 value.float = *i as f64;
             }
-            Given::Float(f) => value.float = *f,
-            Given::Text(t) => value.text = Str::borrow(t),
-            Given::Ints(list) => (value.ints, value.len) = (list.as_ptr(), list.len()),
-            Given::Texts(list) => {
+            ArgumentValue::Float(f) => value.float = *f,
+            ArgumentValue::Text(t) => value.text = Str::borrow(t),
+            ArgumentValue::Ints(list) => (value.ints, value.len) = (list.as_ptr(), list.len()),
+            ArgumentValue::Texts(list) => {
                 let show = || list.iter().map(|t| Str::borrow(t)).collect();
                 let shown = self.shown.entry(at).or_insert_with(show);
                 (value.texts, value.len) = (shown.as_ptr(), shown.len());
@@ -161,7 +161,7 @@ impl Args {
     }
 }
 
-fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
+fn read(d: &Declared, value: &str, word: &str) -> Result<ArgumentValue, Error> {
     // An empty list means the default.
     let value = match &d.default {
         Some(default) if value.is_empty() && d.spec.kind == arg::TEXTS => default,
@@ -204,16 +204,16 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
             let expects = "expected an integer such as 10 or 0x1f";
             let number = integer(value).ok_or_else(|| invalid(value, expects))?;
             legal(value, number as f64)?;
-            Given::Int(number)
+            ArgumentValue::Int(number)
         }
         arg::BIT => match hal_protocol::Value::parse(hal_protocol::Type::Bit, value) {
-            Ok(v) => Given::Int(i64::from(v.bits() != 0)),
+            Ok(v) => ArgumentValue::Int(i64::from(v.bits() != 0)),
             Err(_) => return Err(invalid(value, hal_protocol::Type::Bit.expects())),
         },
         arg::FLOAT => match hal_protocol::Value::parse(hal_protocol::Type::Float, value) {
             Ok(hal_protocol::Value::Float(f)) => {
                 legal(value, f)?;
-                Given::Float(f)
+                ArgumentValue::Float(f)
             }
             _ => return Err(invalid(value, hal_protocol::Type::Float.expects())),
         },
@@ -225,15 +225,15 @@ fn read(d: &Declared, value: &str, word: &str) -> Result<Given, Error> {
                 legal(item, number as f64)?;
                 list.push(number);
             }
-            Given::Ints(list.into())
+            ArgumentValue::Ints(list.into())
         }
         arg::TEXTS if d.name.starts_with("names") => {
             let names = items()?;
             distinct(names.iter().copied())?;
-            Given::Texts(names.into_iter().map(Into::into).collect())
+            ArgumentValue::Texts(names.into_iter().map(Into::into).collect())
         }
-        arg::TEXTS => Given::Texts(items()?.into_iter().map(Into::into).collect()),
-        _ => Given::Text(value.into()),
+        arg::TEXTS => ArgumentValue::Texts(items()?.into_iter().map(Into::into).collect()),
+        _ => ArgumentValue::Text(value.into()),
     })
 }
 

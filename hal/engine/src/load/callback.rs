@@ -21,7 +21,7 @@ impl Creating<'_> {
         if self.engine.options.simulate {
             flags |= host_flags::SIMULATED;
         }
-        if self.engine.runtime.is_trial() {
+        if self.engine.runtime.is_dry_run() {
             flags |= host_flags::TRIAL;
         }
         if self.engine.options.interlock {

@@ -109,7 +109,7 @@ unsafe extern "C" fn message(
         *place = unsafe { at.read() };
         m.n = i + 1;
     }
-    mailbox.say(&k.voice, m);
+    mailbox.send(&k.voice, m);
 }
 
 /// Realtime. Returns machine time in nanoseconds.

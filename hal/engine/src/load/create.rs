@@ -2,7 +2,7 @@
 
 use crate::{
     Engine, Error,
-    ends::{self, Doing, What},
+    ends::{self, Activity, Doing},
     graph::new_item::NewItem,
     graph::{Command, Edge, Funct, Ix, Service},
     load::args::{Args, Declared},
@@ -230,7 +230,7 @@ impl<'e> Creating<'e> {
         let due = self.engine.runtime.now();
         let owner =
             self.engine.model.graph().component(self.component).map_or("", |c| c.name.as_str());
-        let doing = Doing::new(owner, What::Task(name.clone()));
+        let doing = Doing::new(owner, Activity::Task(name.clone()));
         let by = (self.component, doing);
         self.engine.runtime.add_task(Task::new(name, by, spec.period_ns, due, code));
         Ok(())
@@ -249,7 +249,7 @@ impl<'e> Creating<'e> {
         let doc = self.text(spec.doc)?.into();
         let Some(c) = self.engine.model.graph().component(self.component) else { return Ok(()) };
         let (owner, doing) =
-            (c.name.clone(), Doing::new(c.name.as_str(), What::Worker(name.clone())));
+            (c.name.clone(), Doing::new(c.name.as_str(), Activity::Worker(name.clone())));
         let (period_ns, items) = (spec.period_ns, spec.items);
         let declared = worker::Declared { name, owner, doc, period_ns, items, doing };
         self.engine.workers.add(
@@ -293,7 +293,7 @@ impl<'e> Creating<'e> {
         let doc = self.text(spec.doc)?.into();
         let owner = self.engine.model.graph().component(self.component);
         let owner = owner.map_or("", |c| c.name.as_str());
-        let doing = Doing::new(owner, What::Command(name.clone()));
+        let doing = Doing::new(owner, Activity::Command(name.clone()));
         let command = Command { name, doc, args, code, doing };
         self.engine.model.new_command(self.component, command);
         Ok(())

@@ -3,7 +3,7 @@
 use crate::{
     Engine, Error,
     change::undo::Undo,
-    ends::{self, Doing, What},
+    ends::{self, Activity, Doing},
     graph::ptr::Ptr,
     graph::{Component, Edge, Foreign, Ix},
     load::args::Args,
@@ -28,7 +28,7 @@ impl Engine {
     ) -> Result<(), Error> {
         self.model.unlocked(Lock::LOAD, "loading of programs")?;
         let instance = self.runtime.instance().clone();
-        let _within = instance.control.run(Doing::new(module, What::Load));
+        let _within = instance.control.run(Doing::new(module, Activity::Load));
         let foreign = self.foreign_files();
         let found = self.model.loader().find_foreign(module, &foreign)?;
         self.load_file(module, words, prefix, &found)
@@ -66,7 +66,7 @@ impl Engine {
         let made = self.create_foreign(component, (module, prefix), words, found);
         self.note_threads(component, &before);
         // Log the component's messages before the result of the load.
-        self.hear();
+        self.drain_messages();
         self.renew_remains();
         made
     }
@@ -217,7 +217,7 @@ impl Creating<'_> {
                 let status = Status(e.errno());
                 let by = self.engine.model.graph().component(self.component);
                 let by = by.map_or_else(String::new, |c| c.name.as_str().to_owned());
-                self.engine.hear();
+                self.engine.drain_messages();
                 self.engine.notice(format!("{by}: {e}"));
                 status
             }

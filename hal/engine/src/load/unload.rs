@@ -4,7 +4,7 @@ use crate::{
     Engine, Error,
     change::staged::PendingRemoval,
     change::stores::Change,
-    ends::{self, Doing, What},
+    ends::{self, Activity, Doing},
     graph::Ix,
     name::Name,
     sync::Arc,
@@ -99,7 +99,7 @@ impl Engine {
     fn free_component(&mut self, component: Ix) {
         let name = self.model.graph().component(component).map_or("?", |c| c.name.as_str());
         let instance = self.runtime.instance().clone();
-        let _within = instance.control.run(Doing::new(name, What::Unload));
+        let _within = instance.control.run(Doing::new(name, Activity::Unload));
         if let Some(c) = self.model.graph().component(component)
             && c.origin.as_ref().is_some_and(|o| !o.threads.is_empty())
         {
@@ -110,7 +110,7 @@ impl Engine {
         let functs: Vec<Name> = functs.map(|f| f.name.clone()).collect();
         // Its messages are static texts in its library, which may close with it.
         if let Some(id) = graph.component(component).map(|c| c.id) {
-            self.hear();
+            self.drain_messages();
             self.log.end_of(id);
         }
         self.runtime.remove_tasks(component);

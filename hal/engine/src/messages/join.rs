@@ -52,7 +52,7 @@ struct Site {
 
 /// The sites of a component.
 #[derive(Debug)]
-struct Speaker {
+struct Source {
     name: String,
     sites: BTreeMap<(u8, String), Site>,
 }
@@ -60,21 +60,21 @@ struct Speaker {
 /// The sites of all components.
 #[derive(Debug)]
 pub(crate) struct Joiner {
-    speakers: BTreeMap<u32, Speaker>,
+    sources: BTreeMap<u32, Source>,
     /// Time before which no joined line is due.
     due: i64,
 }
 
 impl Default for Joiner {
     fn default() -> Self {
-        Self { speakers: BTreeMap::new(), due: i64::MAX }
+        Self { sources: BTreeMap::new(), due: i64::MAX }
     }
 }
 
 impl Joiner {
     /// Adds a message. `text` has `{}` in place of numbers, or something else that is the same for
     /// all messages of the site.
-    pub(crate) fn say(
+    pub(crate) fn add(
         &mut self,
         at: i64,
         (component, name): (u32, &str),
@@ -83,30 +83,30 @@ impl Joiner {
         lines: &mut Vec<LogLine>,
     ) {
         self.pass(at, lines);
-        let speaker = self
-            .speakers
+        let source = self
+            .sources
             .entry(component)
-            .or_insert_with(|| Speaker { name: name.to_owned(), sites: BTreeMap::new() });
+            .or_insert_with(|| Source { name: name.to_owned(), sites: BTreeMap::new() });
         let mut key = (level, text.to_owned());
         let mut said = said;
-        if !speaker.sites.contains_key(&key) && speaker.sites.len() >= MAX_SITES {
-            speaker.sites.retain(|_, site| !site.is_over(at));
-            if speaker.sites.len() >= MAX_SITES {
+        if !source.sites.contains_key(&key) && source.sites.len() >= MAX_SITES {
+            source.sites.retain(|_, site| !site.is_over(at));
+            if source.sites.len() >= MAX_SITES {
                 key.1 = "{} more messages, each of another kind".to_owned();
                 said = Said::Count(1);
             }
         }
-        if let Some(site) = speaker.sites.get_mut(&key).filter(|site| !site.is_over(at)) {
+        if let Some(site) = source.sites.get_mut(&key).filter(|site| !site.is_over(at)) {
             self.due = self.due.min(site.add(said));
             return;
         }
         lines.push(LogLine {
-            component: speaker.name.clone(),
+            component: source.name.clone(),
             level,
-            text: worded(&speaker.name, &key.1, &said),
+            text: format_line(&source.name, &key.1, &said),
         });
         let site = Site { last: at, count: 0, latest: said, named: Some(Vec::new()) };
-        speaker.sites.insert(key, site);
+        source.sites.insert(key, site);
     }
 
     /// Advances to the time `now`: adds the joined lines that are due.
@@ -114,13 +114,13 @@ impl Joiner {
         while self.due <= now {
             let due = self.due;
             self.due = i64::MAX;
-            for speaker in self.speakers.values_mut() {
-                for ((level, text), site) in &mut speaker.sites {
+            for source in self.sources.values_mut() {
+                for ((level, text), site) in &mut source.sites {
                     if site.count == 0 {
                         continue;
                     }
                     if site.last + SECOND_NS <= due {
-                        lines.push(site.flush(*level, &speaker.name, text));
+                        lines.push(site.flush(*level, &source.name, text));
                     } else {
                         self.due = self.due.min(site.last + SECOND_NS);
                     }
@@ -132,14 +132,14 @@ impl Joiner {
     /// Removes a component, or all, and adds the lines that were not logged yet.
     pub(crate) fn end(&mut self, component: Option<u32>, lines: &mut Vec<LogLine>) {
         let ends = |id: u32| component.is_none_or(|c| c == id);
-        for (_, speaker) in self.speakers.iter_mut().filter(|(id, _)| ends(**id)) {
-            for ((level, text), site) in &mut speaker.sites {
+        for (_, source) in self.sources.iter_mut().filter(|(id, _)| ends(**id)) {
+            for ((level, text), site) in &mut source.sites {
                 if site.count > 0 {
-                    lines.push(site.flush(*level, &speaker.name, text));
+                    lines.push(site.flush(*level, &source.name, text));
                 }
             }
         }
-        self.speakers.retain(|id, _| !ends(*id));
+        self.sources.retain(|id, _| !ends(*id));
     }
 }
 
@@ -181,8 +181,8 @@ impl Site {
     }
 
     /// Returns the line for all messages since the last one.
-    fn flush(&mut self, level: u8, speaker: &str, text: &str) -> LogLine {
-        let mut line = worded(speaker, text, &self.latest);
+    fn flush(&mut self, level: u8, source: &str, text: &str) -> LogLine {
+        let mut line = format_line(source, text, &self.latest);
         if !matches!(self.latest, Said::Count(_)) {
             line += &match self.count {
                 1 => " (once more)".to_owned(),
@@ -197,7 +197,7 @@ impl Site {
         self.last = self.last.saturating_add(SECOND_NS);
         self.count = 0;
         self.named = Some(Vec::new());
-        LogLine { component: speaker.to_owned(), level, text: line }
+        LogLine { component: source.to_owned(), level, text: line }
     }
 
     /// Formats the other numbers of the joined messages, if they are few.
@@ -215,11 +215,11 @@ impl Site {
 }
 
 /// Formats a message for the log.
-fn worded(speaker: &str, text: &str, said: &Said) -> String {
+fn format_line(source: &str, text: &str, said: &Said) -> String {
     match said {
-        Said::Numbers(numbers) => format!("{speaker}: {}", filled(text, numbers)),
-        Said::Whole(text) => format!("{speaker}: {text}"),
-        Said::Count(n) => format!("{speaker}: {}", text.replacen("{}", &n.to_string(), 1)),
+        Said::Numbers(numbers) => format!("{source}: {}", filled(text, numbers)),
+        Said::Whole(text) => format!("{source}: {text}"),
+        Said::Count(n) => format!("{source}: {}", text.replacen("{}", &n.to_string(), 1)),
     }
 }
 
@@ -255,7 +255,7 @@ mod tests {
         let mut lines = Vec::new();
         let name = ["one", "two", "three"][who as usize];
         let said = Said::Numbers(numbers.to_vec());
-        joiner.say(ms * MS, (who, name), (1, text), said, &mut lines);
+        joiner.add(ms * MS, (who, name), (1, text), said, &mut lines);
         lines.into_iter().map(|l| l.text).collect()
     }
 
@@ -356,7 +356,7 @@ mod tests {
         let mut joiner = Joiner::default();
         let mut lines = Vec::new();
         for (ms, n) in [(0, 7), (10, 5), (20, 6), (2000, 1)] {
-            joiner.say(ms * MS, (0, "one"), (2, "{} lost"), Said::Count(n), &mut lines);
+            joiner.add(ms * MS, (0, "one"), (2, "{} lost"), Said::Count(n), &mut lines);
         }
         let lines: Vec<String> = lines.into_iter().map(|l| l.text).collect();
         assert_eq!(lines, ["one: 7 lost", "one: 11 lost", "one: 1 lost"]);

@@ -42,7 +42,7 @@ pub(crate) struct Log {
     /// Message counts of each component, by the component's number.
     voices: BTreeMap<u32, Arc<Voice>>,
     /// The component that was removed last: messages of it may still arrive.
-    gone: Option<(u32, Name)>,
+    departed: Option<(u32, Name)>,
 }
 
 impl Log {
@@ -72,7 +72,7 @@ impl Log {
 
     /// Records the component that was removed last.
     pub(crate) fn has_gone(&mut self, component: Option<(u32, Name)>) {
-        self.gone = component;
+        self.departed = component;
     }
 
     /// Logs the joined messages of a component, or of all, that are not due yet.
@@ -84,7 +84,7 @@ impl Log {
 
     /// Logs the messages of components. `left` are components without a name that may still send
     /// some.
-    pub(crate) fn hear(&mut self, shared: &Shared, graph: &Graph, left: &[Ix]) {
+    pub(crate) fn drain_messages(&mut self, shared: &Shared, graph: &Graph, left: &[Ix]) {
         let mut heard = Vec::new();
         while let Some(m) = shared.mailbox.message() {
             self.voices.get(&m.component).inspect(|voice| voice.heard());
@@ -108,13 +108,13 @@ impl Log {
                     let text = graph.with_wiring(text);
                     let by = (m.component, sender(m.component));
                     let said = Said::Numbers(m.numbers.iter().take(m.n).copied().collect());
-                    joiner.say(m.at, by, (m.level, &text), said, &mut lines);
+                    joiner.add(m.at, by, (m.level, &text), said, &mut lines);
                 }
                 Heard::Text(m) => {
                     let text = String::from_utf8_lossy(m.bytes()).trim_end().to_owned();
                     let by = (m.component, sender(m.component));
                     let site = kind_of(&text);
-                    joiner.say(m.at, by, (m.level, &site), Said::Whole(text), &mut lines);
+                    joiner.add(m.at, by, (m.level, &site), Said::Whole(text), &mut lines);
                 }
             }
         }
@@ -124,7 +124,7 @@ impl Log {
                 let lost = voice.take_lost();
                 if lost > 0 {
                     let by = (*component, sender(*component));
-                    joiner.say(now, by, (level::WARN, LOST), Said::Count(lost), &mut lines);
+                    joiner.add(now, by, (level::WARN, LOST), Said::Count(lost), &mut lines);
                 }
             }
         }
@@ -160,7 +160,7 @@ impl Log {
             .filter_map(|ix| graph.component(*ix))
             .find(|c| c.id == component)
             .map(|c| &c.name)
-            .or_else(|| self.gone.as_ref().filter(|(id, _)| *id == component).map(|(_, n)| n))
+            .or_else(|| self.departed.as_ref().filter(|(id, _)| *id == component).map(|(_, n)| n))
             .map_or("?", Name::as_str)
     }
 }

@@ -109,7 +109,7 @@ impl Mailbox {
     }
 
     /// Keeps a message for the control side, or counts it as lost.
-    pub(crate) fn say(&self, voice: &Voice, m: Message) {
+    pub(crate) fn send(&self, voice: &Voice, m: Message) {
         if !push(&self.messages, &voice.messages, m) {
             self.lose(voice);
         }
@@ -176,11 +176,11 @@ mod tests {
             let voices: Vec<Voice> = (0..floods).map(|_| Voice::default()).collect();
             for _ in 0..2 * MESSAGES {
                 for (n, voice) in (0..).zip(&voices) {
-                    mailbox.say(voice, message(n));
+                    mailbox.send(voice, message(n));
                 }
             }
             let quiet = Voice::default();
-            mailbox.say(&quiet, message(1000));
+            mailbox.send(&quiet, message(1000));
             assert_eq!(quiet.take_lost(), 0, "beside {floods}");
             // Each message is either lost or present, and all components have about equally many
             // present.
@@ -205,7 +205,7 @@ mod tests {
         let (mailbox, voice) = (Mailbox::new(), Voice::default());
         for _ in 0..10 {
             for _ in 0..1000 {
-                mailbox.say(&voice, message(0));
+                mailbox.send(&voice, message(0));
             }
             assert!(mailbox.is_filling() == (mailbox.messages.len() >= 1024));
             while mailbox.message().is_some() {

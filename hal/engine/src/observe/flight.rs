@@ -2,8 +2,8 @@
 //! them when an event occurs.
 
 mod condition;
-mod hear;
 mod history;
+mod input;
 mod keep;
 mod recorder;
 
@@ -132,7 +132,7 @@ impl Engine {
             && self.runtime.is_virtual()
         {
             // A script may have changed values while time stood still.
-            probe.look(now);
+            probe.sample(now);
         }
         self.drain_flight();
         let at_once = self.runtime.is_virtual();
@@ -198,7 +198,7 @@ impl Engine {
         match self.swap_watching(old.as_ref().map(|o| o.0), watching) {
             Ok(id) => {
                 if let Some((_, old, columns)) = &old {
-                    flight.hear(old, columns, true);
+                    flight.read_changes(old, columns, true);
                     flight.lost.0 += old.lost();
                     flight.lost.1 = 0;
                 }
@@ -268,7 +268,7 @@ impl Engine {
         let Some(flight) = self.observers.flight.clone() else { return };
         let mut flight = lock(&flight);
         if let Some((id, probe, columns)) = flight.probe.take() {
-            flight.hear(&probe, &columns, whole);
+            flight.read_changes(&probe, &columns, whole);
             if probe.lost() != flight.lost.1 {
                 // Recorded values are out of date, so all are reported again.
                 flight.lost.1 = probe.lost();

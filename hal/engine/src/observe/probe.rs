@@ -69,13 +69,13 @@ pub(crate) struct Probe {
     /// Number of cycles to skip before the next reading.
     left: AtomicU32,
     /// Number of readings, and of records or changes lost because the ring or queue was full.
-    looks: AtomicU64,
+    samples: AtomicU64,
     lost: AtomicU64,
     /// A second count of what was lost, which outlives the process.
     noted: Option<&'static AtomicU64>,
 }
 
-// SAFETY: only `look` changes the producer, and it runs in one thread at a time; `has_room` reads
+// SAFETY: only `sample` changes the producer, and it runs in one thread at a time; `has_room` reads
 // the producer only for probes that hold the virtual clock, while no cycle is in progress.
 unsafe impl Sync for Probe {}
 
@@ -97,8 +97,8 @@ impl Probe {
     }
 
     const fn new(sources: Box<[Source]>, every: u32, sink: Sink) -> Self {
-        let (looks, lost) = (AtomicU64::new(0), AtomicU64::new(0));
-        Self { sources, sink, every, left: AtomicU32::new(0), looks, lost, noted: None }
+        let (samples, lost) = (AtomicU64::new(0), AtomicU64::new(0));
+        Self { sources, sink, every, left: AtomicU32::new(0), samples, lost, noted: None }
     }
 
     /// Also counts in `noted` what is lost.
@@ -107,18 +107,18 @@ impl Probe {
     }
 
     /// Reads the values if a reading is due. Runs in one thread at a time.
-    pub(crate) fn look(&self, time: i64) {
+    pub(crate) fn sample(&self, time: i64) {
         let left = self.left.load(Ordering::Relaxed);
         if left > 0 {
             self.left.store(left - 1, Ordering::Relaxed);
             return;
         }
         self.left.store(self.every.saturating_sub(1), Ordering::Relaxed);
-        add_one(&self.looks);
+        add_one(&self.samples);
         match &self.sink {
             Sink::Records { producer, .. } => {
                 let values = self.sources.iter().map(Source::bits);
-                // SAFETY: `look` runs in one thread at a time.
+                // SAFETY: `sample` runs in one thread at a time.
                 let producer = unsafe { &mut *producer.get() };
                 if !producer.put_all(core::iter::once(time.cast_unsigned()).chain(values)) {
                     self.lose();
@@ -152,7 +152,7 @@ impl Probe {
     /// a probe that puts records into a ring, call it only while no cycle is in progress.
     pub(crate) fn has_room(&self) -> bool {
         match &self.sink {
-            // SAFETY: the caller ensures that no cycle is in progress, so `look` is not running.
+            // SAFETY: the caller ensures that no cycle is in progress, so `sample` is not running.
             Sink::Records { producer, .. } => unsafe { &*producer.get() }.room() > 0,
             Sink::Changes { queue, .. } => queue.capacity() - queue.len() >= self.sources.len(),
         }
@@ -183,9 +183,9 @@ impl Probe {
     }
 
     /// Returns the number of readings.
-    pub(crate) fn looks(&self) -> u64 {
-        // Pairs with `add_one` in `look`: what the readings before the last one queued is seen.
-        self.looks.load(Ordering::Acquire)
+    pub(crate) fn samples(&self) -> u64 {
+        // Pairs with `add_one` in `sample`: what the readings before the last one queued is seen.
+        self.samples.load(Ordering::Acquire)
     }
 
     /// Returns the number of records or changes that were lost because the ring or queue was full.
@@ -196,6 +196,6 @@ impl Probe {
 
 /// Increments a count that only one thread at a time writes.
 fn add_one(count: &AtomicU64) {
-    // Pairs with the load in `Probe::looks`.
+    // Pairs with the load in `Probe::samples`.
     count.store(count.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
 }

@@ -209,7 +209,7 @@ impl Engine {
         if let Some((_, probe)) =
             probe.filter(|_| self.runtime.is_virtual() || self.runtime.is_quiet())
         {
-            probe.look(self.runtime.now());
+            probe.sample(self.runtime.now());
         }
     }
 

@@ -216,7 +216,7 @@ impl Engine {
     pub(crate) fn sample_state(&self, client: u64, id: u64) -> Result<SampleState, Error> {
         let s = self.sample_of(client, id)?;
         let ended = s.ended.map(str::to_owned);
-        Ok(SampleState { samples: s.probe.looks(), lost: s.probe.lost(), ended })
+        Ok(SampleState { samples: s.probe.samples(), lost: s.probe.lost(), ended })
     }
 
     /// Ends a sample and returns its final state.

@@ -102,9 +102,9 @@ impl Engine {
 
     /// Marks every probe for removal that watches one of these nodes or runs in one of these
     /// threads, which are about to be removed.
-    pub(crate) fn part_probes(&mut self, nodes: &[Ix]) {
+    pub(crate) fn end_probes(&mut self, nodes: &[Ix]) {
         for (id, at) in self.observers.probes.watching(nodes) {
-            self.model.staged_mut().part(id);
+            self.model.staged_mut().end_probe(id);
             let thread = match at {
                 At::Thread(ix) => Some(ix),
                 At::Moments => self.moments_thread(),
@@ -118,7 +118,7 @@ impl Engine {
     /// On the real clock, reads the values from the control side while no cycle runs.
     pub(crate) fn look_while_stopped(&self, now: i64) {
         if self.runtime.is_quiet() && !self.runtime.is_running() {
-            self.observers.probes.idle_probes().iter().for_each(|p| p.look(now));
+            self.observers.probes.idle_probes().iter().for_each(|p| p.sample(now));
         }
     }
 
@@ -126,11 +126,11 @@ impl Engine {
     pub(crate) fn end_probes_of(&mut self, component: Ix) {
         let owned = self.model.all_owned(component);
         let watching = self.observers.probes.watching(&owned);
-        self.have_parted(watching.into_iter().map(|(id, _)| id).collect());
+        self.remove_probes(watching.into_iter().map(|(id, _)| id).collect());
     }
 
     /// Ends the probes whose items have been removed.
-    pub(crate) fn have_parted(&mut self, parted: BTreeSet<u64>) {
+    pub(crate) fn remove_probes(&mut self, parted: BTreeSet<u64>) {
         for id in parted {
             self.observers.probes.remove(id);
             self.sample_parted(id);

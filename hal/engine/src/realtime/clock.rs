@@ -47,7 +47,7 @@ pub(crate) fn turn(shared: &Shared, probes: &Probes, until: i64, instants: u32) 
                 t.cycle(shared, next);
             }
         }
-        probes.idle_probes().iter().for_each(|p| p.look(next));
+        probes.idle_probes().iter().for_each(|p| p.sample(next));
         if shared.fault.get().is_some() {
             return;
         }

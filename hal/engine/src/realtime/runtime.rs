@@ -7,7 +7,7 @@ mod threads;
 
 use crate::{
     Error, Options,
-    ends::{Control, Doing, Instance, What},
+    ends::{Activity, Control, Doing, Instance},
     graph::{Graph, Ix},
     os,
     realtime::resources::Realtime,
@@ -46,7 +46,7 @@ pub(crate) struct Runtime {
     /// The data that a report of the end of the process uses.
     instance: Arc<Instance>,
     /// True in a trial: nothing runs.
-    trial: bool,
+    dry_run: bool,
     /// Longest wait for threads, in nanoseconds of wall-clock time.
     settle_ns: i64,
     runners: Runners,
@@ -70,7 +70,7 @@ impl Runtime {
         let threads = (realtime.scheduling, realtime.cpu);
         Self {
             instance: Instance::new(shared.clone(), &options.place),
-            trial: false,
+            dry_run: false,
             settle_ns: TIMEOUT_NS,
             runners: Runners::new(shared.clone(), threads, options.realtime.idle_us),
             watchdog: None,
@@ -85,13 +85,13 @@ impl Runtime {
     }
 
     /// Makes this the runtime of a trial, in which nothing runs.
-    pub(crate) const fn only_try(&mut self) {
-        self.trial = true;
+    pub(crate) const fn set_dry_run(&mut self) {
+        self.dry_run = true;
     }
 
     /// Returns whether this is a trial.
-    pub(crate) const fn is_trial(&self) -> bool {
-        self.trial
+    pub(crate) const fn is_dry_run(&self) -> bool {
+        self.dry_run
     }
 
     /// Returns the state that the threads share with the control side.
@@ -210,9 +210,9 @@ impl Runtime {
     pub(crate) fn run_stops(&self, graph: &Graph, components: &[Ix]) -> Vec<String> {
         let mut failed = Vec::new();
         let _alone = self.shared.stops_alone();
-        for ix in components.iter().filter(|_| !self.trial) {
+        for ix in components.iter().filter(|_| !self.dry_run) {
             let Some(c) = graph.component(*ix) else { continue };
-            let _within = self.control().run(Doing::new(c.name.as_str(), What::Stop));
+            let _within = self.control().run(Doing::new(c.name.as_str(), Activity::Stop));
             for stop in &c.stops {
                 if let Err(e) = crate::ends::run_stop(stop) {
                     failed.push(format!("{}: stop action: {e}", c.name));

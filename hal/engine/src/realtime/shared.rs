@@ -243,10 +243,9 @@ impl Shared {
     /// while no thread gets a processor. Returns whether it was done.
     pub(crate) fn wait_within(&self, limit_ns: i64, late_ns: i64, done: impl Fn() -> bool) -> bool {
         let limit = os::monotonic_ns().saturating_add(limit_ns);
-        let turns: Vec<_> = match late_ns {
-            0 => Vec::new(),
-            _ => self.threads.load().iter().map(|t| (t.clone(), t.turn())).collect(),
-        };
+        let threads = self.threads.load();
+        let waits = threads.iter().filter(|_| late_ns > 0);
+        let turns: Vec<_> = waits.map(|t| (t.clone(), t.turn())).collect();
         while !done() {
             let past = os::monotonic_ns().saturating_sub(limit);
             if past > late_ns

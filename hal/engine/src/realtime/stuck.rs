@@ -230,7 +230,7 @@ impl Watch {
         let cause = Cause::new();
         let us = limit / 1000;
         let mut text = [0; 64];
-        cause.store(worded(&mut text, us));
+        cause.store(reason_text(&mut text, us));
         self.shared.fault.set(thread.id, funct, &cause);
         self.shared.fault.abandon();
         // Recorded before the outputs are driven: if one of these threads leaves its cycle later,
@@ -271,7 +271,7 @@ fn sight(t: &Thread, known: Option<&Case>) -> Option<Sight> {
     })
 }
 
-fn worded(room: &mut [u8; 64], us: i64) -> &str {
+fn reason_text(room: &mut [u8; 64], us: i64) -> &str {
     use std::io::Write;
     let mut rest = &mut room[..];
     let (ms, part) = (us / 1000, us % 1000);
@@ -287,7 +287,7 @@ fn worded(room: &mut [u8; 64], us: i64) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::{Case, Sight, Verdict, worded};
+    use super::{Case, Sight, Verdict, reason_text};
     use crate::os::progress::Doing;
 
     const MS: i64 = 1_000_000;
@@ -369,7 +369,7 @@ mod tests {
             (1500, "it did not come back within 1.500 ms"),
             (3_600_000_000, "it did not come back within 3600000 ms"),
         ] {
-            assert_eq!(worded(&mut [0; 64], us), want);
+            assert_eq!(reason_text(&mut [0; 64], us), want);
         }
     }
 }

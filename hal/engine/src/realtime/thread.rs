@@ -171,9 +171,9 @@ impl Thread {
             self.cycles.store(n, Ordering::Relaxed);
             // SAFETY: a slot of the arena, alive as long as the thread.
             unsafe { Slot::cell(self.beat.0.as_ptr()) }.store(n);
-            list.probes.iter().for_each(|p| p.look(time));
+            list.probes.iter().for_each(|p| p.sample(time));
         }
-        list.idle_probes.iter().for_each(|p| p.look(time));
+        list.idle_probes.iter().for_each(|p| p.sample(time));
         drop(list);
         end_cycle();
         self.gate.leave();

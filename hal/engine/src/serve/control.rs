@@ -56,7 +56,7 @@ impl Engine {
             ends::park();
         }
         self.runtime.control().beat();
-        self.hear();
+        self.drain_messages();
         // The guard writes as well: what it was refused is reported also while time stands still.
         self.drain_recording();
         self.forget_ended_programs();
@@ -141,7 +141,7 @@ impl Engine {
         }
         self.take_pages();
         if self.runtime.shared().mailbox.is_filling() {
-            self.hear();
+            self.drain_messages();
         }
         self.refresh_flight();
         let poll = crate::serve::polls::next_poll(self);

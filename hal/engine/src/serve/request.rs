@@ -1,29 +1,25 @@
 //! Execution of requests by class, and the waits of a script.
 
 use crate::{
-    Engine, Error,
-    error::watch::WatchError,
-    load::args::Args,
-    name::Name,
-    os,
-    serve::client::WaitState,
-    serve::clients::Program,
-    serve::dispatch::{Answer, misplaced},
-    sync::Ordering,
+    Engine, Error, error::watch::WatchError, load::args::Args, name::Name, os,
+    serve::client::WaitState, serve::clients::Program, serve::dispatch::Answer, sync::Ordering,
 };
-use hal_protocol::{Failure, Kind, LATEST, Link, Patterns, Reply, Request, TicketInfo};
+use hal_protocol::{
+    ActionRequest, EditRequest, Failure, Kind, LATEST, Link, OutsideRequest, OwnRequest, Patterns,
+    QueryRequest, Reply, Request, TicketInfo,
+};
 
 impl Engine {
     /// Executes an edit as a transaction of its own.
-    pub(crate) fn edit(&mut self, request: &Request) -> Result<Reply, Error> {
+    pub(crate) fn edit(&mut self, request: EditRequest) -> Result<Reply, Error> {
         match request {
             // One after the other, each as a transaction: together they may be too many stores.
-            Request::UnloadAll => {
+            EditRequest::UnloadAll => {
                 while let Some(name) = self.model.newest() {
                     self.transact(|e| e.model.unload(name.as_str()))?;
                 }
             }
-            Request::DeleteSignal { name: None } => {
+            EditRequest::DeleteSignal { name: None } => {
                 let names = self.model.graph().signal_names();
                 let names: Vec<Name> = names.into_iter().map(|(name, _)| name.clone()).collect();
                 if names.is_empty() {
@@ -34,86 +30,95 @@ impl Engine {
                 }
             }
             edit => {
-                self.transact(|e| e.stage(edit))?;
+                self.transact(|e| e.stage(&edit))?;
             }
         }
         Ok(Reply::Done)
     }
 
     /// Answers a question.
-    pub(crate) fn query(&mut self, request: Request) -> Result<Reply, Error> {
+    pub(crate) fn query(&mut self, request: QueryRequest) -> Result<Reply, Error> {
         Ok(match request {
-            Request::Get { name } => Reply::Value(self.model.get_item(&name)?),
-            Request::GetSignal { name } => Reply::Value(self.model.get_signal(&name)?),
-            Request::List { kind: Kind::Workers, patterns, .. } => {
+            QueryRequest::Get { name } => Reply::Value(self.model.get_item(&name)?),
+            QueryRequest::GetSignal { name } => Reply::Value(self.model.get_signal(&name)?),
+            QueryRequest::List { kind: Kind::Workers, patterns, .. } => {
                 Reply::Workers(self.workers.list(&Patterns::new(&patterns)))
             }
-            Request::List { kind: Kind::Snapshots, patterns, .. } => {
+            QueryRequest::List { kind: Kind::Snapshots, patterns, .. } => {
                 Reply::Snapshots(self.snapshots.list(&Patterns::new(&patterns)))
             }
-            Request::List { kind, patterns, ty } => self.model.list(kind, &patterns, ty),
-            Request::Snapshot { name } => Reply::Snapshot(Box::new(self.snapshots.values(&name)?)),
-            Request::Order => Reply::Order(Box::new(self.order())),
-            Request::Check => Reply::Findings(self.check()),
-            Request::Status => Reply::Status(Box::new(self.status())),
-            Request::Component { name } => {
+            QueryRequest::List { kind, patterns, ty } => self.model.list(kind, &patterns, ty),
+            QueryRequest::Snapshot { name } => {
+                Reply::Snapshot(Box::new(self.snapshots.values(&name)?))
+            }
+            QueryRequest::Order => Reply::Order(Box::new(self.order())),
+            QueryRequest::Check => Reply::Findings(self.check()),
+            QueryRequest::Status => Reply::Status(Box::new(self.status())),
+            QueryRequest::Component { name } => {
                 let ix = self.model.graph().components.get(name.as_str()).copied();
                 let info = ix.and_then(|ix| self.model.component_info(ix));
                 Reply::Components(info.into_iter().collect())
             }
-            Request::FlightState => Reply::Flight(self.flight_info()?),
-            _ => return Err(misplaced()),
+            QueryRequest::FlightState => Reply::Flight(self.flight_info()?),
         })
     }
 
     /// Acts on the machine.
-    pub(crate) fn act(&mut self, request: Request) -> Result<Reply, Error> {
+    pub(crate) fn act(&mut self, request: ActionRequest) -> Result<Reply, Error> {
         match request {
-            Request::Apply { files, edits, dry } => return self.apply(&files, &edits, dry),
-            Request::Stop => {
+            ActionRequest::Apply { files, edits, dry } => return self.apply(&files, edits, dry),
+            ActionRequest::Stop => {
                 self.model.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
                 self.runtime.stop()?;
             }
-            Request::Timing { thread, on } => self.model.time_functs(thread.as_deref(), on)?,
-            Request::MessageLevel { level } => {
+            ActionRequest::Timing { thread, on } => {
+                self.model.time_functs(thread.as_deref(), on)?
+            }
+            ActionRequest::MessageLevel { level } => {
                 self.runtime.shared().mailbox.level.store(level, Ordering::Relaxed);
             }
-            Request::Command { name, args } => return self.command(&name, &args),
-            Request::Shutdown => self.clients.shutdown = true,
-            _ => return Err(misplaced()),
+            ActionRequest::Command { name, args } => return self.command(&name, &args),
+            ActionRequest::Shutdown => self.clients.shutdown = true,
         }
         Ok(Reply::Done)
     }
 
     /// Acts on programs and files.
-    pub(crate) fn act_outside(&mut self, request: Request) -> Result<Reply, Error> {
+    pub(crate) fn act_outside(&mut self, request: OutsideRequest) -> Result<Reply, Error> {
         match request {
-            Request::Adopt { pid, program } => self.adopt(pid, program)?,
-            Request::EndProgram { name } => self.end_program(name.as_deref())?,
-            Request::Record { path, patterns } => self.record(&path, &patterns)?,
-            Request::EndRecord => self.end_recording()?,
-            Request::Flight(spec) => self.begin_flight(spec)?,
-            Request::EndFlight => self.end_flight()?,
-            Request::SaveFlight { path, last } => self.save_flight(&path, last)?,
-            _ => return Err(misplaced()),
+            OutsideRequest::Adopt { pid, program } => self.adopt(pid, program)?,
+            OutsideRequest::EndProgram { name } => self.end_program(name.as_deref())?,
+            OutsideRequest::Record { path, patterns } => self.record(&path, &patterns)?,
+            OutsideRequest::EndRecord => self.end_recording()?,
+            OutsideRequest::Flight(spec) => self.begin_flight(spec)?,
+            OutsideRequest::EndFlight => self.end_flight()?,
+            OutsideRequest::SaveFlight { path, last } => self.save_flight(&path, last)?,
         }
         Ok(Reply::Done)
     }
 
     /// Handles a request of the script that concerns the script itself.
-    pub(crate) fn own_of_script(&mut self, request: Request) -> Result<Reply, Error> {
+    pub(crate) fn own_of_script(&mut self, request: OwnRequest) -> Result<Reply, Error> {
         Ok(match request {
-            Request::Hello { .. } => Reply::Hello {
+            OwnRequest::Hello { .. } => Reply::Hello {
                 protocol: LATEST,
                 instance: self.options.place.name().to_owned(),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
                 id: 0,
             },
-            Request::MapSnapshot { .. } => return Err(Error::NoSocket),
-            Request::Sample(_) => return Err(WatchError::Here.into()),
-            Request::SampleState { id } => Reply::SampleState(self.sample_state(0, id)?),
-            Request::EndSample { id } => Reply::SampleState(self.end_sample(0, id)?),
-            _ => return Err(Error::NotAMember),
+            OwnRequest::MapSnapshot { .. } => return Err(Error::NoSocket),
+            OwnRequest::Sample(_) => return Err(WatchError::Here.into()),
+            OwnRequest::SampleState { id } => Reply::SampleState(self.sample_state(0, id)?),
+            OwnRequest::EndSample { id } => Reply::SampleState(self.end_sample(0, id)?),
+            OwnRequest::Join { .. }
+            | OwnRequest::NewPin { .. }
+            | OwnRequest::Ready
+            | OwnRequest::Unready
+            | OwnRequest::Leave
+            | OwnRequest::SharePins { .. }
+            | OwnRequest::Sleep { .. }
+            | OwnRequest::Poll { .. }
+            | OwnRequest::Attach { .. } => return Err(Error::NotAMember),
         })
     }
 
@@ -266,7 +271,7 @@ impl Link for Engine {
                 if is_result {
                     self.settle_polls();
                 }
-                self.hear();
+                self.drain_messages();
                 reply
             }
             Answer::After(WaitState::Time(end), _) => {

@@ -8,14 +8,14 @@ use crate::{
     name::Name,
     os,
     serve::client::{Client, WaitState},
-    serve::dispatch::{Answer, misplaced},
+    serve::dispatch::Answer,
     serve::hold::Hold,
     serve::pins::{Shared, publish_after, take_before},
     serve::polls::period,
 };
 use hal_protocol::{
-    ComponentState, Direction, Failure, LATEST, MAX_PAGE_PINS, PinPageInfo, Reply, Request, Type,
-    Value, WireRequest,
+    ComponentState, Direction, Failure, LATEST, MAX_PAGE_PINS, OwnRequest, PinPageInfo, Reply,
+    Request, Type, Value, WireRequest,
 };
 
 /// Longest sleep of a program, in nanoseconds of machine time.
@@ -66,32 +66,35 @@ fn execute(
 }
 
 /// Handles a request that concerns the client itself.
-pub(crate) fn own(engine: &mut Engine, c: &mut Client, request: Request) -> Result<Answer, Error> {
+pub(crate) fn own(
+    engine: &mut Engine,
+    c: &mut Client,
+    request: OwnRequest,
+) -> Result<Answer, Error> {
     Ok(Answer::Now(match request {
-        Request::Hello { protocol, name, pid } => hello(engine, c, protocol, &name, pid)?,
-        Request::Join { name, poll_ns } => join(engine, c, &name, poll_ns)?,
-        Request::NewPin { name, ty, direction } => new_pin(engine, c, &name, ty, direction)?,
-        Request::Ready => ready(engine, c)?,
-        Request::Unready => unready(engine, c)?,
-        Request::Leave => remove(engine, c)?,
-        Request::SharePins { pins } => share(engine, c, pins)?,
-        Request::Sleep { ns } => return sleep(engine, c, ns),
-        Request::Poll { writes } => return poll(engine, c, &writes),
-        Request::Attach { name, count } => attach(engine, c, &name, count)?,
-        Request::Sample(spec) => {
+        OwnRequest::Hello { protocol, name, pid } => hello(engine, c, protocol, &name, pid)?,
+        OwnRequest::Join { name, poll_ns } => join(engine, c, &name, poll_ns)?,
+        OwnRequest::NewPin { name, ty, direction } => new_pin(engine, c, &name, ty, direction)?,
+        OwnRequest::Ready => ready(engine, c)?,
+        OwnRequest::Unready => unready(engine, c)?,
+        OwnRequest::Leave => remove(engine, c)?,
+        OwnRequest::SharePins { pins } => share(engine, c, pins)?,
+        OwnRequest::Sleep { ns } => return sleep(engine, c, ns),
+        OwnRequest::Poll { writes } => return poll(engine, c, &writes),
+        OwnRequest::Attach { name, count } => attach(engine, c, &name, count)?,
+        OwnRequest::Sample(spec) => {
             let (info, fd) = engine.begin_sample(c.id, &spec)?;
             c.fd = Some(fd);
             has_started(engine, c);
             Reply::Sample(info)
         }
-        Request::MapSnapshot { name } => {
+        OwnRequest::MapSnapshot { name } => {
             let (info, fd) = engine.snapshots.page(&name)?;
             c.fd = Some(fd);
             Reply::SnapshotPage(Box::new(info))
         }
-        Request::SampleState { id } => Reply::SampleState(engine.sample_state(c.id, id)?),
-        Request::EndSample { id } => Reply::SampleState(engine.end_sample(c.id, id)?),
-        _ => return Err(misplaced()),
+        OwnRequest::SampleState { id } => Reply::SampleState(engine.sample_state(c.id, id)?),
+        OwnRequest::EndSample { id } => Reply::SampleState(engine.end_sample(c.id, id)?),
     }))
 }
 

@@ -14,7 +14,7 @@ const MAX_IN_TURN: usize = 16;
 
 /// Checks the socket once: waits at most `ms` milliseconds for something to do, and does it.
 pub(crate) fn serve_once(engine: &mut Engine, ms: i32) {
-    if !engine.model.left().is_empty() && !engine.runtime.is_inside() {
+    if !engine.model.departed().is_empty() && !engine.runtime.is_inside() {
         forget_left(engine);
     }
     let Some(mut server) = engine.clients.server.take() else { return wait_only(ms) };

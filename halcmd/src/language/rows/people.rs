@@ -33,7 +33,7 @@ pub(super) const ROWS: &[Row] = &[
         summary: "show one value, big",
         help: "A pin, signal or parameter; without a name, or with the beginning of several, it \
                is searched for first. Keys: s searches another, left and right go to its \
-               neighbours, r begins the least and most anew, q ends it.",
+               neighbours, r resets the minimum and maximum, q ends it.",
         words: &[W::Variable],
         examples: &["meter", "meter spindle-speed"],
         related: &["watch", "getp"],

@@ -6,7 +6,7 @@ use crate::{
     programs::{
         hal_manualtoolchange, halcmd, halgcode, halrun, halsampler, halscope, halsetup,
         halstreamer, haltest,
-        options::{Opt, Subcommand},
+        options::{Opt, Subcommand, VERSION_HELP},
     },
     session::remote::Remote,
 };
@@ -32,6 +32,9 @@ pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
         "hal_manualtoolchange" => option_or_file(&hal_manualtoolchange::completable(), rest, &word),
         _ => program_words(name, &halcmd::completable(), rest, &word),
     };
+    if rest.is_empty() && word.starts_with('-') && "--version".starts_with(&word) {
+        found.candidates.push(Candidate::new("--version", VERSION_HELP));
+    }
     let cut = current.and_then(|c| word.strip_suffix(c)).map_or(0, str::len);
     for candidate in &mut found.candidates {
         candidate.word = candidate.word.get(cut..).unwrap_or_default().to_owned();
@@ -154,7 +157,13 @@ fn option_words(options: &[Opt<()>]) -> Vec<Candidate> {
 
 /// Completes the value of an option.
 fn value_of(option: &Opt<()>, word: &str) -> Completion {
+    let one_of = |words: &[&str]| {
+        let all = words.iter().map(|word| Candidate::new(*word, option.help)).collect();
+        Completion { candidates: begun(all, word), ..Completion::default() }
+    };
     match option.value {
+        _ if option.long == Some("clock") => one_of(&["real", "virtual"]),
+        _ if option.long == Some("compat") => one_of(&["2.9", "2.10"]),
         Some("FILE") => Completion { files: true, ..Completion::default() },
         Some("NAME") => {
             Completion { candidates: begun(instances(), word), ..Completion::default() }

@@ -53,7 +53,9 @@ pub(super) const ROWS: &[Explanation] = &[
         wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=2\naddf or2.0 servo\n\
                 addf or2.1 servo\nnet any or2.1.in0\nsets any 1 # <--\nnet any or2.0.out\nstart\n",
         right: "loadrt threads name1=servo period1=1000000\nloadrt or2\naddf or2.0 servo\n\
-                net any or2.0.in0\nsets any 1\nstart\n",
+                loadrt keypad\nloadrt sim_handheld\naddf sim-handheld.update servo\naddf keypad.update servo\n\
+                net any or2.0.in0\nsets any 1\nnewsig bytes port\nsets bytes 64\n\
+                net bytes sim-handheld.frames keypad.frames-in\nstart\n",
     },
     Explanation {
         code: Code::ScaleZero,

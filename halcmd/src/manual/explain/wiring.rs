@@ -108,7 +108,7 @@ pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: Code::ArrowTurned,
         means: "The arrow of a net line points from an input to an output.",
-        matters: "Nothing at all: arrows only tell readers. But the reader is told the opposite, and \
+        matters: "Nothing at all: arrows only tell readers. But this one says the opposite, and \
                   the pins may be the wrong ones.",
         remedy: "Turn the arrow round, or correct the pins.",
         wrong: "loadrt threads name1=servo period1=1000000\nloadrt siggen\nloadrt lowpass\n\

@@ -1,6 +1,6 @@
 //! `halgcode canon`: the canonical calls, with the options and in the form of `rs274`.
 
-use super::{filter, printer::Printer, usage_of};
+use super::{filter, language, printer::Printer, usage_of};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -28,6 +28,7 @@ enum Id {
     Ini,
     OnError,
     BlockDelete,
+    Dialect,
     Stack,
     LogLevel,
     Machine,
@@ -51,6 +52,7 @@ const OPTIONS: &[Opt<Id>] = &[
         ..Opt::short_with(Id::OnError, 'n', "0|1|2")
     },
     Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    language::option(Id::Dialect),
     Opt { help: "after an error, the calls that led there", ..Opt::flag(Id::Stack, 's') },
     Opt { help: "accepted, without effect", ..Opt::short_with(Id::LogLevel, 'l', "LEVEL") },
     Opt {
@@ -101,14 +103,15 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         table: table.as_deref(),
         parameters: parameters.as_deref(),
     })?;
-    for remark in &machine.remarks {
-        print_error(&format!("{remark}\n"));
-    }
     if !whole {
         stand_in(&mut machine, parameters.is_some());
     }
     machine.settings.block_delete = is_given(Id::BlockDelete);
-    let world = World { machine, hal: BTreeMap::new() };
+    language::set(&mut machine, path(Id::Dialect).as_deref().and_then(Path::to_str))?;
+    let world = World::with_functions(machine, BTreeMap::new());
+    for remark in &world.machine.remarks {
+        print_error(&format!("{remark}\n"));
+    }
     let mut printer = Printer::new(output.as_deref(), is_given(Id::Lines))?;
     let job = Job {
         file,
@@ -130,6 +133,8 @@ fn stand_in(machine: &mut Machine, keeps_parameters: bool) {
         program_unit: Unit::Millimetre,
         remaps,
         random_changer: machine.settings.random_changer,
+        dialect: machine.settings.dialect,
+        default_feed: machine.settings.default_feed,
         ..Settings::default()
     };
     machine.startup = None;
@@ -203,7 +208,7 @@ impl Job<'_> {
         world: &World,
         printer: &mut Printer,
     ) -> Result<bool, String> {
-        let answers = Answers { probe_trips: false };
+        let answers = Answers { probe_trips: false, functions: world.functions.as_ref() };
         let mut result = run(it, world, answers, |it, issued| printer.issued(it, issued));
         loop {
             let error = match result {
@@ -265,7 +270,7 @@ impl Job<'_> {
 fn ask(it: &mut Interpreter, world: &World, printer: &mut Printer) -> Result<bool, String> {
     print_error("starting MDI\n");
     let levels = core::mem::take(&mut it.state.levels);
-    let answers = Answers { probe_trips: false };
+    let answers = Answers { probe_trips: false, functions: world.functions.as_ref() };
     while let Some(line) = person()? {
         it.mdi(&line);
         match run(it, world, answers, |it, issued| printer.issued(it, issued)) {

@@ -1,13 +1,13 @@
 //! `halgcode check`: the errors of a program, the places that the machine cannot reach, its tools and extents.
 
-use super::{clock::Clock, filter, usage_of};
+use super::{clock::Clock, filter, language, usage_of};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
     terminal::print_error,
 };
 use hal_gcode::{
-    Call, Error, Interpreter, Issued,
+    Call, Dialect, Error, Interpreter, Issued,
     axis::{Axis, Position},
     error::Problem,
     program::numbered_line,
@@ -33,6 +33,7 @@ enum Id {
     Parameters,
     Hal,
     BlockDelete,
+    Dialect,
     Errors,
     Lines,
     Quiet,
@@ -52,6 +53,7 @@ const OPTIONS: &[Opt<Id>] = &[
         ..Opt::short_with(Id::Hal, 'H', "NAME=VALUE")
     },
     Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    language::option(Id::Dialect),
     Opt {
         long: Some("errors"),
         help: "ends a file after so many errors (20)",
@@ -104,8 +106,9 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         parameters: parameters.as_deref(),
     })?;
     machine.settings.block_delete = is_given(Id::BlockDelete);
+    language::set(&mut machine, value(Id::Dialect))?;
     machine.settings.limits.lines = lines;
-    let world = World { machine, hal };
+    let world = World::with_functions(machine, hal);
     let mut text = String::new();
     for remark in &world.machine.remarks {
         text.push_str(&format!("{}\n", remark.replacen(": ", ": warning: ", 1)));
@@ -132,7 +135,12 @@ fn one(file: &str, world: &World, most: u64, quiet: bool) -> Result<bool, String
     start(&mut it, world)?;
     it.load(file, text);
     let mut check = Check::new(&it, world);
-    let mut result = run(&mut it, world, Answers { probe_trips: true }, |it, i| check.call(it, i));
+    let mut result = run(
+        &mut it,
+        world,
+        Answers { probe_trips: true, functions: world.functions.as_ref() },
+        |it, i| check.call(it, i),
+    );
     while let Err(Stop::Program(error)) = result {
         check.error(&error, world);
         check.errors += 1;
@@ -151,7 +159,12 @@ fn one(file: &str, world: &World, most: u64, quiet: bool) -> Result<bool, String
         it.state.ended = false;
         it.state.pending = None;
         it.state.nurbs = None;
-        result = run(&mut it, world, Answers { probe_trips: true }, |it, i| check.call(it, i));
+        result = run(
+            &mut it,
+            world,
+            Answers { probe_trips: true, functions: world.functions.as_ref() },
+            |it, i| check.call(it, i),
+        );
     }
     if let Err(Stop::Output(reason)) = result {
         return Err(reason);
@@ -224,6 +237,8 @@ impl<'a> Check<'a> {
     /// Takes a call into account.
     fn call(&mut self, it: &Interpreter, issued: &Issued) -> Result<(), Stop> {
         let state = &it.state;
+        // This dialect has no messages of its own, so that each is a warning of the interpreter.
+        let is_rs274d = state.settings.dialect == Dialect::Rs274d;
         let tool = state.tool.number;
         // The line of the main program, also while a subroutine changes the tool.
         let main = state.levels.first().map_or(issued.line, |l| l.cursor.line);
@@ -238,6 +253,7 @@ impl<'a> Check<'a> {
             Call::SetFeedRate(feed) => self.feed.0 = feed,
             Call::SetFeedMode { per_revolution, .. } => self.feed.1 = per_revolution,
             Call::SetSpindleSpeed { spindle: 0, speed } => self.speed = speed,
+            Call::Message(ref text) if is_rs274d => self.text.push_str(&format!("{text}\n")),
             _ => {}
         }
         if let Some(clock) = &mut self.clock {

@@ -1,7 +1,7 @@
 //! `halgcode plot`: the way of the tool as a picture.
 
 use super::{
-    filter, usage_of,
+    filter, language, usage_of,
     views::{Move, Views},
 };
 use crate::{
@@ -34,6 +34,7 @@ enum Id {
     Table,
     Parameters,
     BlockDelete,
+    Dialect,
     Help,
 }
 
@@ -59,6 +60,7 @@ const OPTIONS: &[Opt<Id>] = &[
         ..Opt::short_with(Id::Parameters, 'v', "FILE")
     },
     Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    language::option(Id::Dialect),
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
 ];
 
@@ -93,7 +95,8 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         parameters: parameters.as_deref(),
     })?;
     machine.settings.block_delete = is_given(Id::BlockDelete);
-    let world = World { machine, hal: BTreeMap::new() };
+    language::set(&mut machine, value(Id::Dialect))?;
+    let world = World::with_functions(machine, BTreeMap::new());
     let (moves, failed) = follow(file, &world)?;
     let title = value(Id::Title).map_or_else(
         || {
@@ -132,25 +135,30 @@ fn follow(file: &str, world: &World) -> Result<(Vec<Move>, bool), String> {
     let mut moves: Vec<Move> = Vec::new();
     let mut extents = Extents::new();
     let mut points = 0usize;
-    let result = run(&mut it, world, Answers { probe_trips: true }, |_, issued| {
-        let from = way.at;
-        way.follow(&issued.call, &mut |kind, point| {
-            extents.add(point);
-            points += 1;
-            let point = [point.x, point.y, point.z];
-            match moves.last_mut() {
-                Some(last) if last.rapid == (kind == Kind::Rapid) => last.points.push(point),
-                _ => {
-                    let from = [from.x, from.y, from.z];
-                    moves.push(Move { rapid: kind == Kind::Rapid, points: vec![from, point] });
+    let result = run(
+        &mut it,
+        world,
+        Answers { probe_trips: true, functions: world.functions.as_ref() },
+        |_, issued| {
+            let from = way.at;
+            way.follow(&issued.call, &mut |kind, point| {
+                extents.add(point);
+                points += 1;
+                let point = [point.x, point.y, point.z];
+                match moves.last_mut() {
+                    Some(last) if last.rapid == (kind == Kind::Rapid) => last.points.push(point),
+                    _ => {
+                        let from = [from.x, from.y, from.z];
+                        moves.push(Move { rapid: kind == Kind::Rapid, points: vec![from, point] });
+                    }
                 }
+            });
+            if points > MAX_POINTS {
+                return Err(Stop::Output(format!("{file}: more than {MAX_POINTS} points to draw")));
             }
-        });
-        if points > MAX_POINTS {
-            return Err(Stop::Output(format!("{file}: more than {MAX_POINTS} points to draw")));
-        }
-        Ok(())
-    });
+            Ok(())
+        },
+    );
     match result {
         Ok(()) => Ok((moves, false)),
         Err(Stop::Output(reason)) => Err(reason),

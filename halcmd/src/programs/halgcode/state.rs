@@ -1,6 +1,6 @@
 //! `halgcode state`: the interpreter's state before a line.
 
-use super::{filter, usage_of};
+use super::{filter, language, usage_of};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -33,6 +33,7 @@ enum Id {
     Table,
     Parameters,
     BlockDelete,
+    Dialect,
     Help,
 }
 
@@ -64,6 +65,7 @@ const OPTIONS: &[Opt<Id>] = &[
         ..Opt::short_with(Id::Parameters, 'v', "FILE")
     },
     Opt { help: "lines that begin with / are not run", ..Opt::flag(Id::BlockDelete, 'b') },
+    language::option(Id::Dialect),
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
 ];
 
@@ -99,7 +101,8 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         parameters: parameters.as_deref(),
     })?;
     machine.settings.block_delete = is_given(Id::BlockDelete);
-    let world = World { machine, hal: BTreeMap::new() };
+    language::set(&mut machine, value(Id::Dialect))?;
+    let world = World::with_functions(machine, BTreeMap::new());
     let text = filter::load(Path::new(file), &world.machine)?;
     let machine = &world.machine;
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
@@ -148,7 +151,12 @@ fn seek(
             }
         }
         out.clear();
-        if !step(it, world, Answers { probe_trips: true }, &mut out)? {
+        if !step(
+            it,
+            world,
+            Answers { probe_trips: true, functions: world.functions.as_ref() },
+            &mut out,
+        )? {
             return Ok(false);
         }
     }

@@ -44,6 +44,9 @@ pub(super) fn run(session: &mut Session<'_>, job: &Job) -> Outcome {
 
 /// Returns false if nobody wanted the program to begin.
 fn run_program(session: &mut Session<'_>, job: &Job) -> Result<bool, Error> {
+    if !session.is_components("task.run") {
+        return Err(Error::NoTask);
+    }
     if matches!(job.begin, Begin::From(..)) && !job.yes && !is_asked(session) {
         return Ok(false);
     }

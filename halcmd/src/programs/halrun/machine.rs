@@ -1,6 +1,6 @@
 //! Start of a machine from its INI file.
 
-use super::folders::Folders;
+use super::{folders::Folders, refused::operator_entry, settings};
 use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
@@ -10,40 +10,8 @@ use crate::{
 use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
 use std::{ffi::OsString, path::Path};
 
-const BUILT_IN: &str = "homing and the trajectory planner are part of motmod: take the entry out";
-const BAR: &str = "write what it does into a subroutine and call that: O<name> CALL";
-const NO_LINE: &str = "write a line of MDI, or take the entry out";
 /// Beginning of the comment that excludes a file from the two passes, without its spaces.
 const EXCLUDES: &str = "#notwopass";
-
-/// Returns an error for entries that an INI start does not support, before anything is created.
-pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
-    for (section, name, usual) in [("EMCMOT", "HOMEMOD", "homemod"), ("TRAJ", "TPMOD", "tpmod")] {
-        for entry in ini.all(section, name) {
-            let module = entry.value.split_whitespace().next().unwrap_or(usual);
-            if module != usual {
-                let at = format!("{}:{}", entry.file, entry.line);
-                let what = format!("{at}: [{section}]{name} '{module}'").into();
-                return Err(Error::NotYet { what, instead: BUILT_IN });
-            }
-        }
-    }
-    if operator_entry(ini).is_some() {
-        for entry in ini.all("HALUI", "MDI_COMMAND") {
-            let at = format!("{}:{}: [HALUI]MDI_COMMAND", entry.file, entry.line);
-            // `halui` takes all lines as one argument, with bars between them.
-            if entry.value.contains('|') {
-                return Err(Error::NotYet { what: format!("{at} with '|'").into(), instead: BAR });
-            }
-            if entry.value.trim().is_empty() {
-                let what = format!("{at} without a line").into();
-                return Err(Error::NotYet { what, instead: NO_LINE });
-            }
-        }
-    }
-    super::realtime::of_ini(ini)?;
-    super::compat::of_ini(ini).map(|_| ())
-}
 
 /// Executes the INI file's requests in order, and the files of `POSTGUI_HALFILE` if `postgui`.
 pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, postgui: bool) -> Outcome {
@@ -96,11 +64,6 @@ pub(crate) fn after_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
         MachineStart { session, ini, folders: Folders::of(path), outcome: Outcome::Good };
     machine.configure();
     machine.load_task(path);
-}
-
-/// Returns the entry that asks for `halui`.
-fn operator_entry(ini: &Ini) -> Option<&Entry> {
-    ini.all("HAL", "HALUI").find(|e| !e.value.is_empty())
 }
 
 /// Executes the files of `SHUTDOWN`.
@@ -233,7 +196,16 @@ impl MachineStart<'_, '_> {
                     libraries: &libraries,
                 }),
             Some((shown, path)) => match hal_ini::file::whole(&path) {
-                Ok(text) => session.file(&shown, Bytes::new(text)),
+                Ok(text) => {
+                    if !must_exist
+                        && settings::are_named(&text)
+                        && let Err(failure) = settings::load(session.link)
+                    {
+                        session.stand_at(&entry.file, entry.line);
+                        return failed(session, &Error::Engine(failure));
+                    }
+                    session.file(&shown, Bytes::new(text))
+                }
                 Err(e) => {
                     let (path, why) = (shown.into(), crate::ini::plain(&e));
                     failed(session, &Error::NoFile { path, why })
@@ -473,34 +445,5 @@ mod tests {
         );
         check("[TRAJ]\nMAX_LINEAR_VELOCITY=1\nMAX_VELOCITY=2\n", &["2 max-velocity=1"]);
         check("", &[]);
-    }
-
-    #[test]
-    fn what_cannot_be_done_is_refused_by_name() {
-        for (text, want) in [
-            ("[EMCMOT]\nHOMEMOD = x y\n", "m.ini:2: [EMCMOT]HOMEMOD 'x' is not supported; "),
-            ("[TRAJ]\nTPMOD = mine\n", "m.ini:2: [TRAJ]TPMOD 'mine' is not supported; "),
-            ("[HAL]\nSTUCK_TIME = 5\n", "m.ini:2: [HAL]STUCK_TIME '5': it is a number and "),
-            (
-                "[HALUI]\nMDI_COMMAND=M3\nMDI_COMMAND = (a|b) M3\n[HAL]\nHALUI = halui\n",
-                "m.ini:3: [HALUI]MDI_COMMAND with '|' is not supported; ",
-            ),
-            (
-                "[HALUI]\nMDI_COMMAND =\nMDI_COMMAND = M3\n[HAL]\nHALUI = halui\n",
-                "m.ini:2: [HALUI]MDI_COMMAND without a line is not supported; ",
-            ),
-        ] {
-            let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
-            let error = refuse(&ini).unwrap_err().whole();
-            assert!(error.starts_with(want), "{error}");
-        }
-        for good in [
-            "[HAL]\nTWOPASS = on\nHALFILE = a.tcl x y\nPOSTGUI_HALFILE = b.tcl\n",
-            "[HALUI]\nMDI_COMMAND = a|b\n",
-            "[EMCMOT]\nHOMEMOD = homemod\n[TRAJ]\nTPMOD = tpmod\n",
-            "[EMCMOT]\nHOMEMOD =\n",
-        ] {
-            assert_eq!(refuse(&Ini::parse("m", good.as_bytes()).unwrap()), Ok(()), "{good}");
-        }
     }
 }

@@ -13,7 +13,7 @@ use crate::{
     language::flight,
     nanoseconds,
     programs::common::{COMMON, Id as Common, apply},
-    programs::options::{Opt, from_environment, mixed, plain, usage},
+    programs::options::{Opt, from_environment, mixed, plain, program_usage, usage},
     programs::profile::Profile,
 };
 use core::ops::RangeInclusive;
@@ -249,7 +249,7 @@ pub(crate) fn help() -> String {
          Makes an instance, carries out the file, and stays up while a thread exists. Without a\n\
          file, commands are taken from standard input.\n\noptions:\n{}{}",
         usage(OPTIONS),
-        usage(&COMMON)
+        program_usage(&COMMON)
     )
 }
 

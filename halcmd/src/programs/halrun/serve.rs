@@ -74,6 +74,11 @@ fn hint(plan: &Plan) -> String {
          'halcmd{instance} show pin'\n"
     );
     let options = &plan.options;
+    if options.clock == ClockKind::Virtual && options.hold {
+        text.push_str(&format!(
+            "halrun: the virtual clock stands still; 'halcmd{instance} run 1s' moves it by a second\n"
+        ));
+    }
     let is_free = options.clock == ClockKind::Virtual && !options.hold;
     if is_free && options.pace.is_none() && plan.for_ns.is_none() {
         text.push_str(
@@ -90,7 +95,7 @@ fn has_threads(engine: &mut Engine) -> bool {
 }
 
 /// Serves clients until the instance ends.
-pub(super) fn stay(plan: &Plan, engine: &mut Engine) {
+pub(super) fn serve_until_end(plan: &Plan, engine: &mut Engine) {
     let is_quiet = plan.batch || plan.style.background || plan.style.silent;
     if !is_quiet && std::io::stderr().is_terminal() && has_threads(engine) {
         Stdio.err(&hint(plan));
@@ -123,15 +128,12 @@ mod tests {
                     'halcmd show pin'\n";
         let free = "halrun: the virtual clock runs as fast as it can; with '--pace 1' it runs at the speed of \
                     real time, with '--hold' it moves only in 'run TIME'\n";
-        for words in [
-            "m.hal",
-            "--virtual --hold m.hal",
-            "--virtual --pace 1 m.hal",
-            "--virtual --for 2s m.hal",
-        ] {
+        for words in ["m.hal", "--virtual --pace 1 m.hal", "--virtual --for 2s m.hal"] {
             assert_eq!(shown(words), runs, "{words}");
         }
         assert_eq!(shown("--virtual m.hal"), format!("{runs}{free}"));
+        let held = "halrun: the virtual clock stands still; 'halcmd run 1s' moves it by a second\n";
+        assert_eq!(shown("--virtual --hold m.hal"), format!("{runs}{held}"));
         let named = runs.replace("'halcmd ", "'halcmd --instance mill ");
         assert_eq!(shown("--instance mill m.hal"), named);
     }

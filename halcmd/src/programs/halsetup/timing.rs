@@ -4,7 +4,7 @@
 use super::answers::{Answers, Driver, Joint, Motors, Pulse};
 
 /// Longest base period, in nanoseconds.
-const LONGEST_BASE_NS: f64 = 100_000.0;
+const MAX_BASE_NS: f64 = 100_000.0;
 /// Shortest base period that a thread is given, in nanoseconds.
 const SHORTEST_BASE_NS: f64 = 10_000.0;
 /// A step may begin and end in one period if it is at most this long: the port resets it.
@@ -62,7 +62,7 @@ pub(super) fn timing(answers: &Answers) -> Result<Timing, (usize, f64)> {
             .map_or(0.0, |j| 1e9 / (periods * shortest * j.get_ref().scale()));
         return Err((joint, possible));
     }
-    let base = wanted.min(LONGEST_BASE_NS).floor();
+    let base = wanted.min(MAX_BASE_NS).floor();
     // Where steps come in at most half of the periods, each ends before the next begins.
     let space = u32::from(!resets && rate * base > 0.5e9);
     Ok(Timing {

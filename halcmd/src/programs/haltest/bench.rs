@@ -49,7 +49,7 @@ impl Bench {
 
     /// Closes the engine and returns all messages, including the last ones.
     pub(super) fn close(mut self) -> Vec<(i64, String)> {
-        self.hear();
+        self.drain_messages();
         self.engine.close();
         self.said
     }
@@ -57,7 +57,7 @@ impl Bench {
     /// Executes a request directly in the engine, without the ramps and faults of the test.
     pub(super) fn ask(&mut self, request: Request) -> Result<Reply, Failure> {
         let reply = self.engine.call(request);
-        self.hear();
+        self.drain_messages();
         reply
     }
 
@@ -89,7 +89,7 @@ impl Bench {
         let before = now;
         Ramping::take_effect(self)?;
         let reply = self.engine.call(Request::Run { ns: period.min(left) });
-        self.hear();
+        self.drain_messages();
         reply?;
         if self.engine.is_ending() {
             return Err(ending());
@@ -143,7 +143,7 @@ impl Bench {
         Ok(matches!(reply, Reply::Status(status) if status.fault.is_some()))
     }
 
-    fn hear(&mut self) {
+    fn drain_messages(&mut self) {
         let now = self.engine.now_ns();
         self.said.extend(self.engine.take_messages().into_iter().map(|text| (now, text)));
     }
@@ -162,7 +162,7 @@ impl Link for Bench {
             Request::Ticket { id, wait: true } => self.ticket(id),
             other => self.engine.call(other),
         };
-        self.hear();
+        self.drain_messages();
         reply
     }
 

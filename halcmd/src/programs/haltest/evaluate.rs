@@ -3,11 +3,11 @@
 use super::{
     compare,
     condition::Condition,
-    expectation::{Expectation, What},
-    moment::{Moment, START},
+    expectation::{Expectation, Requirement},
+    instant::{Instant, START},
     outcome::{Complaint, Outcome, Picture, Spot},
     picture, pulses,
-    run::Run,
+    run::{Run, counted},
     test::{Named, Test},
 };
 use crate::language::units::duration;
@@ -25,15 +25,24 @@ pub(super) fn evaluate(test: &Test, run: &Run, shown: &str, outcome: &mut Outcom
         }
     };
     let record = Record { trace: &trace, run };
+    let (mut expectations, mut snapshots) = (0, 0);
     for e in &test.expectations {
-        if let Err(mut complaint) = record.evaluate(e) {
-            if !e.about.is_empty() {
-                complaint.text = format!("{}: {}", e.about, complaint.text);
+        match record.so_far(e) {
+            Some(Ok(())) => {}
+            Some(Err(mut complaint)) => {
+                if !e.about.is_empty() {
+                    complaint.text = format!("{}: {}", e.about, complaint.text);
+                }
+                outcome.complaints.push(complaint);
             }
-            outcome.complaints.push(complaint);
+            None => expectations += 1,
         }
     }
     for s in &test.snapshots {
+        if !record.is_over(&s.to) {
+            snapshots += 1;
+            continue;
+        }
         let names: Vec<&str> = s.channels.iter().map(|c| c.name.as_str()).collect();
         let drawn = record.window(&s.from, &s.to, &s.spot).and_then(|(from, to)| {
             draw::edges(&trace, &names, from, to)
@@ -50,6 +59,12 @@ pub(super) fn evaluate(test: &Test, run: &Run, shown: &str, outcome: &mut Outcom
             Err(complaint) => outcome.complaints.push(complaint),
         }
     }
+    if let Some((_, step)) = &run.failed
+        && let Some(left) = counted(&[(expectations, "expectation"), (snapshots, "snapshot")])
+        && let Some(complaint) = outcome.complaints.iter_mut().find(|c| c.spot == *step)
+    {
+        complaint.details.push(format!("not judged, as the run ends here: {left}"));
+    }
 }
 
 fn trace(run: &Run) -> Result<Trace, String> {
@@ -62,7 +77,7 @@ fn trace(run: &Run) -> Result<Trace, String> {
     }
 }
 
-/// The recording, and the times of the moments.
+/// The recording, and the times of the instants.
 pub(super) struct Record<'r> {
     pub(super) trace: &'r Trace,
     run: &'r Run,
@@ -76,13 +91,13 @@ impl Record<'_> {
         if time < start { format!("{text} before the start") } else { text }
     }
 
-    fn moment(&self, moment: &Moment, spot: &Spot) -> Result<i64, Complaint> {
+    fn instant(&self, moment: &Instant, spot: &Spot) -> Result<i64, Complaint> {
         let time = moment.on(&self.run.reached);
         time.ok_or_else(|| Complaint::new(spot, "its moment was not reached"))
     }
 
-    fn window(&self, from: &Moment, to: &Moment, spot: &Spot) -> Result<(i64, i64), Complaint> {
-        let (from, to) = (self.moment(from, spot)?, self.moment(to, spot)?);
+    fn window(&self, from: &Instant, to: &Instant, spot: &Spot) -> Result<(i64, i64), Complaint> {
+        let (from, to) = (self.instant(from, spot)?, self.instant(to, spot)?);
         if from < to {
             return Ok((from, to));
         }
@@ -99,34 +114,67 @@ impl Record<'_> {
         })
     }
 
+    /// Returns whether the run has reached an instant.
+    fn is_over(&self, instant: &Instant) -> bool {
+        let Some((failed, _)) = self.run.failed else { return true };
+        instant.on(&self.run.reached).is_some_and(|time| time <= failed)
+    }
+
+    /// Evaluates an expectation as far as the run came; returns `None` if the run ended before that can be said.
+    fn so_far(&self, e: &Expectation) -> Option<Result<(), Complaint>> {
+        let result = match &e.what {
+            Requirement::Message(_) | Requirement::NoMessage(_) => self.evaluate(e),
+            Requirement::Value { at: Some(at), .. } => {
+                return self.is_over(at).then(|| self.evaluate(e));
+            }
+            _ if self.is_over(&e.to) => return Some(self.evaluate(e)),
+            Requirement::Always { .. } | Requirement::Never { .. } | Requirement::Value { .. } => {
+                let (failed, _) = self.run.failed.as_ref()?;
+                let from = e.from.on(&self.run.reached).filter(|from| from < failed)?;
+                self.evaluate_in(e, from, *failed)
+            }
+            _ => return None,
+        };
+        // Until its end, only one of both answers is final.
+        let is_final = self.run.failed.is_none()
+            || result.is_err() != matches!(e.what, Requirement::Message(_));
+        is_final.then_some(result)
+    }
+
     fn evaluate(&self, e: &Expectation) -> Result<(), Complaint> {
         let spot = &e.spot;
         match &e.what {
-            What::Message(text) => return self.message(text, true),
-            What::NoMessage(text) => return self.message(text, false),
-            What::Value { of, at: Some(at), bounds } => {
-                let time = self.moment(at, spot)?;
+            Requirement::Message(text) => return self.message(text, true),
+            Requirement::NoMessage(text) => return self.message(text, false),
+            Requirement::Value { of, at: Some(at), bounds } => {
+                let time = self.instant(at, spot)?;
                 let found = self.trace.at(self.channel(of)?, time);
                 return self.value(spot, &of.name, bounds, time, found);
             }
             _ => {}
         }
         let (from, to) = self.window(&e.from, &e.to, spot)?;
+        self.evaluate_in(e, from, to)
+    }
+
+    /// Evaluates an expectation about a part of the run.
+    fn evaluate_in(&self, e: &Expectation, from: i64, to: i64) -> Result<(), Complaint> {
+        let spot = &e.spot;
         match &e.what {
-            What::Value { of, bounds, .. } => {
+            Requirement::Value { of, bounds, .. } => {
                 let channel = self.channel(of)?;
                 let times = self.times(from, to);
                 times.into_iter().try_for_each(|t| {
                     self.value(spot, &of.name, bounds, t, self.trace.at(channel, t))
                 })
             }
-            What::Always { holds, when } => {
+            Requirement::Always { holds, when } => {
                 self.holds(spot, holds, when.as_ref(), (from, to), true)
             }
-            What::Never { holds, when } => {
+            Requirement::Never { holds, when } => {
                 self.holds(spot, holds, when.as_ref(), (from, to), false)
             }
-            What::Happens { event, least, most } => {
+            Requirement::Happens { event, least, most } => {
                 let times = self.events(event, from, to)?;
                 let n = times.len() as u64;
                 if *least <= n && n <= *most {
@@ -149,13 +197,13 @@ impl Record<'_> {
                     list => complaint.with(format!("found:    at {list}")),
                 })
             }
-            What::Order(events) => self.order(spot, events, from, to),
-            What::Between { first, then, time } => {
+            Requirement::Order(events) => self.order(spot, events, from, to),
+            Requirement::Between { first, then, time } => {
                 let (firsts, thens) = (self.events(first, from, to)?, self.events(then, from, to)?);
                 pulses::between(self, spot, (first, &firsts), (then, &thens), *time)
             }
-            What::Pulses(wanted) => pulses::evaluate(self, spot, wanted, from, to),
-            What::Motor { step, direction, bounds } => {
+            Requirement::Pulses(wanted) => pulses::evaluate(self, spot, wanted, from, to),
+            Requirement::Motor { step, direction, bounds } => {
                 let found = pulses::steps(self, step, direction, from, to)?;
                 let found = Value::S64(found);
                 if compare::within(spot, "motor", bounds, found)? {
@@ -166,7 +214,7 @@ impl Record<'_> {
                     .with(format!("expected: {}", compare::bounds(bounds, found)))
                     .with(format!("found:    {}", compare::shown(found))))
             }
-            What::Message(_) | What::NoMessage(_) => Ok(()),
+            Requirement::Message(_) | Requirement::NoMessage(_) => Ok(()),
         }
     }
 
@@ -262,7 +310,8 @@ impl Record<'_> {
         let truths = self.truths(holds, from, to)?;
         let whens = when.map(|w| self.truths(w, from, to)).transpose()?;
         let counts = |n: usize| whens.as_ref().is_none_or(|w| w.get(n).is_some_and(|(_, t)| *t));
-        if whens.is_some() && !(0..truths.len()).any(counts) {
+        let is_cut = self.run.failed.as_ref().is_some_and(|(failed, _)| to == *failed);
+        if whens.is_some() && !is_cut && !(0..truths.len()).any(counts) {
             let name = when.map_or("", |w| w.named.name.as_str());
             let text = format!("'{name}' is never true: nothing was checked");
             return Err(Complaint::new(spot, text));

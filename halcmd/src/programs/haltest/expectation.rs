@@ -3,7 +3,7 @@
 use super::{
     condition::Condition,
     file::{self, Text},
-    moment::Moment,
+    instant::Instant,
     outcome::{Complaint, Spot},
     source::Source,
     step::{is_value, no_value},
@@ -21,16 +21,16 @@ const KEYS: &str = "value, always, never, happens, order, between, pulses, motor
 pub(super) struct Expectation {
     pub(super) spot: Spot,
     pub(super) about: String,
-    pub(super) from: Moment,
-    pub(super) to: Moment,
-    pub(super) what: What,
+    pub(super) from: Instant,
+    pub(super) to: Instant,
+    pub(super) what: Requirement,
 }
 
 /// Kind of a requirement.
 #[derive(Debug)]
-pub(super) enum What {
+pub(super) enum Requirement {
     /// A value at one moment, or during the whole part of the run.
-    Value { of: Named, at: Option<Moment>, bounds: Bounds },
+    Value { of: Named, at: Option<Instant>, bounds: Bounds },
     /// A condition that always holds, or always holds while another one does.
     Always { holds: Condition, when: Option<Condition> },
     /// A condition that never holds, or never holds while another one does.
@@ -82,17 +82,17 @@ impl Expectation {
     /// Returns every condition of the expectation.
     pub(super) fn conditions(&self) -> impl Iterator<Item = &Condition> {
         let list: Vec<&Condition> = match &self.what {
-            What::Always { holds, when } | What::Never { holds, when } => {
+            Requirement::Always { holds, when } | Requirement::Never { holds, when } => {
                 [holds].into_iter().chain(when).collect()
             }
-            What::Happens { event, .. } => vec![event],
-            What::Order(events) => events.iter().collect(),
-            What::Between { first, then, .. } => vec![first, then],
-            What::Value { .. }
-            | What::Pulses(_)
-            | What::Motor { .. }
-            | What::Message(_)
-            | What::NoMessage(_) => Vec::new(),
+            Requirement::Happens { event, .. } => vec![event],
+            Requirement::Order(events) => events.iter().collect(),
+            Requirement::Between { first, then, .. } => vec![first, then],
+            Requirement::Value { .. }
+            | Requirement::Pulses(_)
+            | Requirement::Motor { .. }
+            | Requirement::Message(_)
+            | Requirement::NoMessage(_) => Vec::new(),
         };
         list.into_iter()
     }
@@ -100,18 +100,18 @@ impl Expectation {
     /// Returns every channel that the expectation evaluates by name.
     pub(super) fn channels(&self) -> impl Iterator<Item = &Named> {
         let list = match &self.what {
-            What::Value { of, .. } => vec![of],
-            What::Pulses(pulses) => vec![&pulses.of],
-            What::Motor { step, direction, .. } => vec![step, direction],
+            Requirement::Value { of, .. } => vec![of],
+            Requirement::Pulses(pulses) => vec![&pulses.of],
+            Requirement::Motor { step, direction, .. } => vec![step, direction],
             _ => Vec::new(),
         };
         list.into_iter()
     }
 
     /// Returns every moment of the expectation.
-    pub(super) fn moments(&self) -> impl Iterator<Item = &Moment> {
+    pub(super) fn instants(&self) -> impl Iterator<Item = &Instant> {
         let at = match &self.what {
-            What::Value { at, .. } => at.as_ref(),
+            Requirement::Value { at, .. } => at.as_ref(),
             _ => None,
         };
         [&self.from, &self.to].into_iter().chain(at)
@@ -125,8 +125,8 @@ pub(super) fn checked(
 ) -> Result<Expectation, Complaint> {
     let spot = source.spot(&expect.span());
     let mut expect = expect.into_inner();
-    let from = source.moment(expect.from.as_ref(), Moment::start(&spot))?;
-    let to = source.moment(expect.to.as_ref(), Moment::end(&spot))?;
+    let from = source.instant(expect.from.as_ref(), Instant::start(&spot))?;
+    let to = source.instant(expect.to.as_ref(), Instant::end(&spot))?;
     let about = core::mem::take(&mut expect.about).unwrap_or_default();
     let mut kinds = Kinds { source, spot: &spot, expect: &mut expect, found: Vec::new() };
     kinds.all()?;
@@ -152,7 +152,7 @@ struct Kinds<'a> {
     source: &'a Source<'a>,
     spot: &'a Spot,
     expect: &'a mut file::Expect,
-    found: Vec<(&'static str, What)>,
+    found: Vec<(&'static str, Requirement)>,
 }
 
 impl Kinds<'_> {
@@ -160,16 +160,17 @@ impl Kinds<'_> {
         let source = self.source;
         if let Some(of) = self.expect.value.take() {
             let at = self.expect.at.take();
-            let at = at.map(|t| source.moment(Some(&t), Moment::end(self.spot))).transpose()?;
-            let what = What::Value { bounds: self.bounds("value")?, of: source.named(&of), at };
+            let at = at.map(|t| source.instant(Some(&t), Instant::end(self.spot))).transpose()?;
+            let what =
+                Requirement::Value { bounds: self.bounds("value")?, of: source.named(&of), at };
             self.found.push(("value", what));
         }
         if let Some(text) = self.expect.always.take() {
-            let what = What::Always { holds: self.condition(&text)?, when: self.when()? };
+            let what = Requirement::Always { holds: self.condition(&text)?, when: self.when()? };
             self.found.push(("always", what));
         }
         if let Some(text) = self.expect.never.take() {
-            let what = What::Never { holds: self.condition(&text)?, when: self.when()? };
+            let what = Requirement::Never { holds: self.condition(&text)?, when: self.when()? };
             self.found.push(("never", what));
         }
         if let Some(text) = self.expect.happens.take() {
@@ -177,7 +178,7 @@ impl Kinds<'_> {
             let (least, most) = (self.number("least")?, self.number("most")?);
             let least = times.or(least).unwrap_or(u64::from(most.is_none()));
             let most = times.or(most).unwrap_or(u64::MAX);
-            let what = What::Happens { event: self.condition(&text)?, least, most };
+            let what = Requirement::Happens { event: self.condition(&text)?, least, most };
             self.found.push(("happens", what));
         }
         if let Some(list) = self.expect.order.take() {
@@ -186,7 +187,7 @@ impl Kinds<'_> {
                 let text = "an order is of two events or more";
                 return Err(Complaint::new(self.spot, text));
             }
-            self.found.push(("order", What::Order(events)));
+            self.found.push(("order", Requirement::Order(events)));
         }
         if let Some(list) = self.expect.between.take() {
             let [first, then] = list.as_slice() else {
@@ -195,22 +196,22 @@ impl Kinds<'_> {
             };
             let (first, then) = (self.condition(first)?, self.condition(then)?);
             let time = self.times()?;
-            self.found.push(("between", What::Between { first, then, time }));
+            self.found.push(("between", Requirement::Between { first, then, time }));
         }
         if let Some(of) = self.expect.pulses.take() {
-            let what = What::Pulses(self.pulses(&of)?);
+            let what = Requirement::Pulses(self.pulses(&of)?);
             self.found.push(("pulses", what));
         }
         if let Some(file::Motor { step, direction }) = self.expect.motor.take() {
             let (step, direction) = (source.named(&step), source.named(&direction));
-            let what = What::Motor { step, direction, bounds: self.bounds("motor")? };
+            let what = Requirement::Motor { step, direction, bounds: self.bounds("motor")? };
             self.found.push(("motor", what));
         }
         if let Some(text) = self.expect.message.take() {
-            self.found.push(("message", What::Message(source.named(&text))));
+            self.found.push(("message", Requirement::Message(source.named(&text))));
         }
         if let Some(text) = self.expect.no_message.take() {
-            self.found.push(("no-message", What::NoMessage(source.named(&text))));
+            self.found.push(("no-message", Requirement::NoMessage(source.named(&text))));
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use super::{
     bench::Bench,
     inject::{self, Faults, Ramping},
-    moment::{END, START},
+    instant::{END, START},
     outcome::{Complaint, Spot},
     settings,
     step::{Action, Step, text_of},
@@ -36,6 +36,8 @@ pub(super) struct Run {
     pub(super) complaints: Vec<Complaint>,
     /// True if the run ended early. Its expectations are not evaluated then.
     pub(super) aborted: bool,
+    /// Time in nanoseconds and line of a step that failed. Nothing after it was carried out.
+    pub(super) failed: Option<(i64, Spot)>,
     /// Messages and their times in nanoseconds.
     pub(super) said: Vec<(i64, String)>,
     /// Times at which marks were reached, in nanoseconds.
@@ -146,16 +148,12 @@ impl Fixture<'_> {
         for step in &self.test.steps {
             if self.bench.is_ending() {
                 let text = "the machine has ended before this step";
-                let complaint = self.ended_at(step, Complaint::new(&step.spot, text));
-                self.run.complaints.push(complaint);
-                self.run.aborted = true;
+                self.end_at(step, Complaint::new(&step.spot, text));
                 break;
             }
             if let Err(complaint) = self.step(step, start) {
                 // Later steps would find the machine in an unexpected state.
-                let complaint = self.ended_at(step, complaint);
-                self.run.complaints.push(complaint);
-                self.run.aborted = true;
+                self.end_at(step, complaint);
                 break;
             }
         }
@@ -163,21 +161,14 @@ impl Fixture<'_> {
         self.check_exit(u8::from(stopped));
     }
 
-    /// Adds the numbers of steps, expectations and snapshots that are skipped because the run ends at this step.
-    fn ended_at(&self, step: &Step, complaint: Complaint) -> Complaint {
+    /// Ends the run at a step that failed, and adds the number of steps that are skipped.
+    fn end_at(&mut self, step: &Step, mut complaint: Complaint) {
         let after = self.test.steps.iter().skip_while(|s| s.spot != step.spot).skip(1).count();
-        let left = [
-            (after, "step"),
-            (self.test.expectations.len(), "expectation"),
-            (self.test.snapshots.len(), "snapshot"),
-        ];
-        let left = left.iter().filter(|(n, _)| *n > 0);
-        let left: Vec<String> =
-            left.map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" })).collect();
-        if left.is_empty() {
-            return complaint;
+        if let Some(steps) = counted(&[(after, "step")]) {
+            complaint = complaint.with(format!("not carried out after this: {steps}"));
         }
-        complaint.with(format!("not carried out or judged after this: {}", left.join(", ")))
+        self.run.complaints.push(complaint);
+        self.run.failed = Some((self.bench.now(), step.spot.clone()));
     }
 
     fn check_exit(&mut self, found: u8) {
@@ -377,7 +368,9 @@ impl Fixture<'_> {
     fn close(mut self) -> Run {
         let ended = self.bench.now();
         self.run.end = ended;
-        self.run.reached.insert(END.to_owned(), ended);
+        if self.run.failed.is_none() {
+            self.run.reached.insert(END.to_owned(), ended);
+        }
         if !watch::recorded(self.test).is_empty() && !self.bench.is_ending() {
             self.end_recording();
         }
@@ -390,6 +383,14 @@ impl Fixture<'_> {
         }
         self.run
     }
+}
+
+/// Returns how many there are of each, in words; `None` if there are none.
+pub(super) fn counted(all: &[(usize, &str)]) -> Option<String> {
+    let some = all.iter().filter(|(n, _)| *n > 0);
+    let some: Vec<String> =
+        some.map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" })).collect();
+    (!some.is_empty()).then(|| some.join(", "))
 }
 
 /// Returns lines of a test, preceded by empty lines so that they keep their line numbers.

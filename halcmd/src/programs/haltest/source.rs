@@ -2,7 +2,7 @@
 
 use super::{
     file::{Text, Values},
-    moment::Moment,
+    instant::Instant,
     outcome::{Complaint, Spot},
     test::{Entry, Named},
 };
@@ -90,8 +90,8 @@ impl<'t> Source<'t> {
     }
 
     /// Parses a moment. Returns `or` if there is none.
-    pub(super) fn moment(&self, text: Option<&Text>, or: Moment) -> Result<Moment, Complaint> {
-        text.map_or(Ok(or), |t| Moment::parse(t.get_ref(), &self.spot(&t.span())))
+    pub(super) fn instant(&self, text: Option<&Text>, or: Instant) -> Result<Instant, Complaint> {
+        text.map_or(Ok(or), |t| Instant::parse(t.get_ref(), &self.spot(&t.span())))
     }
 
     /// Returns the error for a text that is not a test.

@@ -3,7 +3,7 @@
 use super::{
     condition::Condition,
     file::{self, Text},
-    moment::{END, START},
+    instant::{END, START},
     outcome::{Complaint, Spot},
     source::Source,
     test::{Entry, Named},

@@ -4,7 +4,7 @@ use super::{
     condition::Condition,
     expectation::{self, Expectation},
     file::{self, File},
-    moment::Moment,
+    instant::Instant,
     outcome::{Complaint, Spot},
     source::Source,
     step::{self, Step},
@@ -47,8 +47,8 @@ pub(super) struct Snapshot {
     pub(super) spot: Spot,
     pub(super) name: String,
     pub(super) channels: Vec<Named>,
-    pub(super) from: Moment,
-    pub(super) to: Moment,
+    pub(super) from: Instant,
+    pub(super) to: Instant,
 }
 
 /// A machine's test.
@@ -113,8 +113,8 @@ impl Test {
         }
         let marks: Vec<&str> = self.steps.iter().filter_map(|s| s.mark.as_deref()).collect();
         let of_snapshots = self.snapshots.iter().flat_map(|s| [&s.from, &s.to]);
-        let moments = of_snapshots.chain(self.expectations.iter().flat_map(Expectation::moments));
-        wrong.extend(moments.filter_map(|m| m.unknown(&marks)));
+        let instants = of_snapshots.chain(self.expectations.iter().flat_map(Expectation::instants));
+        wrong.extend(instants.filter_map(|m| m.unknown(&marks)));
         for (n, mark) in marks.iter().enumerate() {
             if marks.iter().take(n).any(|m| m == mark) {
                 let again = self.steps.iter().filter(|s| s.mark.as_deref() == Some(mark)).nth(1);
@@ -242,8 +242,8 @@ fn checked(source: &Source<'_>, snapshot: Spanned<file::Snapshot>) -> Result<Sna
     Ok(Snapshot {
         name: name.into_inner(),
         channels: channels.iter().map(|c| source.named(c)).collect(),
-        from: source.moment(from.as_ref(), Moment::start(&spot))?,
-        to: source.moment(to.as_ref(), Moment::end(&spot))?,
+        from: source.instant(from.as_ref(), Instant::start(&spot))?,
+        to: source.instant(to.as_ref(), Instant::end(&spot))?,
         spot,
     })
 }

@@ -66,29 +66,13 @@ impl Session<'_> {
             }
             Command::Launch(launch) => self.expect_program(&launch),
             Command::Component { name, args, .. } => self.try_component(&name, &args),
-            Command::AwaitEnd(_)
-            | Command::Show(..)
-            | Command::List(..)
-            | Command::Save(..)
-            | Command::Status(_)
-            | Command::Order(..)
-            | Command::Graph(..)
-            | Command::Flight(_)
-            | Command::Check(_)
-            | Command::Explain(_)
-            | Command::Man(_)
-            | Command::Print(_)
-            | Command::Echo(_)
-            | Command::Help(_)
-            | Command::Watch(_)
-            | Command::Meter(_)
-            | Command::Completion(_)
-            | Command::SetExact => Ok(()),
             Command::Apply(Apply { file, .. }) => file.map_or(Ok(()), |file| self.source(&file)),
             other @ (Command::Unload(_)
             | Command::UnloadAll
             | Command::Source(_)
             | Command::Lock(_)) => self.execute(other),
+            // All others show, write or wait: a dry run leaves them out.
+            _ => Ok(()),
         }
     }
 

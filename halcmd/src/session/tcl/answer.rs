@@ -83,7 +83,7 @@ impl Session<'_> {
         let line = Line { number: at.line, ..line };
         self.stand_at(&at.file, at.line);
         self.returned = Some(String::new());
-        let result = self.carry_out(&statement, true);
+        let result = self.execute_statement(&statement, true);
         let mut out = self.returned.take().unwrap_or_default();
         if out.ends_with('\n') {
             out.pop();

@@ -5,7 +5,7 @@
 //! `tests/compat/pins`; with `UPDATE_EXPECT=1` it writes those files (`PINS=NAME`: of one component). Without the
 //! package, that test is reported as skipped. Our components are always compared with the files.
 //!
-//! `tests/judge/NAME.toml` lists the intended differences; the head of `tests/tests/system/peer/judge.rs` describes the format. The
+//! `tests/conformance/NAME.toml` lists the intended differences; the head of `tests/tests/system/peer/conformance.rs` describes the format. The
 //! records of components that LinuxCNC 2.9 lacks were taken from 2.10 and are written by hand.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 #![expect(clippy::print_stdout, reason = "one that is asked for is shown")]

@@ -15,7 +15,7 @@
 //! # Component whose file also applies.
 //! like = "pid"
 //!
-//! # Arguments of loadrt, each a configuration, in addition to those of tests/judge/NAME.toml and
+//! # Arguments of loadrt, each a configuration, in addition to those of tests/conformance/NAME.toml and
 //! # tests/src/every.rs.
 //! loads = ["num_chan=2"]
 //! # Lines before and after it is loaded, and the threads that they create.
@@ -23,7 +23,7 @@
 //! after = []
 //! threads = ["servo-thread"]
 //!
-//! # Sane inputs, in the format of tests/tests/system/peer/judge.rs.
+//! # Sane inputs, in the format of tests/tests/system/peer/conformance.rs.
 //! [[inputs]]
 //! pins = ["*.gain"]
 //! why = "its range is documented"

@@ -2,7 +2,7 @@
 //! plugins' own declarations and with the test results.
 //!
 //! `UPDATE_EXPECT=1 cargo test -p hal-tests --test system components::table` writes both. Cells come from the plugins, from
-//! `tests/compat/pins`, `judge.md` and `kinematics.md`, from the sources of the tests, and from `components/SPEED.md`;
+//! `tests/compat/pins`, `conformance.md` and `kinematics.md`, from the sources of the tests, and from `components/SPEED.md`;
 //! a cell without a source fails the test, which then names the remedy.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
@@ -68,7 +68,7 @@ struct Shown {
 impl Shown {
     fn read() -> Self {
         Self {
-            judge: rows("tests/compat/judge.md"),
+            judge: rows("tests/compat/conformance.md"),
             kinematics: rows("tests/compat/kinematics.md"),
             speed: rows("components/SPEED.md"),
         }
@@ -98,13 +98,13 @@ impl Shown {
         }
         let Some(row) = self.judge.get(name) else {
             return if pins::read(name).iter().any(|v| v.name == "2.9") {
-                Err("has no row in tests/compat/judge.md".to_owned())
+                Err("has no row in tests/compat/conformance.md".to_owned())
             } else {
                 Ok(NO_PEER.to_owned())
             };
         };
         let [_, _, _, cycles, result, ..] = row.as_slice() else {
-            return Err("its row in tests/compat/judge.md is not whole".to_owned());
+            return Err("its row in tests/compat/conformance.md is not whole".to_owned());
         };
         let cycles = thousands(cycles);
         let short = result.split(';').next().unwrap_or_default();
@@ -113,7 +113,7 @@ impl Shown {
             ["equal", "within", ulps, ..] => format!("{cycles}, {ulps} ULPs"),
             ["equal", "but", "for", n, ..] => format!("{cycles}, {} known", n.trim_matches(',')),
             ["not", ..] => "not judged".to_owned(),
-            _ => return Err(format!("tests/compat/judge.md says: {short}")),
+            _ => return Err(format!("tests/compat/conformance.md says: {short}")),
         })
     }
 

@@ -18,7 +18,7 @@ use std::{
 const SIGPIPE: i32 = 13;
 
 /// A machine that waits for commands, and the files that the commands use.
-struct Stand {
+struct Fixture {
     scratch: Scratch,
     machine: Child,
 }
@@ -46,7 +46,7 @@ license \"GPL\";
 FUNCTION(_) { out = 1; }
 ";
 
-impl Stand {
+impl Fixture {
     fn new() -> Self {
         let scratch = Scratch::new("output");
         scratch.write("m.hal", MACHINE);
@@ -83,7 +83,7 @@ impl Stand {
     }
 }
 
-impl Drop for Stand {
+impl Drop for Fixture {
     fn drop(&mut self) {
         drop(self.machine.kill());
         drop(self.machine.wait());
@@ -230,15 +230,15 @@ impl<'a> Writes<'a> {
 }
 
 /// Calls `run` for each row, several at a time, each with its own files. Fails with all errors.
-fn for_each<T: Sync>(rows: &[T], run: impl Fn(&Stand, &T) -> Result<(), String> + Sync) {
+fn for_each<T: Sync>(rows: &[T], run: impl Fn(&Fixture, &T) -> Result<(), String> + Sync) {
     let (next, wrong) = (Mutex::new(rows.iter()), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..2 {
             scope.spawn(|| {
-                let stand = Stand::new();
+                let fixture = Fixture::new();
                 loop {
                     let Some(row) = next.lock().unwrap().next() else { break };
-                    if let Err(why) = run(&stand, row) {
+                    if let Err(why) = run(&fixture, row) {
                         wrong.lock().unwrap().push(why);
                     }
                 }
@@ -255,18 +255,20 @@ fn what_cannot_be_printed_is_an_error() {
         .into_iter()
         .flat_map(|(head, rows)| rows.into_iter().map(move |row| (head.concat(), row)))
         .collect();
-    for_each(&rows, |stand, (head, row)| {
+    for_each(&rows, |fixture, (head, row)| {
         let (status, line) = head.split_once(' ').unwrap();
         let full = File::options().write(true).open("/dev/full").unwrap();
-        let (got, said) = ended(&mut stand.command(&[], row), full.into());
+        let (got, said) = ended(&mut fixture.command(&[], row), full.into());
         if got != Ok(status.parse().unwrap()) || !said.lines().any(|l| l == line) {
             return Err(format!("{row}, full: {got:?}\n{said}"));
         }
         if said.contains("panicked") {
             return Err(format!("{row}, full: {said}"));
         }
-        let (got, said) =
-            ended(&mut stand.command(&["sh", "-c", &without_reader(1), "sh"], row), Stdio::null());
+        let (got, said) = ended(
+            &mut fixture.command(&["sh", "-c", &without_reader(1), "sh"], row),
+            Stdio::null(),
+        );
         if got != Err(SIGPIPE) || !said.is_empty() {
             return Err(format!("{row}, closed: {got:?}\n{said}"));
         }
@@ -289,16 +291,16 @@ fn a_file_that_cannot_be_written_is_an_error_and_a_good_one_stays() {
             }
         }
     }
-    for_each(&rows, |stand, (head, row, (wrong, name, reason))| {
+    for_each(&rows, |fixture, (head, row, (wrong, name, reason))| {
         let Some(Writes { environment, words, out }) = Writes::new(row, name) else {
             return Ok(());
         };
-        let folder = stand.scratch.path();
+        let folder = fixture.scratch.path();
         let path = folder.join(&out);
         wrong.set(&path);
         let before = wrong.before(&folder.join(name).display().to_string());
         let before: Vec<&str> = before.iter().map(String::as_str).collect();
-        let mut command = stand.command(&before, &words);
+        let mut command = fixture.command(&before, &words);
         command.envs(environment);
         let (got, said) = ended(&mut command, Stdio::null());
         let left: Vec<String> = names(&folder.join(name));
@@ -362,12 +364,12 @@ fn standard_error_that_cannot_be_written_to_disturbs_nothing() {
         ("halcompile --nonsense", 2),
         ("hal_manualtoolchange -x", 1),
     ];
-    for_each(&rows, |stand, (row, wanted)| {
+    for_each(&rows, |fixture, (row, wanted)| {
         let script = without_reader(2);
         for closed in [false, true] {
             let full = File::options().write(true).open("/dev/full").unwrap();
             let before: &[&str] = if closed { &["sh", "-c", &script, "sh"] } else { &[] };
-            let mut command = stand.command(before, row);
+            let mut command = fixture.command(before, row);
             let status = command.stdout(Stdio::null()).stderr(full).status().unwrap();
             if status.code() != Some(*wanted) {
                 return Err(format!("{row}, closed {closed}: {status}"));

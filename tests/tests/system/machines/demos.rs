@@ -217,9 +217,15 @@ fn the_table_of_machines_is_true() {
     if std::env::var_os("CASE").is_some() {
         return;
     }
-    let mut new = String::from("\n\n| machine | what it is |\n|---|---|\n");
+    let mut new = String::from("\n\n| machine | what it is | its demonstration |\n|---|---|---|\n");
     for m in machines() {
-        writeln!(new, "| [`{0}`]({0}) | {1} |", m.name, m.purpose()).unwrap();
+        let name = &m.name;
+        let picture = format!("{name}/demo.png");
+        assert!(root().join("configs").join(&picture).is_file(), "{name} has no picture");
+        let shown = format!(
+            "<a href=\"{picture}\"><img src=\"{picture}\" width=\"240\" alt=\"{name}\"></a>"
+        );
+        writeln!(new, "| [`{name}`]({name}) | {} | {shown} |", m.purpose()).unwrap();
     }
     new.push('\n');
     let page = root().join("configs/README.md");

@@ -1,9 +1,12 @@
 //! Whole machines: `configs/`, the printer of the documents, `haltest`, pictures.
 
 mod demos;
+mod fiducial;
+mod functions;
 mod haltest;
 mod haltest_rust;
 mod job;
+mod maxnc;
 mod meanwhile;
 mod picture;
 mod printer;

@@ -18,3 +18,4 @@ mod roles;
 mod samples;
 mod socket;
 mod stand;
+mod teleop;

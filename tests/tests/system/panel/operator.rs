@@ -36,7 +36,7 @@ fn open(stand: &Stand, name: &str, text: &str) {
 
 /// Sets the feed override in the page, and waits until the task has it.
 fn override_feed(stand: &Stand, percent: u32) {
-    // Is told of changes only.
+    // Receives changes only.
     let mut viewer = stand.printer.sign_in().socket();
     stand.browser.run(&format!(
         "const f = document.querySelector('#feed-override'); f.value = {percent}; \

@@ -297,6 +297,7 @@ fn programs_exchange_their_values() {
         ("bob.driven", "TRUE"),
         ("bob.inverts", "TRUE"),
         ("bob.missing", "TRUE"),
+        ("bob.waited", "TRUE"),
     ] {
         becomes(&scratch, pin, value);
     }

@@ -2,9 +2,11 @@
 
 mod comp;
 mod compat;
-mod judge;
+mod conformance;
 mod language;
 mod modules;
 mod motion;
+mod programs;
 mod python;
+mod remaps;
 mod traces;

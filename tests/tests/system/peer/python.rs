@@ -22,7 +22,7 @@ fn folder() -> PathBuf {
 
 /// Returns Python where there is one; reports the running test as skipped otherwise. LinuxCNC's module belongs to the
 /// system's Python.
-fn python() -> Option<&'static str> {
+pub(super) fn python() -> Option<&'static str> {
     let runs = |name: &&str| {
         Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success())
     };

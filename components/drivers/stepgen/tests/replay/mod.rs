@@ -213,14 +213,14 @@ impl Script {
                 }
                 _ => self.bench.run(funct, *period),
             }
-            self.carry();
+            self.copy_nets();
         }
         if self.recording && !row.is_empty() {
             self.rows.push(row.join(" "));
         }
     }
 
-    fn carry(&mut self) {
+    fn copy_nets(&mut self) {
         for (writer, readers) in self.nets.clone() {
             let value = self.take(&writer);
             readers.iter().for_each(|pin| self.put(pin, value));

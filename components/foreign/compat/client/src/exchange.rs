@@ -66,12 +66,12 @@ impl Component {
                     other => other.to_string(),
                 };
                 if let Err(failure) = client.call(Request::Set { name: name.clone(), value }) {
-                    return complain(name, &failure);
+                    return report(name, &failure);
                 }
             }
         }
         if let Err(failure) = client.call(Request::Ready) {
-            return complain("hal_ready", &failure);
+            return report("hal_ready", &failure);
         }
         let (items, left) = (core::mem::take(&mut self.items), Arc::clone(&self.left));
         std::thread::spawn(move || exchange(client, items, &left));
@@ -108,7 +108,7 @@ fn exchange(mut client: Client, mut items: Vec<Item>, left: &AtomicBool) {
 }
 
 /// Reports a refusal on standard error, and returns its error number.
-pub(crate) fn complain(what: &str, failure: &Failure) -> c_int {
+pub(crate) fn report(what: &str, failure: &Failure) -> c_int {
     // A failed write to standard error cannot be reported.
     drop(writeln!(std::io::stderr(), "{what}: {failure}"));
     if failure.code < 0 { failure.code } else { EINVAL }

@@ -6,12 +6,15 @@
 //! received; a value that changes and changes back between two exchanges is not noticed. Parameters are pins with the
 //! corresponding direction. Streams and ports are not offered.
 //!
+//! `request.rs` is the client of `ferrule.h`: requests and values by name, without a component.
+//!
 //! Functions with variable argument lists are in `client.c`, which is compiled with each program.
 #![expect(unsafe_code, reason = "the interface is C's")]
 
 mod exchange;
 mod item;
 mod named;
+mod request;
 
 use exchange::Component;
 use item::{Cell, Item};
@@ -59,7 +62,7 @@ pub unsafe extern "C" fn hal_init(name: *const c_char) -> c_int {
             list.push(component);
             c_int::try_from(list.len()).unwrap_or(EINVAL)
         }
-        Err(failure) => exchange::complain(name, &failure),
+        Err(failure) => exchange::report(name, &failure),
     }
 }
 
@@ -111,7 +114,7 @@ pub unsafe extern "C" fn ferrule_client_item(
         item.cell = unsafe { Cell::at(at, item.ty) };
     }
     if let Err(failure) = component.add(name, &item) {
-        return exchange::complain(name, &failure);
+        return exchange::report(name, &failure);
     }
     if !place.is_null() {
         // SAFETY: guaranteed by the caller.

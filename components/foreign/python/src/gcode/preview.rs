@@ -5,14 +5,20 @@ use hal_gcode::{
     tool::{Tool, ToolTable},
 };
 use hal_job::{Machine, World};
-use std::collections::BTreeMap;
+use hal_remap::Functions;
+use std::{cell::RefCell, collections::BTreeMap};
 
 /// The world of a preview.
 pub(super) struct Preview(World);
 
 impl Preview {
     pub(super) fn new(machine: Machine) -> Self {
-        Self(World { machine, hal: BTreeMap::new() })
+        Self(World::with_functions(machine, BTreeMap::new()))
+    }
+
+    /// Returns the functions in Python of the machine.
+    pub(super) const fn functions(&self) -> Option<&RefCell<Functions>> {
+        self.0.functions.as_ref()
     }
 
     /// Returns the tool table.
@@ -32,6 +38,10 @@ impl Environment for Preview {
 
     fn ini(&self, section: &str, key: &str) -> Option<f64> {
         self.0.ini(section, key)
+    }
+
+    fn function(&self, name: &str) -> bool {
+        self.0.function(name)
     }
 
     fn user_code(&self, _code: u16) -> bool {

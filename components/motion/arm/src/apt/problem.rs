@@ -76,7 +76,7 @@ impl fmt::Display for Problem {
             Self::NoEnd => f.write_str("the file ends without FINI: a part of it may be missing"),
             Self::Unfinished => f.write_str("the file ends within a statement that goes on"),
             Self::Character(byte) => write!(f, "no statement has the character {byte:#04x}"),
-            Self::Number(text) => write!(f, "'{text}' is no number"),
+            Self::Number(text) => write!(f, "'{text}' is not a number"),
             Self::Range(text) => write!(f, "{text} is too large"),
             Self::NoWord => f.write_str("a statement begins with a word"),
             Self::Bracket => f.write_str("the brackets do not match"),

@@ -55,6 +55,9 @@ problems! {
     NoEqualSign: "Equal sign missing in parameter setting", "write #n=value";
     UnknownOCommand: "Unknown control command in o word", "keywords are sub endsub return call do while endwhile if elseif else endif repeat endrepeat break continue";
     AfterOWord: "Unexpected character after O-word", "only a comment may follow it";
+    NotInDialect { what: Box<str> }: "{what} is not part of RS274-D", "it has G00 to G04, G20, G21, G28, G29, G90, G91, G92, M00, M01, M02, M30, words and numbers without exponent";
+    LineNumberLong: "line number has more than 5 digits", "use N0 to N99999";
+    WordNotOfCommand { letter: char, command: &'static str, words: &'static str }: "{letter} is no word of {command}, which has {words}", "";
     TooManyArguments: "Too many subroutine parameters", "use at most 30";
 
     // Values.
@@ -86,7 +89,13 @@ problems! {
     RemapFeed { code: Box<str> }: "feed rate must be greater than 0 for {code}", "program F";
     RemapRecursion { code: Box<str> }: "recursive call of remapped {code}", "a code that only a remap defines cannot use itself";
     RemapFile { code: Box<str>, name: Box<str> }: "{code}: no subroutine o<{name}>", "put {name}.ngc on the INI file's SUBROUTINE_PATH";
-    HookMissing { code: Box<str>, option: &'static str, name: Box<str> }: "{code}: {option}={name} is a function in Python, which this interpreter has not", "use ngc= alone";
+    ExecutedOWord: "a function can execute no O-word but call", "write the loop in the function";
+    FunctionTooLong { name: Box<str>, limit: u64 }: "{name}: more than {limit} steps", "the function may have no end";
+    FunctionAsks: "the answer is no step of the function", "";
+    FieldFixed { name: Box<str> }: "self.{name} cannot be set", "";
+    CallUnknown { name: Box<str> }: "emccanon.{name} is not a call that a function can make", "";
+    CallWords { name: Box<str> }: "emccanon.{name}: wrong number, type or range of arguments", "";
+    FinishFailed { reason: Box<str> }: "{reason}", "";
     HookFailed { name: Box<str>, reason: Box<str> }: "{name}: {reason}", "";
     SameGGroup: "Two g codes used from same modal group", "use one of them, or two lines";
     SameMGroup: "Two m codes used from same modal group", "use one of them, or two lines";
@@ -107,6 +116,7 @@ problems! {
     ZeroFeedArc: "Cannot make arc with zero feed rate", "program F";
     ZeroFeedCycle: "Cannot feed with zero feed rate", "program F";
     InverseFeedMissing { code: &'static str }: "F word missing with inverse time {code} move", "";
+    FeedZero: "F0 is no feed", "program F above 0, or leave it out for the default feed";
     NegativeFeed: "Negative f word used", "";
     NegativeSpeed: "Negative spindle speed used", "";
     ZeroSpindleFeed: "Cannot feed with zero spindle speed in feed per rev mode", "program S";
@@ -159,6 +169,10 @@ problems! {
     ArcUvw: "Cannot move UVW axes with arcs in XYZ planes", "";
     ArcXyz: "Cannot move XYZ axes with arcs in UVW planes", "";
     DwellTime: "Dwell time missing with g4", "program P seconds";
+    DwellBoth: "G04 with both X and P", "give X seconds or P milliseconds";
+    DwellTimeOrX: "G04 without a time", "give X seconds or P milliseconds";
+    NoPointToReturn: "G29 without a point that G28 remembered", "program G28 with X, Y or Z before it";
+    ArcRise: "K of the arc is not its rise in Z", "give Z, or K as the rise from the start";
     DwellNegative: "Negative P word used", "";
     ProbeComp: "Cannot probe with cutter radius comp on", "program G40 first";
     ProbeInverse: "Cannot probe in inverse time feed mode", "program G94";
@@ -175,6 +189,11 @@ problems! {
     NurbsFew: "You must specify a number of control points at least equal to the order L", "";
     NurbsOrder: "L word out of range for G5.2", "";
     NurbsNotOpen: "Cannot use G5.3 without G5.2 first", "";
+
+    // Ticks.
+    NoTicks { what: &'static str }: "T-mode has no {what}", "it has straight lines, and arcs in XY";
+    TicksTooMany { limit: u64 }: "more than {limit} ticks", "use fewer steps to the inch";
+    TicksTooFar: "the place is more than 2147483647 steps away", "use fewer steps to the inch";
 
     // Cycles.
     CycleRepeats: "Cannot do zero repeats of cycle", "";

@@ -40,7 +40,7 @@ impl Run<'_> {
         self.check_words(block)
     }
 
-    fn check_axes(&self, block: &Block) -> Result<(), Problem> {
+    pub(super) fn check_axes(&self, block: &Block) -> Result<(), Problem> {
         for axis in crate::axis::Axis::ALL {
             let letter = axis.letter() as u8;
             if block.has(letter) && !self.state.settings.axes.has(axis) {

@@ -168,7 +168,7 @@ impl<'a> Run<'a> {
                 self.state.numbered.put(number::INPUT, *value);
                 Ok(())
             }
-            (Request::UserCode { .. }, Answer::Done) => Ok(()),
+            (Request::UserCode { .. } | Request::Finish, Answer::Done) => Ok(()),
             _ => Err(Problem::WrongAnswer),
         }
     }
@@ -182,5 +182,7 @@ pub(super) fn failed(request: &Request, reason: Box<str>) -> Problem {
         Request::Input { .. } => Problem::InputFailed { reason },
         Request::Hal { .. } => Problem::HalFailed { reason },
         Request::UserCode { code, .. } => Problem::UserCodeFailed { code: *code, reason },
+        Request::Function { name } => Problem::HookFailed { name: name.clone(), reason },
+        Request::Finish => Problem::FinishFailed { reason },
     }
 }

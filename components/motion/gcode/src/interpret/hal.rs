@@ -7,8 +7,7 @@ use crate::{
     environment::{Environment, Text},
     error::{Error, Problem},
     question::{Answer, Request},
-    remap::Hook,
-    state::{Cursor, Level, Pending, State},
+    state::{Cursor, Level, Pending},
     text::{comment::Kind, line::Line},
     tool::Tool,
 };
@@ -57,7 +56,7 @@ impl<'a> Asking<'a> {
     }
 
     /// Reads every value that a text names.
-    fn note(&self, text: &[u8]) {
+    pub(super) fn note(&self, text: &[u8]) {
         const MARK: &[u8] = b"_hal[";
         // Comments keep their capitals and spaces.
         let spaceless = text.iter().filter(|b| !b.is_ascii_whitespace());
@@ -97,8 +96,11 @@ impl Environment for Asking<'_> {
         }
         value
     }
-    fn hook(&self, hook: Hook, name: &str, state: &mut State) -> Option<Result<(), Box<str>>> {
-        self.env.hook(hook, name, state)
+    fn function(&self, name: &str) -> bool {
+        self.env.function(name)
+    }
+    fn tool_slot(&self, number: i32) -> Option<i32> {
+        self.env.tool_slot(number)
     }
     fn user_code(&self, code: u16) -> bool {
         self.env.user_code(code)

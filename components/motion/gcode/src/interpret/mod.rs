@@ -3,8 +3,10 @@
 pub mod block;
 mod check;
 pub mod codes;
+mod effects;
 mod execute;
 mod feed;
+mod function;
 mod hal;
 mod io;
 mod offsets;
@@ -12,6 +14,7 @@ mod position;
 mod read;
 pub mod remap;
 mod remark;
+mod rs274d;
 mod stop;
 mod tools;
 
@@ -22,10 +25,13 @@ use crate::{
     canon::{Call, Frame, Issued},
     environment::{Environment, Text},
     error::{Error, Place, Problem},
+    function::Hook,
     parameters::{Names, Numbered},
     program::Sources,
     question::{Answer, Request},
-    state::{Compensation, Cursor, Cycle, Level, LevelKind, Modal, Remapped, Settings, State},
+    state::{
+        Compensation, Cursor, Cycle, Level, LevelKind, Modal, Remapped, Rs274d, Settings, State,
+    },
     text::{expression::Left, line::Line},
     tool::Tool,
 };
@@ -111,6 +117,8 @@ impl Interpreter {
             lines_run: 0,
             lines_quiet: 0,
             probe_file: false,
+            rs274d: Rs274d::default(),
+            functions_called: 0,
         };
         let mut out = Self::from_state(state);
         out.load_system();
@@ -143,6 +151,7 @@ impl Interpreter {
         self.sources.put(name, text);
         let percent = self.begins_with_percent(name);
         self.state.mdi = None;
+        self.state.rs274d = Rs274d::default();
         self.begin(Level::new(name.into(), Cursor::default(), LevelKind::Main { percent }));
     }
 
@@ -194,6 +203,7 @@ impl Interpreter {
         let before = out.len();
         let result = match pending.request {
             request @ Request::Hal { .. } => self.go_on_with_hal(request, answer, env, out),
+            Request::Function { .. } => self.take_step(answer, env, out),
             _ => self.resume(pending, answer, env, out).map_err(|t| self.error(t, &[])),
         };
         self.count(out.len() - before, result)
@@ -224,7 +234,7 @@ impl Interpreter {
 
     /// Returns the places of the line in execution: the innermost call last.
     pub fn places(&self) -> Vec<Place> {
-        self.state.levels.iter().map(Level::place).collect()
+        self.state.levels.iter().filter(|l| l.is_of_file()).map(Level::place).collect()
     }
 
     /// Reads a line of a file that is known or that the environment opens; `None` at its end.
@@ -246,6 +256,7 @@ impl Interpreter {
         } else if self.state.lines_quiet > limit {
             return Err(self.error(Problem::RunAway { limit }.into(), &[]));
         }
+        let result = result.or_else(|error| self.tell_function(error));
         if result.is_err() {
             self.state.ended = true;
         }
@@ -254,6 +265,10 @@ impl Interpreter {
 
     pub(crate) fn error(&self, error: BlockError, raw: &[u8]) -> Error {
         let mut places = self.places();
+        // A prolog fails before its subroutine begins.
+        if self.state.function().is_some_and(|f| f.hook == Hook::Prolog) {
+            places.pop();
+        }
         let mut place = places.pop().unwrap_or_default();
         place.line = self.state.line;
         place.column = match error.at {

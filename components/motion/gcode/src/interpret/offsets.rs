@@ -95,6 +95,12 @@ impl Run<'_> {
         if self.state.compensation.is_on() {
             return Err(Problem::CompUnits);
         }
+        self.set_unit(unit)?;
+        Ok(None)
+    }
+
+    /// Sets the unit of the lengths that follow.
+    pub(super) fn set_unit(&mut self, unit: Unit) -> Result<(), Problem> {
         let k = self.state.frame.unit.to(unit);
         self.emit(Call::UseLengthUnits(unit))?;
         self.state.position = self.state.position.scaled(k);
@@ -102,7 +108,7 @@ impl Run<'_> {
         self.state.modal.unit = unit;
         self.state.cycle.scale(k);
         self.state.spline = self.state.spline.map(|(x, y)| (x * k, y * k));
-        Ok(None)
+        Ok(())
     }
 
     pub(super) fn lathe_mode(&mut self, b: &mut Block) -> Result<Option<Request>, Problem> {
@@ -350,6 +356,13 @@ impl Run<'_> {
             self.store(number::G92, new.scaled(1.0 / k));
         }
         Ok(())
+    }
+
+    /// Keeps an offset of G92 in its parameters; one without length does not apply.
+    pub(super) fn keep_g92(&mut self, offset: Position) {
+        let applies = offset != Position::default();
+        self.state.numbered.put(number::G92_APPLIES, if applies { 1.0 } else { 0.0 });
+        self.store(number::G92, offset.scaled(1.0 / self.table_scale()));
     }
 
     pub(crate) fn set_g92(&mut self, new: Position) -> Result<(), Problem> {

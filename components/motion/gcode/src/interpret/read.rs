@@ -18,6 +18,7 @@ use crate::{
         clean,
         evaluate::{Values, evaluate, integer},
         line::{Line, Target},
+        oword::Action,
     },
 };
 
@@ -39,6 +40,9 @@ impl Interpreter {
             return Ok(Step::Ended);
         };
         let (at, before) = (level.cursor, Before::of(level));
+        if !level.is_of_file() {
+            return self.run_function(env, out);
+        }
         let longest = limits.line_length;
         let mut raw = core::mem::take(&mut self.raw);
         let result = match self.sources.line(&level.file, at, longest, env, &mut raw) {
@@ -49,6 +53,12 @@ impl Interpreter {
                     level.cursor = next;
                 }
                 self.state.line = next.line;
+                if self.state.is_rs274d() {
+                    let result = self.run_rs274d(&raw, env, out);
+                    let result = result.map_err(|error| self.error(error, &raw));
+                    self.raw = raw;
+                    return result;
+                }
                 let known = core::mem::take(&mut self.hal);
                 let asking = Asking::new(env, &known);
                 let result = self.run_text(&raw, at, &asking, out);
@@ -64,7 +74,7 @@ impl Interpreter {
         result
     }
 
-    fn run_text(
+    pub(super) fn run_text(
         &mut self,
         raw: &[u8],
         at: Cursor,
@@ -105,6 +115,10 @@ impl Interpreter {
             return Ok(Step::Line);
         }
         if let Some(word) = &line.oword {
+            let executed = self.state.levels.last().is_some_and(|l| !l.is_of_file());
+            if executed && !matches!(word.action, Action::Call(_)) {
+                return Err(Problem::ExecutedOWord.into());
+            }
             let result = self.flow(word, at, env);
             out.append(&mut self.late);
             result?;
@@ -152,6 +166,11 @@ impl Interpreter {
         let mut run = Run::new(&mut self.state, env, out);
         run.number = block.number;
         run.take_answer(&request, answer)?;
+        if self.finished() {
+            return Ok(Step::Line);
+        }
+        let mut run = Run::new(&mut self.state, env, out);
+        run.number = block.number;
         let mut block = block;
         let asked = run.execute(&mut block, step + 1)?;
         self.after(&mut block, asked, env, out)
@@ -229,7 +248,7 @@ impl Interpreter {
             self.state.numbered.put(index, value);
         }
         for (name, value) in named {
-            let locals = self.state.levels.last_mut().map(|l| &mut l.locals);
+            let locals = self.state.scope_mut().map(|l| &mut l.locals);
             match locals {
                 Some(locals) if !name.starts_with('_') => set_name(locals, name, value)?,
                 _ => set_name(&mut self.state.globals, name, value)?,
@@ -289,13 +308,14 @@ impl Interpreter {
                 let label = level.map(|l| l.label.clone()).unwrap_or_default();
                 Err(Problem::EndMissing { label, line: 0 }.into())
             }
+            _ if self.state.is_rs274d() => self.end_rs274d(out),
             _ => Err(Problem::NoProgramEnd.into()),
         }
     }
 }
 
 /// Gives a problem of a block its place: its word's, or that of the code in execution.
-fn located(
+pub(super) fn located(
     problem: Problem,
     block: &Block,
     focus: Option<crate::text::expression::Left>,
@@ -318,7 +338,7 @@ fn located(
 }
 
 /// An environment without anything.
-struct NoFiles;
+pub(super) struct NoFiles;
 
 impl Environment for NoFiles {
     fn open(&self, _: &str) -> Option<crate::environment::Text> {

@@ -10,15 +10,16 @@ use crate::{
     canon::Issued,
     environment::Environment,
     error::Problem,
+    function::Hook,
     parameters::set_name,
     program::Found,
-    remap::{Code, Hook, Remap},
+    remap::{Code, Remap},
     state::{Level, LevelKind, Pending, Remapped},
 };
 
 impl Run<'_> {
     /// Returns the remap that replaces a part of a block.
-    pub(crate) fn remap_of(&self, part: Part, block: &Block) -> Result<Option<usize>, Problem> {
+    pub(crate) fn remap_of(&mut self, part: Part, block: &Block) -> Result<Option<usize>, Problem> {
         if self.state.settings.remaps.is_empty() {
             return Ok(None);
         }
@@ -33,12 +34,11 @@ impl Run<'_> {
         let Some(code) = code else { return Ok(None) };
         let remaps = &self.state.settings.remaps;
         let Some(index) = remaps.iter().position(|r| r.code == code) else { return Ok(None) };
-        let within = |l: &Level| l.remapped.as_ref().is_some_and(|r| r.index == index);
-        if !self.state.levels.iter().any(within) {
-            return Ok(Some(index));
-        }
+        let mut around = self.state.levels.iter_mut().rev().filter_map(|l| l.remapped.as_mut());
+        let Some(around) = around.find(|r| r.index == index) else { return Ok(Some(index)) };
         // Inside of its own subroutine, a code means what it did before.
         if code.is_of_the_language() {
+            around.builtin_used = true;
             return Ok(None);
         }
         Err(Problem::RemapRecursion { code: code.to_string().into() })
@@ -82,12 +82,13 @@ impl Interpreter {
         };
         let run = Run::new(&mut self.state, env, out);
         run.check_remap(&remap, &block)?;
-        let remapped = Box::new(Remapped { index, block, step });
-        if remap.hook(Hook::Body).is_some() {
-            self.hook(&remap, Hook::Body, env)?;
-            return self.after_remap(&remapped, env, out);
-        }
+        let remapped = Box::new(Remapped { index, block, step, builtin_used: false });
         self.check_levels()?;
+        if let Some(name) = remap.hook(Hook::Body) {
+            let arguments = self.arguments(&remap, &remapped.block);
+            self.begin_function(Hook::Body, name, arguments, Some(remapped));
+            return Ok(Step::Line);
+        }
         let (file, start) = self.locate(Found::Sub(&remap.ngc), &remap.ngc, env).map_err(|_| {
             let (code, name) = (remap.code.to_string().into(), remap.ngc.clone());
             BlockError::from(Problem::RemapFile { code, name })
@@ -114,7 +115,7 @@ impl Interpreter {
         level.remapped = Some(remapped);
         self.state.returned = None;
         self.state.levels.push(level);
-        self.hook(&remap, Hook::Prolog, env)?;
+        self.begin_hook(&remap, Hook::Prolog);
         Ok(Step::Line)
     }
 
@@ -133,24 +134,6 @@ impl Interpreter {
         run.number = block.number;
         let asked = run.execute(&mut block, remapped.step + 1)?;
         self.after(&mut block, asked, env, out)
-    }
-
-    /// Runs a function of a remap, if it has one of this kind.
-    pub(crate) fn hook(
-        &mut self,
-        remap: &Remap,
-        hook: Hook,
-        env: &dyn Environment,
-    ) -> Result<(), BlockError> {
-        let Some(name) = remap.hook(hook) else { return Ok(()) };
-        match env.hook(hook, name, &mut self.state) {
-            Some(Ok(())) => Ok(()),
-            Some(Err(reason)) => Err(Problem::HookFailed { name: name.into(), reason }.into()),
-            None => {
-                let code = remap.code.to_string().into();
-                Err(Problem::HookMissing { code, option: hook.option(), name: name.into() }.into())
-            }
-        }
     }
 
     /// Keeps a block that waits, or begins the remapped code that it came to.

@@ -77,7 +77,7 @@ impl Run<'_> {
     }
 
     /// Puts the old tool into the pocket that the new one came from. Pocket 0 is the spindle.
-    fn swap_pockets(&mut self, mut old: Tool) {
+    pub(super) fn swap_pockets(&mut self, mut old: Tool) {
         let new = &mut self.state.tool;
         if new.number == old.number {
             new.pocket = 0;

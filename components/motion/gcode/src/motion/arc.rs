@@ -181,7 +181,9 @@ impl Run<'_> {
 
     fn check_radii(&self, start: Point, end: Point, centre: Point) -> Result<(), Problem> {
         let (r1, r2) = (start.minus(centre).length(), end.minus(centre).length());
-        let absolute = match self.state.frame.unit {
+        let unit = self.state.frame.unit;
+        let absolute = match unit {
+            _ if self.state.is_rs274d() => self.state.settings.arc_tolerance / unit.millimetres(),
             Unit::Inch => SPIRAL_INCH,
             Unit::Millimetre => SPIRAL_MM,
         };

@@ -50,7 +50,7 @@ pub struct ParameterFile {
 }
 
 impl ParameterFile {
-    /// Parses the text of a parameter file. What can be read is read; the rest is told.
+    /// Parses the text of a parameter file. Lines that cannot be read are reported.
     pub fn parse(text: &str) -> Self {
         let mut out = Self::default();
         for (line, text) in (1u32..).zip(text.lines()) {

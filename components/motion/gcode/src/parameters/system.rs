@@ -46,7 +46,7 @@ impl Reader<'_> {
 
     fn find(&self, name: &str) -> Option<f64> {
         if !name.starts_with('_') {
-            return self.state.levels.last()?.locals.get(name).copied();
+            return self.state.scope()?.locals.get(name).copied();
         }
         if let Some(rest) = name.strip_prefix("_ini[") {
             let (section, key) = rest.split_once(']')?;
@@ -65,7 +65,8 @@ impl Reader<'_> {
 /// The name of the parameter whose value is in the tool table.
 const SELECTED_POCKET: &str = "_selected_pocket";
 
-fn numbered(state: &State, index: i32) -> f64 {
+/// Returns a numbered parameter as a program sees it.
+pub fn numbered(state: &State, index: i32) -> f64 {
     let tool = &state.tool;
     match index {
         number::TOOL => f64::from(tool.number),
@@ -121,6 +122,7 @@ fn system(state: &State, name: &str) -> Option<f64> {
             Side::Left => 410.0,
             Side::Right => 420.0,
         },
+        "_metric_machine" => truth(state.settings.unit == Unit::Millimetre),
         "_metric" => truth(modal.unit == Unit::Millimetre),
         "_imperial" => truth(modal.unit == Unit::Inch),
         "_absolute" => truth(modal.absolute),
@@ -152,7 +154,7 @@ fn system(state: &State, name: &str) -> Option<f64> {
         "_selected_tool" => f64::from(state.selected.unwrap_or(-1)),
         "_value" => state.returned.unwrap_or(0.0),
         "_value_returned" => truth(state.returned.is_some()),
-        "_call_level" => state.levels.len().saturating_sub(1) as f64,
+        "_call_level" => state.call_level() as f64,
         _ => return None,
     })
 }

@@ -4,9 +4,9 @@ use super::{Found, scan::o_word};
 use crate::{
     environment::Environment,
     error::Problem,
+    function::Hook,
     interpret::{BlockError, BlockErrorAt, Interpreter},
     parameters::system::Reader,
-    remap::Hook,
     state::{Cursor, Level, LevelKind, Open, OpenKind},
     text::{
         evaluate::{evaluate, integer},
@@ -81,7 +81,7 @@ impl Interpreter {
             .map_err(|(at, problem)| BlockError { at: BlockErrorAt::Left(at), problem })
     }
 
-    fn level(&mut self) -> Result<&mut Level, BlockError> {
+    pub(super) fn level(&mut self) -> Result<&mut Level, BlockError> {
         self.state.levels.last_mut().ok_or_else(|| Problem::NoProgramEnd.into())
     }
 
@@ -297,10 +297,14 @@ impl Interpreter {
 
     /// Ends the innermost level and returns to its caller.
     pub(crate) fn pop_level(&mut self, env: &dyn Environment) -> Result<(), BlockError> {
-        let ended = self.state.levels.last().and_then(|l| l.remapped.as_ref()).map(|r| r.index);
-        if let Some(remap) = ended.and_then(|i| self.state.settings.remaps.get(i).cloned()) {
-            self.hook(&remap, Hook::Epilog, env)?;
+        if self.begin_epilog() {
+            return Ok(());
         }
+        self.end_level(env)
+    }
+
+    /// Ends the innermost level, whose epilog has ended.
+    pub(crate) fn end_level(&mut self, env: &dyn Environment) -> Result<(), BlockError> {
         let Some(level) = self.state.levels.pop() else { return Ok(()) };
         self.remapped = level.remapped;
         if level.kind == LevelKind::Sub {
@@ -315,9 +319,10 @@ impl Interpreter {
     }
 
     pub(crate) fn check_levels(&self) -> Result<(), BlockError> {
-        let limit = self.state.settings.limits.levels;
-        let used = self.state.levels.len();
-        if used >= usize::try_from(limit).unwrap_or(usize::MAX) {
+        let limit = usize::try_from(self.state.settings.limits.levels).unwrap_or(usize::MAX);
+        // Each call may have a function and a line of it around it.
+        let is_deep = self.state.levels.len() >= limit.saturating_mul(3);
+        if self.state.call_level() + 1 >= limit || is_deep {
             return Err(Problem::TooManyLevels.into());
         }
         Ok(())
@@ -332,6 +337,10 @@ impl Interpreter {
         let values: Vec<f64> =
             arguments.iter().map(|a| self.value(a, env)).collect::<Result<_, _>>()?;
         self.check_levels()?;
+        if env.function(label) {
+            self.begin_function(Hook::Word, label, (values, Vec::new()), None);
+            return Ok(());
+        }
         let (file, start) = self.locate(Found::Sub(label), label, env)?;
         let mut level = Level::new(file, start, LevelKind::Sub);
         level.label = label.into();
@@ -360,41 +369,5 @@ impl Interpreter {
             return Ok((label.into(), start));
         }
         Err(Problem::LabelMissing { label: label.into() }.into())
-    }
-
-    /// Runs M98.
-    pub(crate) fn call_part(
-        &mut self,
-        part: i32,
-        repeats: i32,
-        env: &dyn Environment,
-    ) -> Result<(), BlockError> {
-        let label = part.to_string();
-        let Some(repeats) = u32::try_from(repeats).ok().filter(|r| *r > 0) else {
-            return Ok(());
-        };
-        self.check_levels()?;
-        let (file, start) = self.locate(Found::Part(&label), &label, env)?;
-        let mut level = Level::new(file, start, LevelKind::Part(start, repeats));
-        level.label = label.into();
-        self.state.levels.push(level);
-        Ok(())
-    }
-
-    /// Runs M99. Returns false in the main program.
-    pub(crate) fn end_part(&mut self, env: &dyn Environment) -> Result<bool, BlockError> {
-        let level = self.level()?;
-        match level.kind {
-            LevelKind::Part(start, left) if left > 1 => {
-                level.kind = LevelKind::Part(start, left - 1);
-                level.cursor = start;
-                level.open.clear();
-                level.pass = level.pass.wrapping_add(1);
-                Ok(true)
-            }
-            LevelKind::Part(..) => self.pop_level(env).map(|()| true),
-            LevelKind::Sub => Err(Problem::M99Context.into()),
-            LevelKind::Main { .. } | LevelKind::Mdi => Ok(false),
-        }
     }
 }

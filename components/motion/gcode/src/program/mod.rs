@@ -2,6 +2,7 @@
 
 pub mod flow;
 mod pages;
+mod part;
 pub mod save;
 mod scan;
 

@@ -4,7 +4,10 @@ mod parse;
 
 use serde::{Deserialize, Serialize};
 
-use crate::interpret::codes::{self, MGroup};
+use crate::{
+    function::Hook,
+    interpret::codes::{self, MGroup},
+};
 pub use parse::Error;
 
 /// A code that is remapped.
@@ -25,28 +28,6 @@ pub struct Argument {
     pub letter: u8,
     /// The line must have the word.
     pub required: bool,
-}
-
-/// A function of another language that a remap names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Hook {
-    /// `prolog=`: runs before the subroutine.
-    Prolog,
-    /// `epilog=`: runs after it.
-    Epilog,
-    /// `py=` or `python=`: runs instead of one.
-    Body,
-}
-
-impl Hook {
-    /// Returns the option that names the function.
-    pub fn option(self) -> &'static str {
-        match self {
-            Self::Prolog => "prolog",
-            Self::Epilog => "epilog",
-            Self::Body => "py",
-        }
-    }
 }
 
 /// A remapped code with its subroutine.

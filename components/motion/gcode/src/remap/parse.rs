@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use super::{Argument, Code, Hook, Remap};
-use crate::interpret::codes;
+use super::{Argument, Code, Remap};
+use crate::{function::Hook, interpret::codes};
 
 /// A `REMAP` entry that means nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Modal;
-use crate::{error::Place, interpret::block::Block, parameters::Names};
+use crate::{error::Place, function::Function, interpret::block::Block, parameters::Names};
 
 /// A place between two lines of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,6 +50,10 @@ pub enum LevelKind {
     Sub,
     /// A part that M98 called, with its begin and the passes left.
     Part(Cursor, u32),
+    /// A function of another language.
+    Function(Box<Function>),
+    /// A line that a function executes, until it was read.
+    Text(Option<Box<str>>),
 }
 
 /// A level of the program: the main program or a call.
@@ -97,6 +101,19 @@ impl Level {
         }
     }
 
+    /// Returns the function that this level is.
+    pub fn function(&self) -> Option<&Function> {
+        match &self.kind {
+            LevelKind::Function(function) => Some(function),
+            _ => None,
+        }
+    }
+
+    /// Tells whether the level has lines of a file.
+    pub fn is_of_file(&self) -> bool {
+        !matches!(self.kind, LevelKind::Function(_) | LevelKind::Text(_))
+    }
+
     /// Returns the place of the line that was read last.
     pub fn place(&self) -> Place {
         Place { file: self.file.clone(), line: self.cursor.line, column: 0 }
@@ -119,4 +136,6 @@ pub struct Remapped {
     pub block: Block,
     /// The step of its execution that the code replaces.
     pub step: u8,
+    /// The code was used inside of its own subroutine, where it means what it did before.
+    pub builtin_used: bool,
 }

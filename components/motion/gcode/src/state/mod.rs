@@ -5,6 +5,7 @@ pub mod compensation;
 pub mod curve;
 pub mod level;
 pub mod modal;
+pub mod rs274d;
 pub mod settings;
 
 use std::collections::BTreeMap;
@@ -14,6 +15,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     axis::Position,
     canon::Frame,
+    dialect::Dialect,
+    function::{Function, Hook},
     interpret::block::Block,
     parameters::{Names, Numbered},
     question::Request,
@@ -23,6 +26,7 @@ pub use compensation::Compensation;
 pub use curve::{Cycle, Nurbs};
 pub use level::{Cursor, Level, LevelKind, Open, OpenKind, Remapped, Saved};
 pub use modal::{FeedMode, Modal, Side};
+pub use rs274d::Rs274d;
 pub use settings::{Limits, Settings};
 
 /// A block that waits for an answer.
@@ -83,4 +87,52 @@ pub struct State {
     pub lines_quiet: u64,
     /// A probe moves with compensation, so the file of the probe's results is open.
     pub probe_file: bool,
+    /// The values of a program in RS274-D beyond the modal ones.
+    pub rs274d: Rs274d,
+    /// The functions of another language that were called.
+    pub functions_called: u64,
+}
+
+impl State {
+    /// Tells whether the next line is in RS274-D: a line of a program, not of MDI.
+    pub(crate) fn is_rs274d(&self) -> bool {
+        self.settings.dialect == Dialect::Rs274d
+            && matches!(self.levels.last(), Some(Level { kind: LevelKind::Main { .. }, .. }))
+    }
+
+    /// Returns the function of another language that is the innermost level.
+    pub fn function(&self) -> Option<&Function> {
+        self.levels.last().and_then(Level::function)
+    }
+
+    /// Returns the level whose local parameters are in force: the subroutine of a prolog or epilog, and the level of
+    /// the function for a line that it executes.
+    pub fn scope(&self) -> Option<&Level> {
+        self.levels.get(self.scope_index())
+    }
+
+    /// Returns the level whose local parameters are in force.
+    pub fn scope_mut(&mut self) -> Option<&mut Level> {
+        let index = self.scope_index();
+        self.levels.get_mut(index)
+    }
+
+    fn scope_index(&self) -> usize {
+        let passes = |level: &Level| match &level.kind {
+            LevelKind::Text(_) => true,
+            LevelKind::Function(f) => matches!(f.hook, Hook::Prolog | Hook::Epilog),
+            _ => false,
+        };
+        let index = self.levels.iter().rposition(|level| !passes(level));
+        index.unwrap_or_default()
+    }
+
+    /// Returns the number of calls in progress, without the lines and functions around them.
+    pub fn call_level(&self) -> usize {
+        let counts = |l: &&Level| match l.function() {
+            Some(function) => matches!(function.hook, Hook::Body | Hook::Word),
+            None => l.is_of_file(),
+        };
+        self.levels.iter().filter(counts).count().saturating_sub(1)
+    }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{axis::AxisMask, canon::Unit, remap::Remap};
+use crate::{axis::AxisMask, canon::Unit, dialect::Dialect, remap::Remap};
 
 /// Bounds on what a program may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,6 +19,8 @@ pub struct Limits {
     pub line_length: usize,
     /// The most canonical calls of one line.
     pub calls: usize,
+    /// The most steps of one function of another language.
+    pub turns: u64,
 }
 
 impl Default for Limits {
@@ -30,6 +32,7 @@ impl Default for Limits {
             lines: u64::MAX,
             line_length: 4096,
             calls: 1_000_000,
+            turns: 1_000_000,
         }
     }
 }
@@ -59,6 +62,10 @@ pub struct Settings {
     pub random_changer: bool,
     /// The remapped codes.
     pub remaps: Vec<Remap>,
+    /// The language of programs.
+    pub dialect: Dialect,
+    /// The feed of a program in RS274-D that has no F, in millimetres per minute.
+    pub default_feed: f64,
 }
 
 impl Default for Settings {
@@ -75,6 +82,8 @@ impl Default for Settings {
             task: false,
             random_changer: false,
             remaps: Vec::new(),
+            dialect: Dialect::default(),
+            default_feed: 381.0,
         }
     }
 }

@@ -7,6 +7,7 @@ pub mod expression;
 pub mod line;
 pub mod number;
 pub mod oword;
+pub mod rs274d;
 
 use crate::error::Problem;
 

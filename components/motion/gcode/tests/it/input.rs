@@ -16,6 +16,7 @@ impl Random {
 }
 
 const LIMITS: Limits = Limits {
+    turns: 100,
     levels: 10,
     open: 100,
     quiet_lines: 300,

@@ -7,6 +7,8 @@ mod changer;
 mod golden;
 mod input;
 mod oracle;
+mod rs274d;
 mod state;
 mod support;
+mod ticks;
 mod world;

@@ -112,7 +112,7 @@ pub(crate) fn answer(request: &Request, interpreter: &Interpreter) -> Answer {
         Request::ToolChange { .. } => Answer::ToolChange { position: None },
         Request::Input { .. } => Answer::Input(0.0),
         Request::Hal { .. } => Answer::Hal(Vec::new()),
-        Request::UserCode { .. } => Answer::Done,
+        Request::Function { .. } | Request::Finish | Request::UserCode { .. } => Answer::Done,
     }
 }
 

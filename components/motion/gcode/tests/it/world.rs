@@ -6,8 +6,9 @@ use hal_gcode::{
     Answer, Call, Environment, Error, Interpreter, Issued, Numbered, Request, Settings, Step, Text,
     axis::{AxisMask, Position},
     canon::Frame,
+    function::{CallWord, Effect, Next, Reply, Turn, Wanted},
     parameters::number,
-    remap::{Hook, Remap},
+    remap::Remap,
     state::State,
     tool::Tool,
 };
@@ -186,10 +187,10 @@ fn a_line_that_reads_values_of_hal_asks_for_them_before_it_runs() {
         let found = result.map_or_else(|error| error.to_string(), |calls| calls[0].clone());
         assert!(found.starts_with(wanted), "{text}: {found}");
     }
-    let failed = |_: &Request| Answer::Failed("a.b is NaN, which is no number".into());
+    let failed = |_: &Request| Answer::Failed("a.b is NaN, which is not a finite number".into());
     let error = run(&mut new(Settings::default()), "g0 x1\n#1=#<_hal[a.b]>\nm2\n", failed);
     let text = error.unwrap_err().to_string();
-    assert_eq!(text, "test.ngc:2: HAL: a.b is NaN, which is no number");
+    assert_eq!(text, "test.ngc:2: HAL: a.b is NaN, which is not a finite number");
     let wrong = run(&mut new(Settings::default()), "#1=#<_hal[a]>\nm2\n", |_| Answer::Done);
     assert!(wrong.unwrap_err().to_string().contains("the answer does not fit"));
 }
@@ -205,54 +206,146 @@ fn block_delete_and_axes_are_settings() {
     assert!(error.to_string().contains("Bad character 'y' used"));
 }
 
-/// A machine with functions for the remaps `prolog=first`, `epilog=last` and `py=alone`.
+/// A machine whose O-word `twice` is a function.
 struct Hooks;
 
 impl Environment for Hooks {
     fn open(&self, name: &str) -> Option<Text> {
-        let text: &[u8] = b"o<body> sub\n(print,#<given>)\no<body> endsub [7]\n";
-        (name == "body").then(|| Arc::new(text.to_vec()) as Text)
-    }
-
-    fn tool(&self, _: i32) -> Option<Tool> {
-        None
-    }
-
-    fn hook(&self, hook: Hook, name: &str, state: &mut State) -> Option<Result<(), Box<str>>> {
-        match (hook, name) {
-            (Hook::Prolog, "first") => {
-                state.levels.last_mut()?.locals.insert("given".into(), 42.0);
-            }
-            (Hook::Epilog, "last") => {
-                state.globals.insert("_result".into(), state.returned? + 1.0);
-            }
-            (Hook::Body, "alone") => return Some(Err("no air".into())),
+        let text: &[u8] = match name {
+            "body" => b"o<body> sub\n(print,#<given>)\no<body> endsub [7]\n",
+            "deep" => b"o<deep> sub\n#1=5\ng1 q3\no<deep> endsub\n",
             _ => return None,
-        }
-        Some(Ok(()))
+        };
+        Some(Arc::new(text.to_vec()) as Text)
+    }
+
+    fn tool(&self, number: i32) -> Option<Tool> {
+        (number == 3).then(|| Tool { number, pocket: 9, ..Tool::default() })
+    }
+
+    fn function(&self, name: &str) -> bool {
+        name == "twice" || name == "itself"
     }
 }
 
-#[test]
-fn functions_of_a_remap_run_around_its_subroutine_or_are_refused_by_name() {
-    let entries =
-        ["M400 prolog=first ngc=body epilog=last", "M401 py=alone", "M402 prolog=none ngc=body"];
+/// Answers as the functions `first`, `last`, `alone`, `twice`, `itself` and `busy` would.
+fn function(state: &State) -> Answer {
+    let call = state.function().unwrap();
+    let reply = |effects: Vec<Effect>, next| Answer::Function(Reply { effects, next });
+    let execute = |line: &str| reply(Vec::new(), Next::Execute(line.into()));
+    let print = |text: &str| Effect::Call("MESSAGE".into(), vec![CallWord::Text(text.into())]);
+    match (&*call.name, &call.turn) {
+        ("first", _) => reply(vec![Effect::Name("given".into(), 42.0)], Next::Done(None)),
+        ("last", _) => {
+            let result = state.returned.unwrap() + 1.0;
+            reply(vec![Effect::Name("_result".into(), result)], Next::Done(None))
+        }
+        ("twice", Turn::Begin) => execute("g0 x[#1+1]"),
+        ("twice", _) => reply(Vec::new(), Next::Done(Some(2.0 * call.arguments[0]))),
+        ("itself", Turn::Begin) => execute("o<itself> call"),
+        ("busy", Turn::Begin) => execute("g1 q3"),
+        ("busy", Turn::Executed(Some(failure))) if &*failure.text == "g1 q3" => {
+            reply(vec![print(&failure.message)], Next::Execute("o<deep> call [8]".into()))
+        }
+        ("busy", Turn::Executed(Some(failure))) if failure.text.starts_with("o<deep>") => {
+            let one = print(&format!("#1={}", state.numbered.get(1)));
+            reply(vec![one], Next::Ask(Wanted::Name("_hal[a.b]".into())))
+        }
+        ("busy", Turn::Value(Some(4.5))) => reply(Vec::new(), Next::Ask(Wanted::Slot(3))),
+        ("busy", Turn::Value(Some(9.0))) => execute("o1 if [1]"),
+        ("busy", Turn::Executed(Some(failure))) => {
+            reply(vec![print(&failure.message)], Next::Finish)
+        }
+        ("busy", Turn::Finished) => {
+            let change = Effect::Call("CHANGE_TOOL".into(), vec![CallWord::Number(3.0)]);
+            reply(vec![change], Next::Done(None))
+        }
+        ("wrong", Turn::Begin) => {
+            reply(vec![Effect::Field("current_x".into(), 1.0)], Next::Done(None))
+        }
+        (_, _) => Answer::Failed("no air".into()),
+    }
+}
+
+/// Runs a program with these functions, and writes down questions that are none of theirs.
+fn with_functions(text: &str) -> Result<Vec<String>, Error> {
+    let entries = [
+        "M400 prolog=first ngc=body epilog=last",
+        "M401 py=alone",
+        "M402 py=busy",
+        "M403 py=wrong",
+    ];
     let remaps: Vec<Remap> = entries.iter().map(|e| Remap::parse(e).unwrap()).collect();
-    let run = |text: &str| {
-        let mut it = new(Settings { remaps: remaps.clone(), ..Settings::default() });
-        it.load("test.ngc", Arc::new(text.as_bytes().to_vec()));
-        let mut out = Vec::new();
-        while it.next(&Hooks, &mut out)? != Step::Ended {}
-        Ok::<_, Error>(out.iter().map(|i| i.call.to_string()).collect::<Vec<_>>())
-    };
-    let calls = run("m400 g0 x1\n(print,#<_result>)\nm2\n").unwrap();
-    assert_eq!(calls[0], "42.000000");
-    assert!(calls[1].starts_with("STRAIGHT_TRAVERSE(1.0000"));
-    assert_eq!(calls[2], "8.000000");
-    let failed = run("m401\nm2\n").unwrap_err().to_string();
-    assert_eq!(failed, "test.ngc:1: alone: no air");
-    let refused = run("m402\nm2\n").unwrap_err().to_string();
-    assert!(refused.contains("M402: prolog=none is a function in Python"), "{refused}");
+    let mut it = new(Settings { remaps, ..Settings::default() });
+    it.load("test.ngc", Arc::new(text.as_bytes().to_vec()));
+    let (mut out, mut asked) = (Vec::new(), Vec::new());
+    let mut step = it.next(&Hooks, &mut out)?;
+    while step != Step::Ended {
+        step = match step {
+            Step::Ask(Request::Function { .. }) => {
+                // The state is a value: a run goes on from a copy.
+                it = Interpreter::from_state(it.state.clone());
+                it.supply("test.ngc", Arc::new(text.as_bytes().to_vec()));
+                let answer = function(&it.state);
+                it.answer(&answer, &Hooks, &mut out)?
+            }
+            Step::Ask(request) => {
+                asked.push(format!("{request:?}"));
+                let answer = match request {
+                    Request::Hal { names } => {
+                        Answer::Hal(names.into_iter().map(|n| (n, Some(4.5))).collect())
+                    }
+                    Request::ToolChange { .. } => Answer::ToolChange { position: None },
+                    _ => Answer::Done,
+                };
+                it.answer(&answer, &Hooks, &mut out)?
+            }
+            _ => it.next(&Hooks, &mut out)?,
+        };
+    }
+    let calls = out.iter().map(|i| format!("{}: {}", i.line, i.call));
+    Ok(calls.take_while(|c| !c.contains("SET_G5X_OFFSET")).chain(asked).collect())
+}
+
+#[test]
+fn functions_of_a_remap_run_around_its_subroutine_or_fail_at_the_line() {
+    let calls = with_functions("m400 g0 x1\n(print,#<_result>)\nm2\n").unwrap();
+    assert_eq!(calls[0], "2: 42.000000");
+    assert!(calls[1].starts_with("1: STRAIGHT_TRAVERSE(1.0000"), "{calls:?}");
+    assert_eq!(calls[2], "2: 8.000000");
+    let failed = with_functions("g0\nm401\nm2\n").unwrap_err().to_string();
+    assert_eq!(failed, "test.ngc:2: alone: no air");
+    let failed = with_functions("m403\nm2\n").unwrap_err().to_string();
+    assert_eq!(failed, "test.ngc:1: wrong: self.current_x cannot be set");
+}
+
+#[test]
+fn an_o_word_calls_a_function_with_its_values_and_gets_one() {
+    let calls = with_functions("#1=5\no<twice> call [21]\n(print,#<_value> #1)\nm2\n").unwrap();
+    assert!(calls[0].starts_with("2: STRAIGHT_TRAVERSE(6.0000"), "{calls:?}");
+    assert_eq!(calls[1], "3: 42.000000 5.000000");
+    let endless = with_functions("o<itself> call\nm2\n").unwrap_err().to_string();
+    assert!(endless.starts_with("test.ngc:1: itself: no air"), "{endless}");
+}
+
+#[test]
+fn a_function_gets_errors_values_and_ends_of_its_lines() {
+    let calls = with_functions("#1=7\nm402\ng0 x1\nm2\n").unwrap();
+    let wanted = [
+        "2: MESSAGE(\"Q word with no G5, G10, G64, G73, G76, G83, M19, M66, M67, M68 or user M code that uses it\")",
+        // The subroutine that has failed is gone, and the parameters are those of before.
+        "2: MESSAGE(\"#1=7\")",
+        "2: MESSAGE(\"a function can execute",
+        "2: CHANGE_TOOL(3)",
+        "3: STRAIGHT_TRAVERSE(1.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)",
+    ];
+    for (got, wanted) in calls.iter().zip(wanted) {
+        assert!(got.starts_with(&wanted[..20.min(wanted.len())]), "{calls:#?}");
+    }
+    assert_eq!(calls[1], wanted[1]);
+    let asked: Vec<&String> = calls.iter().skip(5).collect();
+    let wanted = ["Hal { names: [\"a.b\"] }", "Finish", "ToolChange { tool: 3 }"];
+    assert_eq!(asked, wanted, "{calls:#?}");
 }
 
 #[test]

@@ -3,7 +3,10 @@
 use super::{Path, less};
 use hal_component::Pose;
 use hal_trajectory::{Group, Step};
-use libm::atan2;
+use libm::{atan2, fabs};
+
+/// Turn of a step that is rounding, in radians.
+const STRAIGHT: f64 = 1e-9;
 
 impl Path {
     /// Returns the distance travelled along the current move, and the velocity along the path, negative in reverse.
@@ -31,8 +34,8 @@ impl Path {
             return if left > 0.0 { left } else { 0.0 };
         }
         let by = hal_trajectory::Pose(known.end) - self.last.pose;
-        let way = [Group::Xyz, Group::Uvw, Group::Abc].map(|g| by.norm(g));
-        way.into_iter().find(|w| *w > 0.0).unwrap_or(0.0)
+        let mut ways = [Group::Xyz, Group::Uvw, Group::Abc].into_iter().map(|g| by.norm(g));
+        ways.find(|way| *way > 0.0).unwrap_or(0.0)
     }
 
     /// Returns the distance of each axis to the end of the current move.
@@ -45,7 +48,15 @@ impl Path {
     pub(super) fn turn_heading(&mut self, step: &Step) {
         let [x, y, ..] = (step.pose - self.last.pose).0;
         // The first step of a path has no place before it.
-        if self.last.moving && step.moving && (x != 0.0 || y != 0.0) {
+        if !self.last.moving || !step.moving || x == 0.0 && y == 0.0 {
+            return;
+        }
+        // Along a line the direction stays.
+        let [was_x, was_y] = self.direction;
+        let (across, along) = (was_x * y - was_y * x, was_x * x + was_y * y);
+        let is_straight = fabs(across) <= STRAIGHT * along && along > 0.0;
+        if !is_straight {
+            self.direction = [x, y];
             self.heading = atan2(y, x).to_degrees();
         }
     }

@@ -159,25 +159,25 @@ pins! {
         tc_0_pos: ParamRo<f64> = 0.0, "tc.0.pos";
         /// Velocity along the current move, in machine units per second.
         tc_0_vel: ParamRo<f64> = 0.0, "tc.0.vel";
-        /// Acceleration on segment 0 of the path. Not used yet: always 0.
+        /// Acceleration along the current move, in machine units per second squared; 0 without one.
         tc_0_acc: ParamRo<f64> = 0.0, "tc.0.acc";
-        /// Position on segment 1 of the path. Not used yet: always 0.
+        /// Position along the move that is number 1 after the current one: always 0, because it has not begun.
         tc_1_pos: ParamRo<f64> = 0.0, "tc.1.pos";
-        /// Velocity on segment 1 of the path. Not used yet: always 0.
+        /// Velocity along the move that is number 1 after the current one: always 0, because it has not begun.
         tc_1_vel: ParamRo<f64> = 0.0, "tc.1.vel";
-        /// Acceleration on segment 1 of the path. Not used yet: always 0.
+        /// Acceleration along the move that is number 1 after the current one: always 0, because it has not begun.
         tc_1_acc: ParamRo<f64> = 0.0, "tc.1.acc";
-        /// Position on segment 2 of the path. Not used yet: always 0.
+        /// Position along the move that is number 2 after the current one: always 0, because it has not begun.
         tc_2_pos: ParamRo<f64> = 0.0, "tc.2.pos";
-        /// Velocity on segment 2 of the path. Not used yet: always 0.
+        /// Velocity along the move that is number 2 after the current one: always 0, because it has not begun.
         tc_2_vel: ParamRo<f64> = 0.0, "tc.2.vel";
-        /// Acceleration on segment 2 of the path. Not used yet: always 0.
+        /// Acceleration along the move that is number 2 after the current one: always 0, because it has not begun.
         tc_2_acc: ParamRo<f64> = 0.0, "tc.2.acc";
-        /// Position on segment 3 of the path. Not used yet: always 0.
+        /// Position along the move that is number 3 after the current one: always 0, because it has not begun.
         tc_3_pos: ParamRo<f64> = 0.0, "tc.3.pos";
-        /// Velocity on segment 3 of the path. Not used yet: always 0.
+        /// Velocity along the move that is number 3 after the current one: always 0, because it has not begun.
         tc_3_vel: ParamRo<f64> = 0.0, "tc.3.vel";
-        /// Acceleration on segment 3 of the path. Not used yet: always 0.
+        /// Acceleration along the move that is number 3 after the current one: always 0, because it has not begun.
         tc_3_acc: ParamRo<f64> = 0.0, "tc.3.acc";
         /// Distance travelled along the current move, in machine units: as tc.0.pos.
         traj_pos_out: ParamRo<f64> = 0.0, "traj.pos_out";

@@ -1,6 +1,6 @@
 //! Paths: arcs, blends, outputs on the way, pauses, steps, reverse motion, and refusals before anything moves.
 
-use super::{DT, Rig};
+use super::{DT, LIMITS, Rig};
 use hal_component::MotionStatus;
 use hal_component::abi::TicketState;
 
@@ -27,8 +27,14 @@ fn pins_and_snapshot_tell_about_the_current_move() {
     rig.say("motion.arc center-x=20 velocity=30 line=7");
     rig.say("motion.tool-offset z=-12.5 x=0.25");
     rig.begin();
-    rig.cycles(500);
-    assert!(rig.is("motion.interp.iscircle"));
+    rig.cycles(5);
+    let (slow, up) = (rig.float("tc.0.vel"), rig.float("tc.0.acc"));
+    rig.cycle();
+    assert!(
+        up > 100.0 && (rig.float("tc.0.acc") - (rig.float("tc.0.vel") - slow) / DT).abs() < 1e-6
+    );
+    rig.cycles(494);
+    assert!(rig.is("motion.interp.iscircle") && rig.float("tc.0.acc").abs() < 1e-6);
     assert_eq!(rig.float("motion.interp.feedrate"), 30.0);
     assert_eq!(rig.bench.get::<i32>("motion.interp.line-number"), 7);
     assert_eq!(rig.bench.get::<i32>("motion.interp.motion-type"), 3);
@@ -135,7 +141,9 @@ fn corners_are_blended_within_their_tolerance() {
         lines.dedup();
         assert_eq!(lines, [0, 1, 2, 3, 0], "{mode}");
         assert!(seen > 10 && nearest < 2.0 * tolerance + 1e-9, "{mode}: {nearest}");
-        assert_eq!(slowest < 1e-6, mode == "stop", "{mode}: {slowest}");
+        // An exact stop passes the corner itself, and what moves in the cycles beside it only begins or ends.
+        assert_eq!(nearest < 1e-9, mode == "stop", "{mode}: {nearest}");
+        assert!(mode != "stop" || slowest < 0.5 * LIMITS[0].1 * DT, "{mode}: {slowest}");
         assert_eq!(rig.places(), [0.0; 3]);
         times.push(cycles);
     }

@@ -10,7 +10,7 @@ use std::{
 };
 
 /// Number of requests that wait for the task.
-const ROOM: usize = 64;
+const QUEUE_LEN: usize = 64;
 /// Looks at the pins without a sign of the task, after which there is none.
 const SILENCE: u32 = 100;
 
@@ -46,7 +46,7 @@ impl Task {
     /// Sends a request; returns false if there is no task, or no room.
     fn send(&self, request: OperatorRequest) -> bool {
         let mut state = self.state();
-        let goes = state.view.is_some() && state.requests.len() < ROOM;
+        let goes = state.view.is_some() && state.requests.len() < QUEUE_LEN;
         if goes {
             state.requests.push_back(request);
         }

@@ -9,7 +9,7 @@ use super::{
     checking::{Checking, Start},
 };
 use crate::outside::{Level, Outside};
-use hal_gcode::Interpreter;
+use hal_gcode::{Dialect, Interpreter};
 use hal_job::{
     check::{Check, Seen},
     effects::Outputs,
@@ -71,7 +71,10 @@ impl Core {
     fn advance_start(&mut self, out: &mut impl Outside) {
         let Some(mut start) = self.checking.start.take() else { return };
         start.check.advance(&self.world, LINES_BEFORE);
-        if start.check.seen() == Seen::Part && out.now() - start.since < BUDGET {
+        // A program in RS274-D has no loops and a known end: all of it is checked before anything moves.
+        let is_whole = self.interpreter.state.settings.dialect == Dialect::Rs274d;
+        let has_time = is_whole || out.now() - start.since < BUDGET;
+        if start.check.seen() == Seen::Part && has_time {
             self.checking.start = Some(start);
             return;
         }

@@ -30,6 +30,7 @@ impl Core {
             input: 0.0,
             questions: Vec::new(),
             user_code: Ok(()),
+            is_stepping_function: false,
             began: out.now(),
         });
         self.current = None;
@@ -97,6 +98,7 @@ impl Core {
         self.at_speed_since = None;
         self.surface.fill(None);
         out.end_program();
+        out.end_functions();
         self.close_files(out);
         // The machine is in e-stop or iocontrol is full: then its outputs are off, or a later abort follows.
         let sent = out.request(IoRequest::Abort).is_some();

@@ -29,7 +29,7 @@ impl Core {
         if job.paused {
             return false;
         }
-        if self.read() {
+        if self.read() || self.step_function(out) {
             return true;
         }
         let Some(entry) = self.queue.front().cloned() else { return self.pause_or_end(out) };

@@ -56,6 +56,9 @@ impl Core {
                 Answer::ToolChange { position: moved.then(|| self.millimetres(motion.pose)) }
             }
             Request::Input { .. } => Answer::Input(job.input),
+            // Its steps do not wait for the machine.
+            Request::Function { .. } => return false,
+            Request::Finish => Answer::Done,
             Request::UserCode { .. } => match &job.user_code {
                 Ok(()) => Answer::Done,
                 Err(why) => Answer::Failed(why.as_str().into()),
@@ -88,7 +91,7 @@ impl Core {
         values.join(" ").into()
     }
 
-    fn take_line(&mut self, step: Result<Step, Error>, calls: Vec<hal_gcode::Issued>) {
+    pub(super) fn take_line(&mut self, step: Result<Step, Error>, calls: Vec<hal_gcode::Issued>) {
         self.serial += 1;
         let serial = self.serial;
         let tag = self.tag();

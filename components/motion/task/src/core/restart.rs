@@ -11,7 +11,7 @@ use crate::outside::Outside;
 use hal_gcode::{Interpreter, axis::Axis};
 use hal_job::{
     dry_run::{DryRun, Found, Target},
-    simulation::Given,
+    simulation::KnownAnswers,
     world::{self, Version},
 };
 pub(crate) use shown::Shown;
@@ -110,7 +110,7 @@ impl Core {
     }
 
     /// Returns the answers that the machine's rules give.
-    pub(super) fn given(&self) -> Given {
+    pub(super) fn given(&self) -> KnownAnswers {
         let k = self.world.machine.settings.unit.millimetres();
         let change = self.rules.change_position.map(|place| {
             let mut out = place;
@@ -120,7 +120,7 @@ impl Core {
             }
             out
         });
-        Given { change_position: change, ..Given::default() }
+        KnownAnswers { change_position: change, ..KnownAnswers::default() }
     }
 
     /// Goes on with the dry run; at its end there is a proposal.

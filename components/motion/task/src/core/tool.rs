@@ -1,6 +1,7 @@
 //! The tool in the spindle: written to disk before it is believed.
 
 use super::{Core, Waiting};
+use crate::convert::Action;
 use crate::outside::{Level, Outside};
 use hal_component::IoRequest;
 use hal_gcode::Interpreter;
@@ -28,6 +29,17 @@ impl Held {
 }
 
 impl Core {
+    /// Returns whether the job waits for a tool, and its number.
+    pub(crate) fn awaited_tool(&self) -> Option<i32> {
+        match (&self.waiting, self.queue.front().map(|entry| &entry.action)) {
+            _ if !self.flight.is_empty() => None,
+            (Some(Waiting::Change { tool, .. }), _) => Some(*tool),
+            // The change waits until its tool is prepared.
+            (None, Some(Action::Change(tool))) if self.preparing.is_some() => Some(*tool),
+            _ => None,
+        }
+    }
+
     /// Returns the reason why no program can begin, if it is unknown which tool is in the spindle.
     pub(super) fn needs_known_tool(&self) -> Result<(), String> {
         let what = match self.held.record {

@@ -32,7 +32,9 @@ pub(super) fn answer(
     let values: Vec<_> = names.iter().cloned().zip(answers).collect();
     let wrong = values.iter().find(|(_, value)| value.is_some_and(|v| !v.is_finite()));
     if let Some((name, Some(value))) = wrong {
-        return Some(Answer::Failed(format!("{name} is {value}, which is no number").into()));
+        return Some(Answer::Failed(
+            format!("{name} is {value}, which is not a finite number").into(),
+        ));
     }
     Some(Answer::Hal(values))
 }

@@ -127,6 +127,14 @@ impl Core {
         }
     }
 
+    /// Returns the seconds that a pause of G4 still takes.
+    pub(crate) fn delay_left(&self, now: f64) -> f64 {
+        match self.waiting {
+            Some(Waiting::Dwell { until }) => (until - now).max(0.0),
+            _ => 0.0,
+        }
+    }
+
     fn is_asked(&self) -> bool {
         self.job.as_ref().is_some_and(|j| matches!(j.reading, Reading::Asked(_)))
     }
@@ -158,7 +166,7 @@ impl Core {
         };
         if found && !value.is_finite() {
             return Progress::Failed(format!(
-                "analog input {index} is {value}, which is no number"
+                "analog input {index} is {value}, which is not a finite number"
             ));
         }
         let is_late = out.now() >= until;
@@ -166,6 +174,7 @@ impl Core {
             && (found || is_late)
         {
             job.input = if found { value } else { -1.0 };
+            self.input_was_late = !found;
         }
         if found || is_late { Progress::Done } else { Progress::Pending }
     }

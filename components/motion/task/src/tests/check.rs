@@ -199,3 +199,37 @@ fn the_time_left_follows_the_machine() {
     assert_eq!(rig.result(ticket), Some(Ok(())));
     assert_eq!(rig.core.time_left(), None);
 }
+
+/// A program in RS274-D is checked as a whole, however long that takes.
+#[test]
+fn a_program_in_rs274d_is_refused_as_a_whole_before_anything_moves() {
+    let rig = |program: &str| {
+        Rig::on_machine(program, |machine, _| {
+            machine.settings.axes = hal_gcode::axis::AxisMask(7);
+            machine.settings.dialect = hal_gcode::Dialect::Rs274d;
+            machine.limits[0] = (Some(-10.0), Some(100.0));
+        })
+    };
+    let mut text = "G21 F600 # no end is needed\n".to_owned();
+    for n in 0..90_000 {
+        text.push_str(&format!("G01 X{}\n", n % 7));
+    }
+    let mut good = rig("G21 F600 (c)\nM03 G01 X5 # c\nG04 P500\n");
+    let sent = good.run();
+    assert!(sent.iter().any(|s| s.starts_with("2: line 5")), "{sent:?}");
+    let warned =
+        good.fake.messages.iter().any(|m| m.contains("job.ngc:2: warning: M03 is ignored"));
+    assert!(warned, "{:?}", good.fake.messages);
+    for (last, wanted) in [
+        ("G41 X1", "job.ngc:90002:1: G41 (cutter compensation left) is not part of RS274-D"),
+        ("G02 X9 Y9 I1", "job.ngc:90002:1: Radius to end of arc differs from radius to start"),
+        ("G01 X500", "job.ngc:90002: X500.0000 is 400.0000 mm beyond [AXIS_X]MAX_LIMIT = 100"),
+    ] {
+        let mut rig = rig(&format!("{text}{last}\n"));
+        let ticket = rig.send(Command::Run);
+        rig.pass(2.0);
+        let why = rig.result(ticket).unwrap().unwrap_err();
+        assert!(why.contains(wanted), "{why}");
+        assert_eq!(rig.sent(), [""; 0], "nothing is sent");
+    }
+}

@@ -1,6 +1,7 @@
 //! The fake machine as the outside of the core.
 
 use super::*;
+use hal_gcode::{Environment, State};
 
 impl Outside for Fake {
     fn now(&self) -> f64 {
@@ -126,6 +127,24 @@ impl Outside for Fake {
     }
     fn end_program(&mut self) {
         self.program = Progress::Done;
+    }
+    fn begin_function(&mut self, state: &State, env: &dyn Environment) -> Result<(), String> {
+        self.functions.as_mut().ok_or("no functions")?.begin(state, env)
+    }
+    fn function(&mut self) -> hal_remap::Progress {
+        let functions = self.functions.as_mut().unwrap();
+        loop {
+            let wait = if self.is_patient { 100 } else { 1 };
+            match functions.progress(std::time::Duration::from_millis(wait)) {
+                hal_remap::Progress::Pending if self.is_patient => {}
+                end => return end,
+            }
+        }
+    }
+    fn end_functions(&mut self) {
+        if let Some(functions) = self.functions.as_mut().filter(|f| f.is_busy()) {
+            functions.end();
+        }
     }
     fn say(&mut self, _: Level, text: &str) {
         self.messages.push(text.to_owned());

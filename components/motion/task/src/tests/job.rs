@@ -106,6 +106,7 @@ fn a_probe_and_an_input_answer_the_interpreter() {
     rig.pass(2.5);
     let moved = rig.sent();
     assert_eq!(moved[0], "7: line -4.5 1 -1", "the second input timed out");
+    assert!(rig.core.input_was_late);
     assert_eq!(rig.result(ticket), Some(Ok(())));
 }
 
@@ -282,8 +283,8 @@ fn a_value_of_hal_is_that_behind_the_motion_before_its_line() {
 fn a_value_of_hal_that_is_none_ends_the_job_at_its_line() {
     for (value, wanted) in [
         (None, "job.ngc:3:5: Named parameter #<_hal[a.b]> not defined"),
-        (Some(f64::NAN), "job.ngc:3: HAL: a.b is NaN, which is no number"),
-        (Some(f64::INFINITY), "job.ngc:3: HAL: a.b is inf, which is no number"),
+        (Some(f64::NAN), "job.ngc:3: HAL: a.b is NaN, which is not a finite number"),
+        (Some(f64::INFINITY), "job.ngc:3: HAL: a.b is inf, which is not a finite number"),
     ] {
         let mut rig = Rig::new("G21 G90\nG0 X1\nG0 X#<_hal[a.b]>\nG0 X9\nM2\n");
         rig.fake.hal.extend(value.map(|v| ("a.b".to_owned(), v)));

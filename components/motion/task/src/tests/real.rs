@@ -43,7 +43,8 @@ impl Component for Jobs {
             change_position: None,
             safe_height: None,
         };
-        let core = Core::new(World { machine, hal: BTreeMap::new() }, rules).unwrap();
+        let core =
+            Core::new(World { machine, hal: BTreeMap::new(), functions: None }, rules).unwrap();
         shared.lock().opened = Some((Box::new(core), Files::default()));
         let snapshot = b.snapshot("task.status", status::VERSION, "")?;
         let pins = Pins::make(b)?;

@@ -10,13 +10,12 @@ use crate::{
     journal_file::JournalFile,
     outside::{FileAction, Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
     programs::UserProgram,
-    texts::Texts,
 };
 use hal_component::{
     Clock, HalValues, IoControlRef, IoRequest, IoState, Messages, MotionEnd, MotionId, MotionRef,
-    MotionRefusal, MotionToken, OperatorRef, TicketHandle,
+    MotionRefusal, MotionToken, OperatorRef, Texts, TicketHandle,
 };
-use hal_gcode::{Numbered, tool::ToolTable};
+use hal_gcode::{Environment, Numbered, State, tool::ToolTable};
 use hal_job::{
     journal::Record,
     spindle::{self, Spindle},
@@ -24,6 +23,7 @@ use hal_job::{
 use std::{
     collections::{BTreeMap, VecDeque},
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 /// Number of orders and of requests that are known after their end.
@@ -32,6 +32,8 @@ const MAX_KNOWN: usize = 2048;
 const MAX_MESSAGES: usize = 4096;
 /// Number of different errors, which programs cannot use up with their messages.
 const MAX_REASONS: usize = 65_536;
+/// Time for which the worker waits for a function, and then looks at the machine again.
+const FUNCTION_WAIT: Duration = Duration::from_millis(2);
 const NOT_OWNER: &str = "motion belongs to another controller";
 
 /// Everything outside the core.
@@ -51,6 +53,8 @@ pub(super) struct Machine {
     files: Files,
     saved: String,
     journal: JournalFile,
+    /// Machine time of the begin of the last step of a function.
+    step_began: i64,
     /// The last message.
     said: &'static str,
     program: UserProgram,
@@ -88,6 +92,7 @@ impl Machine {
             files: Files::default(),
             saved: String::new(),
             journal: JournalFile::default(),
+            step_began: 0,
             said: "",
             program: UserProgram::default(),
             program_files: ProgramFiles::default(),
@@ -279,6 +284,42 @@ impl Outside for Machine {
 
     fn end_program(&mut self) {
         self.program.end();
+    }
+
+    fn begin_function(&mut self, state: &State, env: &dyn Environment) -> Result<(), String> {
+        self.step_began = self.clock.now_ns();
+        let functions = self.files.functions.as_mut();
+        let functions = functions.ok_or("the INI file has no section PYTHON")?;
+        functions.begin(state, env)
+    }
+
+    fn function(&mut self) -> hal_remap::Progress {
+        let Some(functions) = &mut self.files.functions else {
+            return hal_remap::Progress::Failed("the INI file has no section PYTHON".to_owned());
+        };
+        let begun = self.clock.now_ns();
+        loop {
+            match functions.progress(FUNCTION_WAIT) {
+                hal_remap::Progress::Pending => {}
+                end => return end,
+            }
+            // The virtual clock stands still while the worker is at work: then a function takes no machine time.
+            let now = self.clock.now_ns();
+            let taken = now.saturating_sub(self.step_began).unsigned_abs();
+            if u128::from(taken) >= functions.timeout().as_nanos() {
+                functions.end();
+                return hal_remap::Progress::Failed(functions.late());
+            }
+            if now != begun {
+                return hal_remap::Progress::Pending;
+            }
+        }
+    }
+
+    fn end_functions(&mut self) {
+        if let Some(functions) = self.files.functions.as_mut().filter(|f| f.is_busy()) {
+            functions.end();
+        }
     }
 
     fn say(&mut self, level: Level, text: &str) {

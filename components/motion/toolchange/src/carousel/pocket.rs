@@ -18,10 +18,10 @@ pub(super) enum Encoding {
 }
 
 impl Encoding {
-    /// Returns the encoding of this name.
+    /// Returns the encoding of this name, in capitals or not.
     pub(super) fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "gray" => Self::Gray,
+        Some(match name.to_ascii_lowercase().as_str() {
+            "gray" | "" => Self::Gray,
             "binary" => Self::Binary,
             "bcd" => Self::Bcd,
             "single" => Self::Single,

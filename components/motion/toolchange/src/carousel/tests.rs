@@ -252,6 +252,12 @@ fn lists() {
     let mut b = Bench::new();
     b.load::<Carousel>(&[]).unwrap();
     assert!(b.names().iter().any(|n| n == "carousel.0.sense-3 bit IN"));
+    // An empty encoding is gray, and capitals are accepted, as in LinuxCNC.
+    let mut b = Bench::new();
+    b.load::<Carousel>(&["pockets=4,4,4", "encoding=,Index,"]).unwrap();
+    let has = |name: &str| b.names().iter().any(|n| n.starts_with(&format!("{name} ")));
+    assert!(has("carousel.0.sense-3") && has("carousel.2.sense-3"));
+    assert!(has("carousel.1.sense-1") && !has("carousel.1.sense-2"));
 }
 
 /// Each refusal names the argument and its range, and leaves nothing behind.

@@ -34,7 +34,7 @@ const TURN: f64 = 0.35;
 const HALVINGS: u32 = 8;
 
 /// Largest number of curves that a spline becomes.
-const LONGEST: usize = 4096;
+const MAX_CURVES: usize = 4096;
 
 /// Largest ratio of two weights.
 const WEIGHTS: f64 = 1e6;
@@ -197,7 +197,7 @@ impl Spline {
                         _ => pieces *= 2,
                     }
                 };
-                if out.len() + curves.len() > LONGEST {
+                if out.len() + curves.len() > MAX_CURVES {
                     return Err(SplineFault::Long);
                 }
                 let length = scale * (to - from) / f64::from(pieces);

@@ -78,14 +78,14 @@ pub struct Outcome {
 
 /// A step of a program as the planner takes it.
 #[derive(Clone, Debug)]
-pub enum Given {
+pub enum PlannerStep {
     /// A line or an arc.
     Move(Move),
     /// A spline, with feed, mode and line.
     Spline(Spline, f64, Mode, u32),
 }
 
-impl Given {
+impl PlannerStep {
     /// Gives the step to a planner.
     pub fn push<K: Kinematics>(&self, planner: &mut Planner<K>) -> Result<(), Error> {
         match self {
@@ -98,7 +98,10 @@ impl Given {
 }
 
 /// Converts a program to steps of the planner and to shapes for the path judge.
-pub fn convert(program: &Program, machine: &Machine) -> (Vec<Given>, Vec<(WatchShape, Tolerance)>) {
+pub fn convert(
+    program: &Program,
+    machine: &Machine,
+) -> (Vec<PlannerStep>, Vec<(WatchShape, Tolerance)>) {
     let poses = program.poses();
     let mut moves = Vec::new();
     let mut shapes = Vec::new();
@@ -125,7 +128,7 @@ pub fn convert(program: &Program, machine: &Machine) -> (Vec<Given>, Vec<(WatchS
     (moves, shapes)
 }
 
-fn convert_step(step: &Step, from: &[f64; AXES], to: &[f64; AXES], line: u32) -> Given {
+fn convert_step(step: &Step, from: &[f64; AXES], to: &[f64; AXES], line: u32) -> PlannerStep {
     let mode = match step.mode {
         CorpusMode::ExactStop => Mode::ExactStop,
         CorpusMode::Exact => Mode::Exact,
@@ -149,10 +152,10 @@ fn convert_step(step: &Step, from: &[f64; AXES], to: &[f64; AXES], line: u32) ->
         Motion::Spline(s) => {
             let points: Vec<_> = s.placed(from).into_iter().map(|(p, w)| (Pose(p), w)).collect();
             let spline = Spline::new(s.degree, &s.knots, &points).unwrap();
-            return Given::Spline(spline, step.feed, mode, line);
+            return PlannerStep::Spline(spline, step.feed, mode, line);
         }
     };
-    Given::Move(Move { shape, feed: step.feed, mode, line })
+    PlannerStep::Move(Move { shape, feed: step.feed, mode, line })
 }
 
 /// Runs a program and judges it.

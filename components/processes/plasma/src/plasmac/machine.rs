@@ -274,7 +274,7 @@ impl Cutter {
         self.status.thc_enabled.set(enabled);
         let cuts = matches!(self.state, State::Cut | State::CutByHand);
         self.status.thc_active.set(self.control.active && enabled && cuts);
-        self.sense();
+        self.debounce_ohmic();
         let sensor = self.probe.float_switch.get() || self.tip || self.probe.breakaway.get();
         self.status.sensor_active.set(sensor);
         if self.at.is_paused.get() {
@@ -301,7 +301,7 @@ impl Cutter {
     }
 
     /// Debounces the relay of the ohmic contact.
-    fn sense(&mut self) {
+    fn debounce_ohmic(&mut self) {
         let (on, off) = self.sensed;
         if self.probe.ohmic_sense_in.get() {
             self.sensed = (on.saturating_add(1), 0);

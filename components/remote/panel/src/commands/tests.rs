@@ -1,6 +1,6 @@
 //! The table of commands.
 
-use super::{Action, Args, Given, ROWS};
+use super::{Action, Args, Input, ROWS};
 use crate::session::Role;
 use hal_protocol::Request;
 use serde_json::{Value as Json, json};
@@ -44,7 +44,7 @@ fn only_what_ends_motion_needs_no_lease() {
 /// Returns the engine's command for these arguments.
 fn sent(name: &str, args: &Json) -> Result<String, String> {
     let args: Args = serde_json::from_value(args.clone()).unwrap();
-    let given = Given { args: &args, is_inch: false };
+    let given = Input { args: &args, is_inch: false };
     let requests = match super::find(name).map_err(|e| e.text)?.action {
         Action::Engine(requests) => requests(&given),
         Action::Jog => given.jog(7),
@@ -90,8 +90,8 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
             json!({"axis": "z1", "value": 1}),
             Err("axis is Z1, must be one of XYZABCUVW"),
         ),
-        ("touch-off", json!({"axis": "z", "value": "1 G0"}), Err("value '1 G0' is no number")),
-        ("touch-off", json!({"axis": "z", "value": "inf"}), Err("value 'inf' is no number")),
+        ("touch-off", json!({"axis": "z", "value": "1 G0"}), Err("value '1 G0' is not a number")),
+        ("touch-off", json!({"axis": "z", "value": "inf"}), Err("value 'inf' is not a number")),
         ("touch-off", json!({"axis": "a", "value": 90}), Ok("task.mdi text=G10 L20 P0 A90")),
         (
             "tool-offset",

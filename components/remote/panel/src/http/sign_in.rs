@@ -54,25 +54,25 @@ struct Password {
 
 impl Panel {
     /// Returns the role of who has the one-time token, which is replaced.
-    fn by_token(&self, login: Token) -> Result<Role, Error> {
-        if !self.sessions.take_token(&login.token) {
+    pub(crate) fn by_token(&self, token: &str) -> Result<Role, Error> {
+        if !self.sessions.take_token(token) {
             return Err(Error::new(Code::WrongLogin, "the token is wrong, or has been used"));
         }
         if let Err(why) = self.renew_token() {
             // The file still has this token.
-            self.sessions.set_token(login.token);
+            self.sessions.set_token(token.to_owned());
             return Err(Error::new(Code::Disk, why));
         }
         Ok(self.options.role)
     }
 
     /// Returns the role of who has this password.
-    fn by_password(&self, login: &Password) -> Result<Role, Error> {
+    pub(crate) fn by_password(&self, user: &str, password: &str) -> Result<Role, Error> {
         let accounts = self.security.accounts.as_ref().ok_or_else(|| {
             Error::new(Code::WrongLogin, "there are no accounts: sign in with the token")
         })?;
         // Hashing a password takes a while, and memory: one after the other.
-        block_in_place(|| accounts.check(&login.user, &login.password)).map_err(|why| match why {
+        block_in_place(|| accounts.check(user, password)).map_err(|why| match why {
             Wrong::Login => Error::new(Code::WrongLogin, "the user or the password is wrong"),
             Wrong::Haste => {
                 Error::new(Code::TooMany, "too many passwords were tried: wait a little")
@@ -89,9 +89,9 @@ pub(crate) async fn sign_in(
     let login: Login = serde_json::from_slice(&body)
         .map_err(|e| Error::new(Code::Malformed, format!("this is no login: {e}")))?;
     let (user, role) = match login {
-        Login::Token(login) => (LOCAL.to_owned(), panel.by_token(login)),
+        Login::Token(login) => (LOCAL.to_owned(), panel.by_token(&login.token)),
         Login::Password(login) => {
-            let role = panel.by_password(&login);
+            let role = panel.by_password(&login.user, &login.password);
             (login.user, role)
         }
     };

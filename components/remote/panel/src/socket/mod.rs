@@ -79,7 +79,8 @@ pub(crate) async fn open(
 }
 
 impl Panel {
-    fn count_clients(&self) {
+    /// Shows the number of clients at its pin.
+    pub(crate) fn count_clients(&self) {
         let count = u32::try_from(self.clients.count()).unwrap_or(u32::MAX);
         self.heart.clients.store(count, Relaxed);
     }
@@ -285,15 +286,8 @@ impl Connection {
 
     /// Notes that the engine has ended the lease of this client.
     fn check_lease(&mut self) {
-        let held = self.panel.clients.number(self.client);
-        let now = u64::from(self.panel.heart.lease.load(Relaxed));
-        if held.is_some_and(|number| number == now) {
-            self.confirmed = held;
-        } else if let Some(number) = self.confirmed.take()
-            && held == Some(number)
-        {
-            self.panel.clients.lost(number);
-        }
+        let now = self.panel.heart.lease.load(Relaxed);
+        self.panel.clients.check(self.client, now, &mut self.confirmed);
     }
 
     async fn changed_values(&mut self) -> Option<Json> {

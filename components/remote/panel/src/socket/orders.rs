@@ -2,7 +2,7 @@
 
 use super::{Connection, message::LeaseAction};
 use crate::{
-    commands::{self, Action, Args, Given},
+    commands::{self, Action, Args, Input},
     error::{Code, Error},
     lease::no_lease,
     prepare,
@@ -158,7 +158,7 @@ impl Order {
         if WORK.contains(&name) && !ends_spindle && !self.panel.heart.allowed.load(Relaxed) {
             return Err(not_allowed());
         }
-        let (given, lease) = (Given { args, is_inch: self.panel.is_inch }, lease.unwrap_or(0));
+        let (given, lease) = (Input { args, is_inch: self.panel.is_inch }, lease.unwrap_or(0));
         let requests = match row.action {
             Action::Engine(requests) => requests(&given)?,
             Action::Jog => given.jog(lease)?,

@@ -267,3 +267,22 @@ fn an_answer_to_a_tool_change_ends_by_itself() {
     assert!(!rig.is("tool-changed"));
     rig.command("remote.tool-changed", "lease=1").unwrap_err();
 }
+
+#[test]
+fn a_program_that_was_refused_is_forgotten_and_one_that_runs_is_not() {
+    let mut rig = Rig::homed(&[]);
+    rig.command("remote.start", "lease=1").unwrap();
+    rig.command("remote.refused", "lease=1").unwrap();
+    rig.command("remote.give", "lease=1").unwrap();
+    rig.cycles(20);
+    assert!(!rig.is("hold"));
+    rig.command("remote.refused", "lease=1").unwrap_err();
+    rig.command("remote.take", "holder=eva").unwrap();
+    rig.cycles(100);
+    rig.command("remote.start", "lease=2").unwrap();
+    rig.program();
+    rig.command("remote.refused", "lease=2").unwrap();
+    rig.command("remote.give", "lease=2").unwrap();
+    rig.cycles(20);
+    assert!(rig.is("hold"));
+}

@@ -66,7 +66,11 @@ impl Look<'_> {
     fn set_then_written(&mut self, signal: Ix) {
         let Some(set) = self.set_at(signal) else { return };
         let (writers, _) = self.ends(signal);
-        let out = |w: &&Ix| self.graph.item(**w).is_some_and(|i| i.direction == Direction::Out);
+        // A port is set to the size of its queue.
+        let out = |w: &&Ix| {
+            let writes = |i: &Item| i.direction == Direction::Out && i.ty != Type::Port;
+            self.graph.item(**w).is_some_and(writes)
+        };
         let Some(writer) = writers.iter().find(out).copied() else { return };
         let name = self.signal_name(signal);
         let text = format!("signal '{name}' is set here, and '{}' writes it: the value is lost", {

@@ -45,7 +45,7 @@ impl Tape {
         let first: Vec<_> = probe.last().map(Some).collect();
         let mut writer = Writer::new(file, TimeBase::NANOSECONDS, columns, None)?;
         writer.all(now, &first)?;
-        let (looks, put_at) = (probe.looks(), os::monotonic_ns());
+        let (looks, put_at) = (probe.samples(), os::monotonic_ns());
         let path = path.to_owned();
         let mut tape = Self { path, probe, writer, looks, put_at, failure: None, is_over: false };
         tape.end_record();
@@ -91,7 +91,7 @@ impl Tape {
             return;
         }
         // Every sample whose changes were read before, at least in part, is over.
-        let over = still || self.probe.looks() > self.looks;
+        let over = still || self.probe.samples() > self.looks;
         let mut begun = false;
         while let Some((time, which, bits)) = self.probe.change() {
             if self.failure.is_some() {
@@ -115,7 +115,7 @@ impl Tape {
         if still || (over && !begun) {
             self.end_record();
         }
-        self.looks = self.probe.looks();
+        self.looks = self.probe.samples();
         let waiting = self.writer.out().waiting();
         let clock = os::monotonic_ns();
         if waiting >= MAX_WAITING || (waiting > 0 && clock - self.put_at >= MAX_WAIT_NS) {
@@ -131,7 +131,7 @@ impl Tape {
             return;
         }
         if still {
-            self.probe.look(now);
+            self.probe.sample(now);
             self.end(now);
             return;
         }
@@ -180,7 +180,7 @@ mod tests {
         let mut tape = Tape::begin("x.vcd", file, &columns, probe.clone(), 11).unwrap();
         for (at, bit) in [(10, 1), (20, 0)] {
             value.store(bit, Ordering::Relaxed);
-            probe.look(at);
+            probe.sample(at);
             tape.drain(false, 21);
         }
         tape.end(21);
@@ -206,7 +206,7 @@ mod tests {
         tape.put_at = i64::MAX;
         let sample = |at, bit| {
             value.store(bit, Ordering::Relaxed);
-            probe.look(at);
+            probe.sample(at);
         };
         let whole = |tape: &mut Tape, still| {
             tape.drain(still, 9);

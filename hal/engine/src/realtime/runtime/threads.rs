@@ -88,7 +88,7 @@ impl Runtime {
     pub(crate) fn prepare(&mut self) -> Vec<String> {
         self.measure_ticks();
         self.quiet = false;
-        if self.trial {
+        if self.dry_run {
             return Vec::new();
         }
         if self.watchdog.is_none() {
@@ -133,7 +133,7 @@ impl Runtime {
         thread: &Arc<Thread>,
         arena: &Arena,
     ) -> Result<(), Error> {
-        if self.trial {
+        if self.dry_run {
             return Ok(());
         }
         let mut all = self.shared.threads.load().to_vec();

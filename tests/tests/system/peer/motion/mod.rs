@@ -177,7 +177,7 @@ impl Theirs {
         let page = std::fs::read_to_string(root().join(PAGE)).unwrap();
         let figures = |name: &String| {
             let row = page.lines().find(|l| l.starts_with(&format!("| {name} |")));
-            let row = row.unwrap_or_else(|| panic!("{PAGE} has no row for {name}: write it anew"));
+            let row = row.unwrap_or_else(|| panic!("{PAGE} has no row for {name}: write it again"));
             let cell = |n| row.split('|').nth(n).unwrap().trim().parse().unwrap();
             let (seconds, velocity) = (cell(4), cell(9));
             Figures { seconds, velocity, acceleration: cell(10), distance: cell(11) }

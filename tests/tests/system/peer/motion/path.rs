@@ -39,7 +39,7 @@ impl Programmed {
     pub(super) fn read(folder: &Path, name: &str) -> Self {
         let machine =
             Machine::read(&Files { ini: Some(&folder.join("machine.ini")), ..Files::default() });
-        let world = World { machine: machine.unwrap(), hal: BTreeMap::new() };
+        let world = World { machine: machine.unwrap(), hal: BTreeMap::new(), functions: None };
         let settings = &world.machine;
         let mut it = Interpreter::new(settings.settings.clone(), settings.numbered.clone());
         it.load(name, world::program(&folder.join(name)).unwrap());
@@ -47,7 +47,7 @@ impl Programmed {
         let mut way = Way::new(frame, it.state.position);
         let mut out = Self { shapes: Vec::new(), tolerance: 0.0, end: [0.0; 9] };
         let (mut path, mut joining) = (f64::INFINITY, 0.0_f64);
-        run::run(&mut it, &world, Answers { probe_trips: false }, |_, issued| {
+        run::run(&mut it, &world, Answers { probe_trips: false, functions: None }, |_, issued| {
             match issued.call {
                 Call::SetPathMode(PathMode::Continuous { tolerance }) => path = tolerance,
                 Call::SetPathMode(_) => path = EXACT,

@@ -1,0 +1,373 @@
+//! Tests of the plugin on a bench: a pseudo-terminal as serial line and as bus, a pipe, a socket, a folder like configfs.
+
+use crate::{keypad::KeypadComponent, lcd_reader::LcdReader, usbjobs::UsbJobs};
+use hal_bench::Bench;
+use hal_handheld::{FrameFormat, KeySet, RECORD_LEN, st7920::row_bytes};
+use rustix::{
+    fs::{OFlags, fcntl_setfl},
+    pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt},
+};
+use std::{
+    fs::File,
+    io::{Read as _, Write as _},
+    os::unix::net::UnixStream,
+    path::PathBuf,
+};
+
+const MS: i64 = 1_000_000;
+
+/// Folder that goes again.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("ferrule-{name}-{}", std::process::id()));
+        drop(std::fs::remove_dir_all(&path));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        drop(std::fs::remove_dir_all(&self.0));
+    }
+}
+
+/// Returns the end of a pseudo-terminal that stands for the hardware, and the path of the other one.
+fn terminal() -> (File, String) {
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+    grantpt(&master).unwrap();
+    unlockpt(&master).unwrap();
+    let path = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
+    fcntl_setfl(&master, OFlags::NONBLOCK).unwrap();
+    (File::from(master), path)
+}
+
+fn frame(key: u8) -> Vec<u8> {
+    let (bytes, len) = FrameFormat::default().encode(KeySet::of(key));
+    bytes[..len].to_vec()
+}
+
+fn hardware() -> Bench {
+    Bench::new().with_hardware()
+}
+
+#[test]
+fn frames_pass_a_serial_line_in_both_directions() {
+    let (mut cable, path) = terminal();
+    let mut bench = hardware();
+    bench.load::<KeypadComponent>(&[&format!("device={path}"), "baud=115200"]).unwrap();
+    cable.write_all(&frame(14)).unwrap();
+    bench.work("keypad.line", 64).unwrap();
+    bench.command("keypad.press", &["key=1"]).unwrap();
+    bench.run("keypad.update", 20 * MS);
+    assert!(bench.get::<bool>("keypad.down-14") && bench.get::<bool>("keypad.down-01"));
+    bench.work("keypad.line", 64).unwrap();
+    let mut sent = [0; 16];
+    assert_eq!(cable.read(&mut sent).unwrap(), 8);
+    let both = KeySet::of(1).with(KeySet::of(14));
+    assert_eq!(sent[..8], FrameFormat::default().encode(both).0[..8]);
+    // A wrong check byte.
+    let mut bad = frame(14);
+    bad[7] ^= 1;
+    cable.write_all(&bad).unwrap();
+    bench.work("keypad.line", 64).unwrap();
+    bench.run("keypad.update", MS);
+    assert_eq!(bench.get::<u32>("keypad.bad-frames"), 1);
+}
+
+#[test]
+fn a_device_that_goes_is_told_once() {
+    let (cable, path) = terminal();
+    let mut bench = hardware();
+    bench.load::<KeypadComponent>(&[&format!("device={path}")]).unwrap();
+    drop(cable);
+    for _ in 0..5 {
+        bench.work("keypad.line", 64).unwrap();
+        bench.run("keypad.update", 20 * MS);
+    }
+    assert!(bench.said().len() <= 1);
+}
+
+#[test]
+fn several_programs_write_to_the_pipe() {
+    let scratch = Scratch::new("pipe");
+    let path = scratch.path("keys");
+    let mut bench = hardware();
+    bench.load::<KeypadComponent>(&[&format!("pipe={path}")]).unwrap();
+    let mut writers: Vec<File> =
+        (0..3).map(|_| File::options().write(true).open(&path).unwrap()).collect();
+    writers[0].write_all(b"13\n").unwrap();
+    writers[1].write_all(b"15 100\n").unwrap();
+    writers[2].write_all(b"what\n49\n\xff\n").unwrap();
+    // A line without its end waits for the rest.
+    writers[0].write_all(b"1").unwrap();
+    bench.work("keypad.pipe", 64).unwrap();
+    bench.run("keypad.update", MS);
+    assert_eq!((bench.get::<u32>("keypad.queue"), bench.get::<u32>("keypad.bad-lines")), (2, 3));
+    let said = bench.said();
+    assert!(said[0].contains("no whole number") && said[1].contains("keys are 1 to"), "{said:?}");
+    writers[0].write_all(b"4\n").unwrap();
+    bench.work("keypad.pipe", 64).unwrap();
+    bench.run("keypad.update", MS);
+    assert_eq!(bench.get::<u32>("keypad.queue"), 3);
+}
+
+#[test]
+fn writers_wait_while_64_presses_wait() {
+    let scratch = Scratch::new("full");
+    let path = scratch.path("keys");
+    let mut bench = hardware();
+    bench.load::<KeypadComponent>(&[&format!("pipe={path}")]).unwrap();
+    let mut writer = File::options().write(true).open(&path).unwrap();
+    writer.write_all("1\n2\n".repeat(50).as_bytes()).unwrap();
+    bench.work("keypad.pipe", 1000).unwrap();
+    bench.run("keypad.update", MS);
+    assert_eq!(bench.get::<u32>("keypad.queue"), 64);
+    // Each press takes five periods: the rest comes in as there is room, and none is lost.
+    let mut presses = 0;
+    let mut was = [false; 2];
+    for _ in 0..100 * 5 + 10 {
+        bench.work("keypad.pipe", 1000).unwrap();
+        bench.run("keypad.update", 20 * MS);
+        let is = ["keypad.down-01", "keypad.down-02"].map(|pin| bench.get::<bool>(pin));
+        presses += is.iter().zip(was).filter(|(is, was)| **is && !was).count();
+        was = is;
+    }
+    assert_eq!((presses, bench.get::<u32>("keypad.queue")), (100, 0));
+}
+
+#[test]
+fn the_screen_is_read_from_a_device_by_many_readers() {
+    let scratch = Scratch::new("screen");
+    let socket = scratch.path("lcd");
+    let (mut bus, path) = terminal();
+    let mut bench = hardware();
+    let args = [format!("device={path}"), format!("socket={socket}"), "find=ROW".to_owned()];
+    bench.load::<LcdReader>(&args.each_ref().map(String::as_str)).unwrap();
+    let mut readers: Vec<UnixStream> =
+        (0..3).map(|_| UnixStream::connect(&socket).unwrap()).collect();
+    let mut draw = |bench: &Bench, text: &[u8; 16]| {
+        // Split anywhere.
+        for part in row_bytes(0, text).chunks(5) {
+            bus.write_all(part).unwrap();
+            bench.work("lcd.line", 64).unwrap();
+            bench.run("lcd.update", MS);
+            bench.pass(MS);
+        }
+        bench.pass(6 * MS);
+        bench.run("lcd.update", MS);
+        bench.work("lcd.readers", 1).unwrap();
+    };
+    let record = |reader: &mut UnixStream| {
+        let mut bytes = [0; RECORD_LEN];
+        reader.read_exact(&mut bytes).unwrap();
+        String::from_utf8(bytes.to_vec()).unwrap()
+    };
+    draw(&bench, b"FIRST ROW       ");
+    assert!(bench.get::<bool>("lcd.found-0"));
+    for reader in &mut readers {
+        let text = record(reader);
+        assert!(text.starts_with("FIRST ROW ") && text.ends_with("00000\r\n"), "{text:?}");
+    }
+    draw(&bench, b"ANOTHER         ");
+    assert!(!bench.get::<bool>("lcd.found-0"));
+    assert!(record(&mut readers[0]).ends_with("00001\r\n"));
+    // One reader goes, a new one comes.
+    readers.remove(1);
+    readers.push(UnixStream::connect(&socket).unwrap());
+    draw(&bench, b"THIRD           ");
+    assert!(record(&mut readers[0]).ends_with("00002\r\n"));
+    assert!(record(&mut readers[1]).starts_with("ANOTHER"));
+    let text = record(&mut readers[2]);
+    assert!(text.starts_with("THIRD") && text.ends_with("00000\r\n"), "{text:?}");
+    assert_eq!(bench.get::<u32>("lcd.errors"), 0);
+}
+
+/// A reader that does not read loses whole screens, and the others none.
+#[test]
+fn a_slow_reader_delays_nobody() {
+    let scratch = Scratch::new("slow");
+    let socket = scratch.path("lcd");
+    let mut bench = hardware();
+    bench.load::<LcdReader>(&[&format!("socket={socket}")]).unwrap();
+    bench.port("lcd.bus", 512);
+    let bus = bench.get::<hal_component::Port>("lcd.bus");
+    let mut slow = UnixStream::connect(&socket).unwrap();
+    let mut fast = UnixStream::connect(&socket).unwrap();
+    let mut record = [0; RECORD_LEN];
+    for n in 0..6000_u32 {
+        let text = format!("{n:016}");
+        assert!(bus.write(&row_bytes(0, text.as_bytes().try_into().unwrap())));
+        bench.run("lcd.update", MS);
+        bench.pass(6 * MS);
+        bench.run("lcd.update", MS);
+        bench.work("lcd.readers", 1).unwrap();
+        fast.read_exact(&mut record).unwrap();
+        assert_eq!(&record[..16], text.as_bytes());
+        assert_eq!(&record[64..69], format!("{n:05}").as_bytes());
+    }
+    drop(bench);
+    let mut all = Vec::new();
+    slow.read_to_end(&mut all).unwrap();
+    let whole: Vec<&[u8]> = all.chunks_exact(RECORD_LEN).collect();
+    assert!(whole.len() > 10 && whole.len() < 6000, "{} records", whole.len());
+    for (n, record) in whole.iter().enumerate() {
+        assert_eq!(&record[64..], format!("{n:05}\r\n").as_bytes());
+    }
+}
+
+#[test]
+fn devices_pipes_and_sockets_that_are_none_are_refused_by_name() {
+    let scratch = Scratch::new("refused");
+    let file = scratch.path("file");
+    std::fs::write(&file, "text").unwrap();
+    let missing = scratch.path("missing/tty");
+    let keypad = |arg: String| hardware().load::<KeypadComponent>(&[&arg]).unwrap_err();
+    let lcd = |arg: String| hardware().load::<LcdReader>(&[&arg]).unwrap_err();
+    assert!(keypad(format!("device={missing}")).contains(&missing));
+    assert!(keypad(format!("pipe={missing}")).contains(&missing));
+    assert!(keypad(format!("pipe={file}")).contains("it is no named pipe"));
+    assert!(lcd(format!("socket={file}")).contains("something else of this name"));
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "text");
+    // A socket that is served is not taken, and one that was left behind is replaced.
+    let socket = scratch.path("socket");
+    let mut first = hardware();
+    first.load::<LcdReader>(&[&format!("socket={socket}")]).unwrap();
+    first.work("lcd.readers", 1).unwrap();
+    assert!(lcd(format!("socket={socket}")).contains("another process serves it"));
+    drop(first);
+    drop(std::os::unix::net::UnixListener::bind(&socket).unwrap());
+    hardware().load::<LcdReader>(&[&format!("socket={socket}")]).unwrap();
+}
+
+#[test]
+fn formats_that_are_none_are_refused() {
+    let refused = |args: &[&str]| Bench::new().load::<KeypadComponent>(args).unwrap_err();
+    assert!(refused(&["check=md5"]).contains("check is md5, must be crc8, sum or xor"));
+    assert!(refused(&["size=3", "map=0,8"]).contains("key 2 is bit 8, must be 0 to 7"));
+    assert!(refused(&["map=4,4"]).contains("keys 1 and 2 are the same bit"));
+    let lcd = |arg: &str| Bench::new().load::<LcdReader>(&[arg]).unwrap_err();
+    assert!(lcd("find=ä").contains("1 to 64 ASCII characters"));
+}
+
+/// The whole storage with a folder that looks like the kernel's.
+#[test]
+fn a_job_is_presented_by_configfs() {
+    let scratch = Scratch::new("configfs");
+    std::fs::create_dir_all(scratch.0.join("mass_storage.0/lun.0")).unwrap();
+    for name in ["file", "ro", "forced_eject"] {
+        std::fs::write(scratch.0.join("mass_storage.0/lun.0").join(name), "").unwrap();
+    }
+    let lun = scratch.path("mass_storage.0/lun.0/file");
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
+    let job = scratch.path("part.nc");
+    std::fs::write(&job, "G0 X1\nM30\n").unwrap();
+    let mut bench = hardware();
+    let args = [
+        format!("folder={}", scratch.path("jobs")),
+        format!("function={}", scratch.path("mass_storage.0")),
+        "size=36".to_owned(),
+    ];
+    bench.load::<UsbJobs>(&args.each_ref().map(String::as_str)).unwrap();
+    bench.work("usbjobs", 8).unwrap();
+    let shown = || std::fs::read_to_string(&lun).unwrap();
+    assert!(shown().trim_end().ends_with("jobs/a.img"), "{}", shown());
+    bench.command("usbjobs.send", &[&format!("file={job}")]).unwrap();
+    for _ in 0..5 {
+        bench.work("usbjobs", 8).unwrap();
+    }
+    assert_eq!((bench.get::<u32>("usbjobs.state"), bench.get::<i32>("usbjobs.medium")), (2, 1));
+    bench.set("usbjobs.idle", true);
+    bench.work("usbjobs", 8).unwrap();
+    assert_eq!(bench.get::<i32>("usbjobs.medium"), 2);
+    assert!(shown().trim_end().ends_with("jobs/b.img"), "{}", shown());
+    let status = bench.command("usbjobs.status", &[]).unwrap();
+    assert_eq!(status, ["serving image B", "ready part.nc"]);
+    // Without a function in that folder the load fails, and says where.
+    let mut bench = hardware();
+    let args = [format!("folder={}", scratch.path("jobs")), format!("function={job}")];
+    let error = bench.load::<UsbJobs>(&args.each_ref().map(String::as_str)).unwrap_err();
+    assert!(error.contains(&format!("function {job}")), "{error}");
+}
+
+#[test]
+fn without_a_folder_commands_are_refused() {
+    let mut bench = Bench::new();
+    bench.load::<UsbJobs>(&[]).unwrap();
+    let error = bench.command("usbjobs.send", &["file=/etc/hostname"]).unwrap_err();
+    assert_eq!(error, "usbjobs has no storage: load it with folder=PATH");
+}
+
+#[test]
+fn numbers_are_read_from_rows() {
+    let mut bench = Bench::new();
+    bench.load::<LcdReader>(&["values=X,Feed"]).unwrap();
+    bench.port("lcd.bus", 512);
+    let bus = bench.get::<hal_component::Port>("lcd.bus");
+    let check = |row: usize, text: &[u8; 16], expected: (f64, bool, f64, bool)| {
+        assert!(bus.write(&row_bytes(row, text)));
+        bench.run("lcd.update", MS);
+        bench.pass(6 * MS);
+        bench.run("lcd.update", MS);
+        let value = |n: u32| bench.get::<f64>(&format!("lcd.value-{n}"));
+        let has = |n: u32| bench.get::<bool>(&format!("lcd.has-{n}"));
+        assert_eq!((value(0), has(0), value(1), has(1)), expected, "{text:?}");
+    };
+    check(0, b"X   -12.500 IDLE", (-12.5, true, 0.0, false));
+    check(2, b"Feed100         ", (-12.5, true, 100.0, true));
+    check(0, b"X    ------ IDLE", (-12.5, false, 100.0, true));
+    check(0, b"X       nan IDLE", (-12.5, false, 100.0, true));
+    check(0, b"Y   -12.500 X  5", (-12.5, false, 100.0, true));
+    check(3, b"X12345678901.234", (12_345_678_901.234, true, 100.0, true));
+}
+
+/// Files that appear in the folder of programs are jobs; those that are on the image already are not sent again.
+#[test]
+fn a_folder_of_programs_is_sent() {
+    let scratch = Scratch::new("programs");
+    let programs = scratch.0.join("programs");
+    std::fs::create_dir_all(programs.join("folder")).unwrap();
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
+    std::fs::write(programs.join("first.nc"), "M30\n").unwrap();
+    std::fs::write(programs.join(".part.nc"), "M30\n").unwrap();
+    let args = [
+        format!("folder={}", scratch.path("jobs")),
+        format!("programs={}", programs.display()),
+        "size=36".to_owned(),
+    ];
+    let load = || {
+        let mut bench = Bench::new();
+        bench.load::<UsbJobs>(&args.each_ref().map(String::as_str)).unwrap();
+        bench.set("usbjobs.idle", true);
+        bench
+    };
+    let settle = |bench: &Bench| {
+        for _ in 0..12 {
+            bench.pass(100 * MS);
+            bench.work("usbjobs", 8).unwrap();
+        }
+        bench.command("usbjobs.status", &[]).unwrap()
+    };
+    let bench = load();
+    assert_eq!(settle(&bench), ["serving image B", "ready first.nc"]);
+    std::fs::write(programs.join("second.nc"), "G0 X1\nM30\n").unwrap();
+    std::fs::write(programs.join("empty.nc"), "").unwrap();
+    assert_eq!(settle(&bench), ["serving image A", "ready first.nc", "ready second.nc"]);
+    let said = bench.said();
+    assert!(said.iter().any(|line| line.contains("job 'empty.nc' is empty")), "{said:?}");
+    drop(bench);
+    // Up again: nothing is sent that is there.
+    let bench = load();
+    assert_eq!(settle(&bench), ["serving image A", "ready first.nc", "ready second.nc"]);
+    assert_eq!(bench.get::<u32>("usbjobs.swaps"), 1);
+    std::fs::remove_dir_all(&programs).unwrap();
+    settle(&bench);
+    let lost = bench.said().into_iter().filter(|line| line.contains("the folder of programs"));
+    assert_eq!(lost.count(), 1);
+}

@@ -1,0 +1,102 @@
+//! Commands `align.*`.
+
+use crate::{
+    bench::Bench,
+    eye::{Action, Order},
+    lock,
+};
+use hal_align::{Mark, Vector};
+use hal_component::{Arg, Builder, Call, Error, Sender, abi::ArgSpec};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex},
+};
+
+/// Command that the worker executes.
+struct Row {
+    name: &'static str,
+    doc: &'static str,
+    args: &'static [&'static ArgSpec],
+    action: fn(&Call<'_>) -> Action,
+}
+
+const ROWS: &[Row] = &[
+    Row {
+        name: "align.look",
+        doc: "Finds a mark from the present position; without a number the selected one.",
+        args: &[&Arg::int("mark", "Number of the mark, from 1.")],
+        action: |call| Action::Look(call.int("mark").map(|n| u32::try_from(n).unwrap_or(0))),
+    },
+    Row {
+        name: "align.solve",
+        doc: "Computes the place of the part from the marks that are measured.",
+        args: &[],
+        action: |_| Action::Solve,
+    },
+    Row { name: "align.clear", doc: "Forgets all marks.", args: &[], action: |_| Action::Clear },
+    Row {
+        name: "align.sight",
+        doc: "Finds any mark from the present position, for the calibration of the camera.",
+        args: &[],
+        action: |_| Action::Sight,
+    },
+    Row {
+        name: "align.calibrate",
+        doc: "Calibrates the camera from the sights of one mark from three positions or more, and forgets all marks. align.status shows the matrix, for the job's file.",
+        args: &[],
+        action: |_| Action::Calibrate,
+    },
+];
+
+const TOUCH: &[&ArgSpec] = &[
+    &Arg::float("x", "X in the file, in mm.").required(),
+    &Arg::float("y", "Y in the file, in mm.").required(),
+    &Arg::float("machine-x", "X on the machine, in mm.").required(),
+    &Arg::float("machine-y", "Y on the machine, in mm.").required(),
+];
+
+const SAVE: &[&ArgSpec] = &[&Arg::text("file", "File to write.").required()];
+
+/// Declares the commands.
+pub(crate) fn open(
+    b: &mut Builder<'_>,
+    bench: &Arc<Mutex<Bench>>,
+    orders: &Sender<Order>,
+) -> Result<(), Error> {
+    for row in ROWS {
+        let orders = orders.clone();
+        b.command(row.name, row.doc, row.args, move |call| {
+            let ticket = Some(call.ticket()?);
+            let order = Order { action: (row.action)(call), ticket };
+            let full = |_| Error::new("too many commands wait for the function align");
+            orders.send(order).map_err(full)
+        })?;
+    }
+    let shared = bench.clone();
+    b.command("align.touch", "Adds a mark that was touched with the tool.", TOUCH, move |call| {
+        let place = |x, y| {
+            let at = |name| call.float(name).unwrap_or(f64::NAN);
+            Vector::new(at(x), at(y))
+        };
+        let mark = Mark { file: place("x", "y"), machine: place("machine-x", "machine-y") };
+        lock(&shared).touch(mark).map_err(Error::new)
+    })?;
+    let shared = bench.clone();
+    let doc =
+        "Writes the marks and the model to a file for halgcode align; align.solve comes first.";
+    b.command("align.save", doc, SAVE, move |call| {
+        let path = PathBuf::from(call.text("file").unwrap_or_default());
+        let text = lock(&shared).text().map_err(Error::new)?;
+        let written = hal_output::write(&path, text.as_bytes());
+        let name = path.display();
+        written.map_err(|e| Error::new(format!("{name}: {}", hal_output::reason(&e))))
+    })?;
+    let shared = bench.clone();
+    let doc = "Tells the marks, their residuals, the place of the part, and the last problem.";
+    b.command("align.status", doc, &[], move |call| {
+        for line in lock(&shared).status() {
+            call.reply(&line);
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,130 @@
+//! Jobs that are refused, and the bench without a machine.
+
+use crate::{
+    bench::{Bench, Failure, Look},
+    eye::{Results, Scene},
+    job::Job,
+};
+use hal_align::Vector;
+use std::{fs, path::PathBuf};
+
+/// Folder that is removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path =
+            std::env::temp_dir().join(format!("ferrule-align-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn write(&self, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.join(name);
+        fs::write(&path, text).unwrap();
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        fs::remove_dir_all(&self.0).unwrap_or_default();
+    }
+}
+
+#[test]
+fn wrong_jobs_are_refused_with_their_place() {
+    let folder = Folder::new("jobs");
+    let usual = "[JOB]\nMARK = 1 2\n";
+    for (text, wanted) in [
+        ("[JOB]\n", "[JOB] has no MARK = X Y"),
+        ("[JOB]\nMARK = 1\n", ":2: [JOB]MARK = 1: 2 finite numbers are needed"),
+        ("[JOB]\nSIZE = 0.5\n", ":2: [JOB]SIZE = 0.5: must be between 1 and 10"),
+        ("[JOB]\nFRAMES = nan\n", ":2: [JOB]FRAMES = nan: 1 finite numbers are needed"),
+        ("[JOB]\nKIND = star\n", ":2: [JOB]KIND = star: must be circle or square"),
+        ("[JOB]\nCOLOUR = 1\n", ":2: [JOB]COLOUR = 1: has no meaning: MARK"),
+        ("[CAMERA]\nSOURCE = eye\n", ":2: [CAMERA]SOURCE = eye: must be 'sim FILE'"),
+        ("[CAMERA]\nSOURCE = files nowhere\n", "nowhere: No such file or directory"),
+        ("[CAMERA]\nSOURCE = sim nowhere\n", "Could not open INI file"),
+        ("[CAMERA]\nMATRIX = 1 1 1 1\n", ":2: [CAMERA]MATRIX = 1 1 1 1: the matrix has no inverse"),
+    ] {
+        let text =
+            if text.starts_with("[CAMERA]") { format!("{text}{usual}") } else { text.to_owned() };
+        let path = folder.write("job.ini", text);
+        let error = Job::read(&path).err().unwrap();
+        assert!(error.contains(wanted), "{error}, must contain {wanted}");
+    }
+}
+
+const SCENE: Scene = Scene { light: 1.0, x: 0.0, y: 0.0, stalls: false };
+
+#[test]
+fn a_mark_is_measured_on_the_simulated_table() {
+    let folder = Folder::new("table");
+    folder.write(
+        "table.ini",
+        "[TABLE]\nMARK = circle 10 20 4\nNOISE = 3\nBLUR = 1\nOFFSET = -35.2 12.4\n",
+    );
+    let job = "[JOB]\nMARK = 10 20\nSIZE = 4\nFRAMES = 3\n[CAMERA]\nSOURCE = sim table.ini\nOFFSET = -35.2 12.4\n";
+    let mut bench = Bench::default();
+    bench.open(&folder.write("job.ini", job)).unwrap();
+    let mut look = Look::default();
+    let at = Vector::new(45.0, 8.0);
+    let mut pictures = 0;
+    while bench.picture(&mut look, at, SCENE).unwrap() == Some(false) {
+        pictures += 1;
+    }
+    assert_eq!(pictures, 2);
+    let mut results = Results::default();
+    assert_eq!(bench.measure(&look, 2, at, &mut results), Err(Failure::NoSuchMark));
+    bench.measure(&look, 1, at, &mut results).unwrap();
+    assert!((results.x - 10.0).abs() < 1e-3 && (results.y - 20.0).abs() < 1e-3, "{results:?}");
+    assert!((results.dx - 0.2).abs() < 1e-3 && (results.dy + 0.4).abs() < 1e-3, "{results:?}");
+    bench.solve().unwrap();
+    bench.tell(1, &mut results);
+    assert!(results.valid && results.live && results.marks == 1);
+    assert!((results.aim_x - 45.2).abs() < 1e-3 && (results.aim_y - 7.6).abs() < 1e-3);
+    // A dark table, a stalled camera, a wrong place.
+    let mut look = Look::default();
+    let dark = Scene { light: 0.0, ..SCENE };
+    assert_eq!(bench.picture(&mut look, at, dark), Err(Failure::NoMark));
+    assert_eq!(bench.picture(&mut look, at, Scene { stalls: true, ..SCENE }), Ok(None));
+    assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Err(Failure::NoMark));
+    assert!(
+        bench
+            .status()
+            .last()
+            .unwrap()
+            .contains("a circle of 200 pixels was expected: there is no mark")
+    );
+}
+
+#[test]
+fn pictures_of_a_folder_are_taken_in_their_order_and_garbage_is_named() {
+    let folder = Folder::new("files");
+    let table = b"[TABLE]\nMARK = circle 0 0 4\nPICTURE = 320 240\n";
+    let table = hal_marks::Table::parse("t", table).unwrap();
+    for n in 0..2_u32 {
+        let at = Vector::new(0.1 * f64::from(n), 0.0);
+        folder.write(&format!("{n}.png"), table.picture(at, Vector::ZERO, 1.0, 1).png());
+    }
+    folder.write("2.jpg", b"\xff\xd8\xff garbage");
+    folder.write("notes.txt", b"no picture");
+    let job = format!(
+        "[JOB]\nMARK = 0 0\nSIZE = 4\nFRAMES = 1\n[CAMERA]\nSOURCE = files {}\n",
+        folder.0.display()
+    );
+    let mut bench = Bench::default();
+    bench.open(&folder.write("job.ini", job)).unwrap();
+    let mut results = Results::default();
+    for n in 0..2_u32 {
+        let mut look = Look::default();
+        assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Ok(Some(true)));
+        bench.measure(&look, 1, Vector::ZERO, &mut results).unwrap();
+        assert!((results.x + 0.1 * f64::from(n)).abs() < 1e-3, "{}", results.x);
+    }
+    let mut look = Look::default();
+    assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Err(Failure::NoPicture));
+    assert!(bench.status().last().unwrap().ends_with("2.jpg: the picture is cut off or broken"));
+    assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Ok(None));
+}

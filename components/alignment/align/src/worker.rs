@@ -1,0 +1,138 @@
+//! The worker: takes and searches pictures.
+
+use crate::{
+    bench::{Bench, Failure, Look},
+    eye::{Action, Event, Results, Shared},
+    lock,
+};
+use hal_align::Vector;
+use hal_component::{Clock, Messages, Receiver, SeqWriter, Touch, Work};
+use std::sync::{Arc, Mutex, atomic::Ordering::Relaxed};
+
+/// Event in progress.
+struct Progress {
+    event: Event,
+    look: Look,
+    /// Machine time of the last picture, in nanoseconds.
+    since: i64,
+}
+
+/// The worker.
+#[derive(Touch)]
+pub(crate) struct Worker {
+    events: Receiver<Event>,
+    results: SeqWriter<Results>,
+    clock: Clock,
+    messages: Messages,
+    #[state]
+    bench: Arc<Mutex<Bench>>,
+    #[state]
+    shared: Arc<Shared>,
+    #[state]
+    last: Results,
+    #[state]
+    progress: Option<Progress>,
+}
+
+impl Worker {
+    pub(crate) fn new(
+        bench: Arc<Mutex<Bench>>,
+        shared: Arc<Shared>,
+        events: Receiver<Event>,
+        results: SeqWriter<Results>,
+        clock: Clock,
+        messages: Messages,
+    ) -> Self {
+        let last = Results { sx: 1.0, sy: 1.0, ..Results::default() };
+        Self { events, results, clock, messages, bench, shared, last, progress: None }
+    }
+
+    /// Goes on with an event. Returns its result when it is done.
+    fn go_on(&mut self, progress: &mut Progress) -> Option<Result<(), Failure>> {
+        let Progress { event, look, since } = progress;
+        let at = Vector::new(event.x, event.y);
+        let mut bench = lock(&self.bench);
+        match event.action {
+            Action::Solve => return Some(bench.solve()),
+            Action::Clear => {
+                bench.clear();
+                return Some(Ok(()));
+            }
+            Action::Calibrate => return Some(bench.calibrate()),
+            Action::Look(_) | Action::Sight => {}
+        }
+        let taken = bench.picture(look, at, event.scene);
+        if self.shared.moved.load(Relaxed) {
+            return Some(Err(Failure::Moved));
+        }
+        let now = self.clock.now_ns();
+        match taken {
+            Err(failure) => return Some(Err(failure)),
+            Ok(None) => {
+                let waited = (now - *since) as f64 / 1e9;
+                let ends = waited > bench.timeout();
+                return ends.then(|| Err(bench.no_picture()));
+            }
+            Ok(Some(false)) => {
+                *since = now;
+                return None;
+            }
+            Ok(Some(true)) => {}
+        }
+        Some(match event.action {
+            Action::Look(mark) => {
+                bench.measure(look, mark.unwrap_or(event.mark), at, &mut self.last)
+            }
+            _ => bench.sight(look, at),
+        })
+    }
+
+    /// Reports the end of an event.
+    fn end(&mut self, event: &Event, result: Result<(), Failure>) {
+        let looks = matches!(event.action, Action::Look(_) | Action::Sight);
+        self.last.number = event.number;
+        self.last.error = result.err().map_or(0, |f| f as i32);
+        if looks {
+            self.last.found = result.is_ok();
+        }
+        if let Err(failure) = result
+            && !event.is_awaited
+        {
+            self.messages.error(failure.text(), &[]);
+        }
+    }
+}
+
+impl Work for Worker {
+    fn work(&mut self, _: u32) -> u32 {
+        let mut done = 0;
+        if self.progress.is_none()
+            && let Some(event) = self.events.take()
+        {
+            let mark = match event.action {
+                Action::Look(mark) => Some(mark.unwrap_or(event.mark)),
+                _ => None,
+            };
+            let begun = lock(&self.bench).begin(mark);
+            let since = self.clock.now_ns();
+            match begun {
+                Ok(()) => self.progress = Some(Progress { event, look: Look::default(), since }),
+                Err(failure) => self.end(&event, Err(failure)),
+            }
+        }
+        if let Some(mut progress) = self.progress.take() {
+            done = 1;
+            match self.go_on(&mut progress) {
+                None => self.progress = Some(progress),
+                Some(result) => {
+                    let event = progress.event;
+                    self.end(&event, result);
+                }
+            }
+        }
+        let mark = self.shared.mark.load(Relaxed);
+        lock(&self.bench).tell(mark, &mut self.last);
+        self.results.set(&self.last);
+        done
+    }
+}

@@ -1,0 +1,269 @@
+//! Measurement of a region: sub-pixel centre, shape and angle from the coverage of each pixel.
+
+use crate::{
+    picture::Picture,
+    region::{FRAME, Region},
+    search::Kind,
+};
+use hal_align::Vector;
+use libm::{atan2, fabs, hypot, sqrt};
+
+/// Distance of pixels inside the mark that are surely covered, in pixels.
+const INSIDE: usize = 2;
+/// Distance outside the mark within which a pixel may be covered in part, in pixels.
+const OUTSIDE: usize = 3;
+/// Least difference of mark and background.
+const CONTRAST: f64 = 25.0;
+/// Uncertainty that remains without noise, in pixels.
+const FLOOR: f64 = 0.005;
+
+/// Mark in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Kind of the mark.
+    pub kind: Kind,
+    /// Centre in pixels from the left and from the top; the first pixel ends at 1.
+    pub centre: Vector,
+    /// Angle of a square in degrees between -45 and 45, from X towards the downward Y; of a circle 0.
+    pub angle: f64,
+    /// Area in square pixels.
+    pub area: f64,
+    /// Standard deviation of each coordinate of the centre, in pixels, from the noise of the background.
+    pub uncertainty: f64,
+    /// Brightness of the background less that of the mark.
+    pub contrast: f64,
+}
+
+/// Measures of a region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Measures {
+    pub(crate) centre: Vector,
+    pub(crate) area: f64,
+    /// 1 for a disc, 0.955 for a square, less for anything else.
+    pub(crate) roundness: f64,
+    /// Ratio of the second moments along and across the longest direction.
+    pub(crate) elongation: f64,
+    /// 0 for a disc, 1 for a square.
+    pub(crate) squareness: f64,
+    pub(crate) angle: f64,
+    pub(crate) uncertainty: f64,
+    pub(crate) contrast: f64,
+}
+
+/// Light on the background around a mark: a plane, by least squares.
+struct Light {
+    level: f64,
+    x: f64,
+    y: f64,
+    /// Deviation of the background from the plane.
+    noise: f64,
+}
+
+impl Light {
+    fn at(&self, x: f64, y: f64) -> f64 {
+        self.level + self.x * x + self.y * y
+    }
+}
+
+/// Pixel of the rectangle of a region.
+#[derive(Clone, Copy)]
+struct Pixel {
+    x: f64,
+    y: f64,
+    value: f64,
+    place: Place,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Core,
+    Edge,
+    Background,
+}
+
+/// Measures a region. Returns `None` if the mark is too faint.
+pub(crate) fn measure(picture: &Picture, region: &Region) -> Option<Measures> {
+    let pixels = pixels(picture, region);
+    let light = light(&pixels)?;
+    // Brightness of the mark, and as a part of the light.
+    let (mut ratios, mut values) = (Vec::new(), Vec::new());
+    for y in 0..region.height {
+        for x in 0..region.width {
+            let dark = |x: usize, y: usize| region.dark.get(y * region.width + x) == Some(&true);
+            let is_inner = x > 0 && y > 0 && dark(x, y) && dark(x - 1, y) && dark(x, y - 1);
+            if is_inner && dark(x + 1, y) && dark(x, y + 1) {
+                let (px, py, value) = pixel(picture, region, x, y);
+                ratios.push(value / light.at(px, py).max(1.0));
+                values.push(value);
+            }
+        }
+    }
+    let (ratio, level) = (median(&mut ratios)?, median(&mut values)?);
+    // The light on a dark background says little about the light on a bright mark.
+    let mark = |lit: f64| if ratio < 1.0 { lit * ratio } else { level };
+    let middle = centre_of(region);
+    let lit = light.at(middle.x, middle.y);
+    let contrast = lit - mark(lit);
+    if fabs(contrast) < CONTRAST {
+        return None;
+    }
+    let mut moments = Moments::default();
+    let covered: Vec<(f64, f64, f64)> = pixels
+        .iter()
+        .filter(|p| p.place != Place::Background)
+        .map(|p| {
+            let lit = light.at(p.x, p.y);
+            let part = (lit - p.value) / (lit - mark(lit));
+            let part = match p.place {
+                Place::Core => 1.0,
+                _ if part > 0.0 => part.min(1.0),
+                _ => 0.0,
+            };
+            (p.x, p.y, part)
+        })
+        .filter(|p| p.2 > 0.0)
+        .collect();
+    for (x, y, c) in &covered {
+        moments.mass += c;
+        moments.x += c * x;
+        moments.y += c * y;
+    }
+    let centre = Vector::new(moments.x / moments.mass, moments.y / moments.mass);
+    for (x, y, c) in &covered {
+        moments.second(*c, x - centre.x, y - centre.y);
+    }
+    let edge = pixels.iter().filter(|p| p.place == Place::Edge);
+    let spread: f64 = edge.map(|p| (p.x - centre.x) * (p.x - centre.x)).sum();
+    let deviation = light.noise / fabs(contrast) * sqrt(spread) / moments.mass;
+    let measures = moments.shape(centre, hypot(deviation, FLOOR), contrast);
+    measures.centre.is_usable().then_some(measures)
+}
+
+/// Returns the middle of a region's rectangle.
+fn centre_of(region: &Region) -> Vector {
+    Vector::new(
+        region.left as f64 + region.width as f64 / 2.0,
+        region.top as f64 + region.height as f64 / 2.0,
+    )
+}
+
+/// Returns the centre and the value of a pixel of a region's rectangle.
+fn pixel(picture: &Picture, region: &Region, x: usize, y: usize) -> (f64, f64, f64) {
+    let place = |first: i64, n: usize| first + i64::try_from(n).unwrap_or(0);
+    let (column, row) = (place(region.left, x), place(region.top, y));
+    let near = |n: i64| usize::try_from(n).unwrap_or(0);
+    let value = picture.at(near(column), near(row));
+    (column as f64 + 0.5, row as f64 + 0.5, f64::from(value))
+}
+
+/// Returns the pixels of a region and around it, by their place.
+fn pixels(picture: &Picture, region: &Region) -> Vec<Pixel> {
+    let mut out = Vec::with_capacity(region.width * region.height);
+    for y in 0..region.height {
+        for x in 0..region.width {
+            let any = |reach: usize, wanted: bool| {
+                (y.saturating_sub(reach)..=y + reach).any(|ny| {
+                    (x.saturating_sub(reach)..=x + reach)
+                        .any(|nx| region.is_filled(nx, ny) == wanted)
+                })
+            };
+            let place = if region.is_filled(x, y) {
+                if any(INSIDE, false) { Place::Edge } else { Place::Core }
+            } else if any(OUTSIDE, true) {
+                Place::Edge
+            } else if any(FRAME - 1, true) {
+                Place::Background
+            } else {
+                continue;
+            };
+            let (px, py, value) = pixel(picture, region, x, y);
+            let inside =
+                0.0 < px && px < picture.width() as f64 && 0.0 < py && py < picture.height() as f64;
+            if inside {
+                out.push(Pixel { x: px, y: py, value, place });
+            }
+        }
+    }
+    out
+}
+
+/// Returns the light on the background.
+fn light(pixels: &[Pixel]) -> Option<Light> {
+    let mut values: Vec<f64> =
+        pixels.iter().filter(|p| p.place == Place::Background).map(|p| p.value).collect();
+    if values.len() < 12 {
+        return None;
+    }
+    let level = median(&mut values)?;
+    let mut deviations: Vec<f64> = values.iter().map(|v| fabs(v - level)).collect();
+    let usual = median(&mut deviations)?.max(3.0);
+    // Other figures near the mark are not background.
+    let own = |p: &&Pixel| p.place == Place::Background && fabs(p.value - level) < 6.0 * usual;
+    let (mut n, mut x, mut y, mut v) = (0.0, 0.0, 0.0, 0.0);
+    for p in pixels.iter().filter(own) {
+        (n, x, y, v) = (n + 1.0, x + p.x, y + p.y, v + p.value);
+    }
+    let (x, y, v) = (x / n, y / n, v / n);
+    let (mut xx, mut xy, mut yy, mut xv, mut yv) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for p in pixels.iter().filter(own) {
+        let (dx, dy, dv) = (p.x - x, p.y - y, p.value - v);
+        (xx, xy, yy) = (xx + dx * dx, xy + dx * dy, yy + dy * dy);
+        (xv, yv) = (xv + dx * dv, yv + dy * dv);
+    }
+    let det = xx * yy - xy * xy;
+    let slope = ((xv * yy - yv * xy) / det, (yv * xx - xv * xy) / det);
+    let (by_x, by_y) = if slope.0.is_finite() && slope.1.is_finite() { slope } else { (0.0, 0.0) };
+    let mut light = Light { level: v - by_x * x - by_y * y, x: by_x, y: by_y, noise: 0.0 };
+    let square = |p: &Pixel| (p.value - light.at(p.x, p.y)) * (p.value - light.at(p.x, p.y));
+    light.noise = sqrt(pixels.iter().filter(own).map(square).sum::<f64>() / n);
+    Some(light)
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    let upper = values.get(middle)?;
+    let lower = values.get(middle.saturating_sub(1))?;
+    Some(if values.len().is_multiple_of(2) { (upper + lower) / 2.0 } else { *upper })
+}
+
+/// Moments of the coverage.
+#[derive(Default)]
+struct Moments {
+    mass: f64,
+    x: f64,
+    y: f64,
+    xx: f64,
+    xy: f64,
+    yy: f64,
+    /// Sum of the fourth power of `u + iv`.
+    real: f64,
+    imaginary: f64,
+}
+
+impl Moments {
+    fn second(&mut self, c: f64, u: f64, v: f64) {
+        self.xx += c * u * u;
+        self.xy += c * u * v;
+        self.yy += c * v * v;
+        let (re, im) = (u * u - v * v, 2.0 * u * v);
+        self.real += c * (re * re - im * im);
+        self.imaginary += c * 2.0 * re * im;
+    }
+
+    fn shape(&self, centre: Vector, uncertainty: f64, contrast: f64) -> Measures {
+        let sum = self.xx + self.yy;
+        let radius = hypot((self.xx - self.yy) / 2.0, self.xy);
+        let size = hypot(self.real, self.imaginary);
+        Measures {
+            centre,
+            area: self.mass,
+            roundness: self.mass * self.mass / (core::f64::consts::TAU * sum),
+            elongation: (sum / 2.0 + radius) / (sum / 2.0 - radius).max(1e-9),
+            squareness: 60.0 * size / (self.mass * self.mass * self.mass),
+            angle: (atan2(-self.imaginary, -self.real) / 4.0).to_degrees(),
+            uncertainty,
+            contrast,
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Search: the marks of a picture, and why other regions are none.
+
+use crate::{
+    measure::{Found, Measures, measure},
+    picture::Picture,
+    region::{Region, regions},
+    threshold::dark,
+};
+use core::{f64::consts::PI, fmt};
+use hal_align::Vector;
+
+/// Kinds of marks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Disc or ring.
+    Circle,
+    /// Square, filled or outline.
+    Square,
+}
+
+impl Kind {
+    /// Returns the kind of a name.
+    #[must_use]
+    pub fn of(name: &str) -> Option<Self> {
+        match name {
+            "circle" => Some(Self::Circle),
+            "square" => Some(Self::Square),
+            _ => None,
+        }
+    }
+
+    /// Returns its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Circle => "circle",
+            Self::Square => "square",
+        }
+    }
+}
+
+/// Brightness of marks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ink {
+    /// Darker than their background.
+    #[default]
+    Dark,
+    /// Brighter than their background.
+    Bright,
+}
+
+/// Description of the marks to search for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// Kind of the marks.
+    pub kind: Kind,
+    /// Diameter, or side, in pixels.
+    pub size: f64,
+    /// Brightness.
+    pub ink: Ink,
+}
+
+/// Reason why a region is no mark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rejected {
+    /// It touches the border of the picture.
+    Border,
+    /// Its area in square pixels, and the expected one.
+    Area(f64, f64),
+    /// It differs too little from the background.
+    Faint,
+    /// Its shape: roundness, elongation, squareness.
+    Shape(f64, f64, f64),
+    /// It is a mark of the other kind.
+    Kind,
+}
+
+impl fmt::Display for Rejected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Border => f.write_str("it touches the border of the picture"),
+            Self::Area(got, wanted) => {
+                write!(f, "its area is {got:.0} square pixels, and {wanted:.0} are expected")
+            }
+            Self::Faint => f.write_str("it differs too little from the background"),
+            Self::Shape(r, e, s) => write!(
+                f,
+                "its shape is neither a circle nor a square (roundness {r:.2}, elongation {e:.2}, squareness {s:.2})"
+            ),
+            Self::Kind => f.write_str("it is a mark of the other kind"),
+        }
+    }
+}
+
+/// Result of a search.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Marks.
+    pub marks: Vec<Found>,
+    /// Places of regions that are none, in pixels, with the reason.
+    pub rejected: Vec<(Vector, Rejected)>,
+}
+
+/// Largest deviation of the area, as a part of the expected one.
+const AREA: f64 = 0.3;
+/// Least roundness.
+const ROUND: f64 = 0.85;
+/// Largest elongation.
+const ELONGATED: f64 = 1.2;
+/// Largest squareness of a circle, and least of a square.
+const CIRCLE: f64 = 0.2;
+const SQUARE: f64 = 0.7;
+/// Largest number of regions that are looked at.
+const MAX_REGIONS: usize = 10_000;
+
+/// Searches a picture for marks.
+#[must_use]
+pub fn search(picture: &Picture, wanted: &Search) -> Seen {
+    let (width, height) = (picture.width(), picture.height());
+    let mut seen = Seen::default();
+    if width < 8 || height < 8 || !wanted.size.is_finite() {
+        return seen;
+    }
+    let value = |b: &u8| match wanted.ink {
+        Ink::Dark => f32::from(*b),
+        Ink::Bright => f32::from(255 - *b),
+    };
+    let values: Vec<f32> = picture.pixels().iter().map(value).collect();
+    let dark = dark(&values, width, height);
+    for region in regions(&dark, width, height).iter().take(MAX_REGIONS) {
+        match judge(picture, region, wanted) {
+            Ok(mark) => seen.marks.push(mark),
+            Err(reason) => seen.rejected.push((middle(region), reason)),
+        }
+    }
+    seen
+}
+
+fn middle(region: &Region) -> Vector {
+    Vector::new(
+        region.left as f64 + region.width as f64 / 2.0,
+        region.top as f64 + region.height as f64 / 2.0,
+    )
+}
+
+/// Judges a region.
+fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<Found, Rejected> {
+    let expected = match wanted.kind {
+        Kind::Circle => PI / 4.0 * wanted.size * wanted.size,
+        Kind::Square => wanted.size * wanted.size,
+    };
+    let fits = |area: f64| (1.0 - AREA) * expected <= area && area <= (1.0 + AREA) * expected;
+    let rough = region.area() as f64;
+    // The threshold lies anywhere in a blurred edge: the exact area follows.
+    if rough < expected * (1.0 - AREA) * 0.7 || expected * (1.0 + AREA) * 1.4 < rough {
+        return Err(Rejected::Area(rough, expected));
+    }
+    if region.at_border {
+        return Err(Rejected::Border);
+    }
+    let m = measure(picture, region).ok_or(Rejected::Faint)?;
+    if !fits(m.area) {
+        return Err(Rejected::Area(m.area, expected));
+    }
+    let Measures { roundness, elongation, squareness, .. } = m;
+    let shape = Rejected::Shape(roundness, elongation, squareness);
+    // Not a number fails each of these.
+    if !(ROUND < roundness && elongation < ELONGATED) {
+        return Err(shape);
+    }
+    let kind = if squareness < CIRCLE {
+        Kind::Circle
+    } else if SQUARE < squareness && squareness < 1.3 {
+        Kind::Square
+    } else {
+        return Err(shape);
+    };
+    if kind != wanted.kind {
+        return Err(Rejected::Kind);
+    }
+    let angle = if kind == Kind::Square { m.angle } else { 0.0 };
+    let Measures { centre, area, uncertainty, contrast, .. } = m;
+    Ok(Found { kind, centre, angle, area, uncertainty, contrast })
+}

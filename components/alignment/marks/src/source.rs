@@ -1,0 +1,105 @@
+//! Origins of pictures: files in a folder.
+
+use crate::picture::{MAX_BYTES, Picture, PictureProblem};
+use core::fmt;
+use std::{
+    fs,
+    io::{self, Read},
+    path::{Path, PathBuf},
+};
+
+/// Origin of pictures.
+pub trait Source: Send {
+    /// Forgets pictures that were taken before now.
+    fn skip(&mut self);
+
+    /// Returns the next picture, if there is one yet.
+    ///
+    /// # Errors
+    /// The picture cannot be read, or is none.
+    fn take(&mut self) -> Result<Option<Picture>, SourceProblem>;
+}
+
+/// Reason why a source has no picture.
+#[derive(Debug)]
+pub enum SourceProblem {
+    /// A file or folder that cannot be read.
+    File(PathBuf, io::Error),
+    /// A file that is no picture.
+    Picture(PathBuf, PictureProblem),
+}
+
+impl fmt::Display for SourceProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path, error) => {
+                // The system's words without the number behind them.
+                let text = error.to_string();
+                let text = text.split(" (os error").next().unwrap_or_default();
+                write!(f, "{}: {text}", path.display())
+            }
+            Self::Picture(path, problem) => write!(f, "{}: {problem}", path.display()),
+        }
+    }
+}
+
+/// Pictures of a folder, in the order of their names: files `.jpg`, `.jpeg` and `.png`.
+#[derive(Debug)]
+pub struct Files {
+    folder: PathBuf,
+    /// Name of the last picture that was taken or skipped.
+    last: Option<PathBuf>,
+    /// The folder is filled while it is read, so that older pictures say nothing.
+    is_live: bool,
+}
+
+impl Files {
+    /// Returns the pictures of a folder. With `is_live`, a look begins with pictures that are not there yet.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn open(folder: &Path, is_live: bool) -> Result<Self, SourceProblem> {
+        let out = Self { folder: folder.to_owned(), last: None, is_live };
+        out.names()?;
+        Ok(out)
+    }
+
+    fn names(&self) -> Result<Vec<PathBuf>, SourceProblem> {
+        let problem = |e| SourceProblem::File(self.folder.clone(), e);
+        let mut names = Vec::new();
+        for entry in fs::read_dir(&self.folder).map_err(problem)? {
+            let path = entry.map_err(problem)?.path();
+            let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+            if matches!(ending.as_deref(), Some("jpg" | "jpeg" | "png")) {
+                names.push(path);
+            }
+        }
+        names.sort();
+        Ok(names)
+    }
+}
+
+impl Source for Files {
+    fn skip(&mut self) {
+        if self.is_live
+            && let Ok(names) = self.names()
+            && let Some(last) = names.last()
+        {
+            self.last = Some(last.clone());
+        }
+    }
+
+    fn take(&mut self) -> Result<Option<Picture>, SourceProblem> {
+        let names = self.names()?;
+        let next = names.into_iter().find(|n| self.last.as_ref().is_none_or(|last| n > last));
+        let Some(path) = next else { return Ok(None) };
+        self.last = Some(path.clone());
+        let problem = |e| SourceProblem::File(path.clone(), e);
+        let mut bytes = Vec::new();
+        let limit = u64::try_from(MAX_BYTES).unwrap_or(u64::MAX).saturating_add(1);
+        let file = fs::File::open(&path).map_err(problem)?;
+        file.take(limit).read_to_end(&mut bytes).map_err(problem)?;
+        let picture = Picture::decode(&bytes);
+        picture.map(Some).map_err(|e| SourceProblem::Picture(path.clone(), e))
+    }
+}

@@ -1,0 +1,5 @@
+"""Components, pins and values: a module of Ferrule's library."""
+
+import _hal_library
+
+_hal_library.become(__name__)

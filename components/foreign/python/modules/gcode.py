@@ -1,0 +1,5 @@
+"""Previews of programs: a module of Ferrule's library."""
+
+import _hal_library
+
+_hal_library.become(__name__)

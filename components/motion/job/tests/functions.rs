@@ -1,0 +1,100 @@
+//! Functions in Python: what programs do with them, and what the functions do wrong.
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
+
+use hal_gcode::{Call, Environment, Interpreter};
+use hal_job::{
+    Files, Machine, World,
+    run::{Answers, Stop, run},
+};
+use std::{collections::BTreeMap, fmt::Write, path::PathBuf, process::Command, sync::Arc};
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/functions")
+}
+
+/// Returns the world of the machine with its functions; `None` without Python.
+fn world() -> Option<World> {
+    let python = Command::new("python3").arg("--version").output();
+    if !python.is_ok_and(|o| o.status.success()) {
+        println!("skipped: python3 is not installed");
+        return None;
+    }
+    let ini = folder().join("machine.ini");
+    let machine = Machine::read(&Files { ini: Some(&ini), ..Files::default() }).unwrap();
+    let world = World::with_functions(machine, BTreeMap::new());
+    assert_eq!(world.machine.remarks, Vec::<String>::new());
+    Some(world)
+}
+
+/// Runs a program and returns its calls, and its error.
+fn outcome(world: &World, text: &str) -> String {
+    let machine = &world.machine;
+    let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
+    it.load("p.ngc", Arc::new(format!("{text}M2\n").into_bytes()));
+    let answers = Answers { probe_trips: true, functions: world.functions.as_ref() };
+    let mut out = String::new();
+    let mut ended = false;
+    let result = run(&mut it, world, answers, |_, issued| {
+        // The end of the program makes the same calls always.
+        ended |= matches!(issued.call, Call::SetG5xOffset { .. });
+        if !ended {
+            writeln!(out, "{}: {}", issued.line, issued.call).unwrap();
+        }
+        Ok(())
+    });
+    match result {
+        Ok(()) => {}
+        Err(Stop::Program(error)) => writeln!(out, "error: {error}").unwrap(),
+        Err(Stop::Output(why)) => writeln!(out, "output: {why}").unwrap(),
+    }
+    out
+}
+
+#[test]
+fn programs_do_with_functions_what_is_expected_and_the_same_twice() {
+    let Some(world) = world() else { return };
+    let programs = std::fs::read_to_string(folder().join("programs.txt")).unwrap();
+    let mut all = String::new();
+    for part in programs.split("== ").skip(1) {
+        let (name, text) = part.split_once('\n').unwrap();
+        let first = outcome(&world, text);
+        writeln!(all, "== {name}\n{first}").unwrap();
+        if name != "state" {
+            assert_eq!(outcome(&world, text), first, "{name}");
+        }
+    }
+    let path = folder().join("expected.txt");
+    if std::env::var_os("UPDATE_EXPECT").is_some() {
+        std::fs::write(&path, &all).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), all);
+}
+
+#[test]
+fn modules_that_cannot_be_imported_are_a_remark_and_an_error_of_each_call() {
+    let Some(world) = world() else { return };
+    let name = format!("hal-functions-{}", std::process::id());
+    let room = std::env::temp_dir().join(name);
+    std::fs::create_dir_all(&room).unwrap();
+    std::fs::write(room.join("top.py"), "import math\nimport nothing_of_this_name\n").unwrap();
+    let ini = room.join("m.ini");
+    let write = |python: &str| {
+        let text = format!("[PYTHON]\n{python}\n[RS274NGC]\nREMAP = M400 py=f\n");
+        std::fs::write(&ini, text).unwrap();
+        Machine::read(&Files { ini: Some(&ini), ..Files::default() })
+    };
+    let broken = World::with_functions(write("TOPLEVEL = top.py").unwrap(), BTreeMap::new());
+    let remarks = broken.machine.remarks.join("\n");
+    let why = "top.py:2: ModuleNotFoundError: No module named 'nothing_of_this_name'";
+    assert!(remarks.contains(why), "{remarks}");
+    let failed = outcome(&broken, "M400\n");
+    assert!(failed.contains(&format!("p.ngc:1: f: ")) && failed.contains(why), "{failed}");
+    let refused = |python: &str| write(python).err().unwrap();
+    let none = refused("TOPLEVEL = none.py");
+    assert!(none.contains("m.ini:2: [PYTHON]TOPLEVEL: there is no file"), "{none}");
+    let time = refused("TIMEOUT = soon");
+    assert!(time.contains("m.ini:2: [PYTHON]TIMEOUT = soon: must be seconds above 0"), "{time}");
+    std::fs::remove_dir_all(room).unwrap();
+    assert!(world.function("twice") && !world.function("around"));
+    assert!(world.open("twice").is_some());
+}

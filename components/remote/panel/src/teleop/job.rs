@@ -1,0 +1,260 @@
+//! A job: its start through the task, its end, and the lease meanwhile.
+
+use super::check::{self, Lengths};
+use crate::{
+    error::{Code as Kind, Error},
+    server::Panel,
+    session::Session,
+};
+use hal_protocol::{Reply, Request, TicketInfo};
+use serde_json::{Map, Value as Json, json};
+use std::{path::PathBuf, sync::Arc, sync::atomic::Ordering::Relaxed, time::Duration};
+use teleop::{Code, Reason};
+use tokio::{
+    task::block_in_place,
+    time::{Instant, sleep, timeout},
+};
+
+/// Name of the file of the program that runs.
+const FILE: &str = "teleop.ngc";
+/// Time between two looks at a command that has not ended.
+const LOOK: Duration = Duration::from_millis(20);
+/// Longest time until the status shows the end of a job that has ended.
+const SETTLE: Duration = Duration::from_secs(1);
+/// State of the task's status while the machine is on.
+const ON: u64 = 2;
+
+/// A user of the protocol, as the panel knows it.
+#[derive(Clone, Debug)]
+pub(super) struct User {
+    pub(super) session: Session,
+    /// Number among the clients of the panel.
+    pub(super) client: u64,
+}
+
+/// A job that runs.
+#[derive(Clone, Debug)]
+pub(super) struct Begun {
+    ticket: u64,
+    file: PathBuf,
+    /// Number of jobs that had ended before.
+    before: u64,
+    pub(super) lengths: Lengths,
+}
+
+/// Returns why the machine begins no job now, because of somebody else.
+pub(super) fn busy(panel: &Panel) -> Option<String> {
+    if let Some(holder) = panel.clients.view().1 {
+        return Some(format!("{} has the control lease", holder.user));
+    }
+    let machine = panel.machine.borrow();
+    if machine.task.as_ref().is_some_and(|task| number(task, "interpreter") != 0) {
+        return Some("another job runs".to_owned());
+    }
+    let motion = machine.motion.as_ref()?;
+    let flag = |name: &str| motion.get(name) == Some(&Json::Bool(true));
+    (flag("jogging") || flag("homing")).then(|| "somebody moves the machine".to_owned())
+}
+
+/// Returns a number of a status; 0 if there is none.
+pub(super) fn number(status: &Map<String, Json>, name: &str) -> u64 {
+    status.get(name).and_then(Json::as_u64).unwrap_or_default()
+}
+
+/// Returns why the machine is not ready, apart from what others do.
+fn unready(panel: &Panel) -> Option<Reason> {
+    let machine = panel.machine.borrow();
+    let off = |text: &str| Some(Reason::new(Code::Apagado, text));
+    if !panel.heart.allowed.load(Relaxed) {
+        return off("remote.allow-motion is FALSE: the machine permits no remote motion");
+    }
+    let (Some(task), Some(motion)) = (&machine.task, &machine.motion) else {
+        return off("the machine has no task controller");
+    };
+    match number(task, "state") {
+        ON => {}
+        0 => return off("the machine is in e-stop"),
+        _ => return off("the machine is off"),
+    }
+    let traj = |name: &str| panel.info.get("ini")?.get("TRAJ")?.get(name)?.as_str();
+    let needs_homing = traj("NO_FORCE_HOMING").is_none_or(|text| text.trim() != "1");
+    if needs_homing && motion.get("all_homed") != Some(&Json::Bool(true)) {
+        let is = |name: &str, n: usize| motion.get(name)?.get(n)?.as_bool();
+        let joint = (0..16)
+            .find(|n| is("joint_active", *n) == Some(true) && is("joint_homed", *n) == Some(false));
+        let text = match joint {
+            Some(n) => format!("joint {n} is not homed"),
+            None => "a joint is not homed".to_owned(),
+        };
+        return Some(Reason::new(Code::SinAjuste, text));
+    }
+    None
+}
+
+/// Returns where the machine is, in machine units.
+fn pose(panel: &Panel) -> [f64; 9] {
+    let machine = panel.machine.borrow();
+    let pose = machine.motion.as_ref().and_then(|motion| motion.get("pose")).cloned();
+    pose.and_then(|pose| serde_json::from_value(pose).ok()).unwrap_or_default()
+}
+
+/// Checks a program and runs it under the control lease.
+pub(super) async fn start(
+    panel: &Arc<Panel>,
+    user: &User,
+    program: Vec<u8>,
+) -> Result<Begun, Reason> {
+    let engine = &panel.engine;
+    let stops = engine.stops();
+    // The status of the machine shall not be older than the request: the next one may be on its way already.
+    let mut status = panel.machine.clone();
+    for _ in 0..2 {
+        status.mark_unchanged();
+        drop(timeout(SETTLE, status.changed()).await);
+    }
+    if let Some(text) = busy(panel) {
+        return Err(Reason::new(Code::Ocupado, text));
+    }
+    if let Some(why) = unready(panel) {
+        return Err(why);
+    }
+    let folder = panel.programs.as_deref().unwrap_or_else(|| panel.place.folder());
+    let file = folder.join(FILE);
+    let reading = panel.reading.lock().await;
+    let lengths = block_in_place(|| {
+        let written = hal_output::install(&file, &program, 0o600);
+        written.map_err(|e| {
+            Reason::new(Code::Falla, format!("{}: {}", file.display(), hal_output::reason(&e)))
+        })?;
+        check::read(panel.options.ini_file.as_deref(), &file, pose(panel))
+    });
+    drop(reading);
+    let lengths = lengths?;
+    let begun = begin(panel, user, file, lengths, stops).await;
+    if begun.is_err() {
+        has_not_begun(panel, user).await;
+        end_lease(panel, user).await;
+    }
+    begun
+}
+
+async fn begin(
+    panel: &Panel,
+    user: &User,
+    file: PathBuf,
+    lengths: Lengths,
+    stops: u64,
+) -> Result<Begun, Reason> {
+    let engine = &panel.engine;
+    let (clients, client) = (&panel.clients, user.client);
+    clients.take(engine, client, &user.session, false).await.map_err(refused)?;
+    // From here on the beats of this program keep the lease.
+    panel.heart.keep(true);
+    let lost = || Reason::new(Code::Ocupado, "the control lease has ended");
+    let lease = clients.number(client).ok_or_else(lost)?;
+    let command = |name: &str, args: Vec<String>| Request::Command { name: name.to_owned(), args };
+    let open = format!("file={}", file.display());
+    let before = {
+        let machine = panel.machine.borrow();
+        machine.task.as_ref().map_or(0, |task| number(task, "jobs"))
+    };
+    for request in [
+        command("task.mode", vec!["mode=auto".to_owned()]),
+        command("task.open", vec![open]),
+        command("remote.start", vec![format!("lease={lease}")]),
+    ] {
+        let reply = engine.call_unless_stopped(request, stops).await.map_err(refused)?;
+        if let Some(ticket) = ticket(reply) {
+            finish(panel, ticket).await.map_err(|text| Reason::new(Code::Falla, text))?;
+        }
+    }
+    let run = command("task.run", Vec::new());
+    let run = engine.call_unless_stopped(run, stops).await;
+    let reply = run.map_err(|e| match e.code {
+        Kind::Refused => check::reason(&file, &e.text),
+        _ => refused(e),
+    })?;
+    let none = || Reason::new(Code::Falla, "the task does not say when the job ends");
+    let ticket = ticket(reply).ok_or_else(none)?;
+    Ok(Begun { ticket, file, before, lengths })
+}
+
+/// Tells the plugin that a job which was announced has not begun: there is nothing to hold.
+async fn has_not_begun(panel: &Panel, user: &User) {
+    let Some(lease) = panel.clients.number(user.client) else { return };
+    let args = vec![format!("lease={lease}")];
+    let refused = Request::Command { name: "remote.refused".to_owned(), args };
+    // An engine that does not answer holds nothing.
+    drop(panel.engine.call(refused).await);
+}
+
+/// Waits for the end of a job, and gives the lease back.
+pub(super) async fn follow(panel: &Panel, user: &User, begun: &Begun) -> Result<(), Reason> {
+    let end = finish(panel, begun.ticket).await;
+    // The next client shall see that nothing runs.
+    let since = Instant::now();
+    let is_over = || {
+        let machine = panel.machine.borrow();
+        let Some(task) = &machine.task else { return true };
+        number(task, "interpreter") == 0 && (end.is_err() || number(task, "jobs") != begun.before)
+    };
+    while !is_over() && since.elapsed() < SETTLE {
+        sleep(LOOK).await;
+    }
+    let has_run = panel
+        .machine
+        .borrow()
+        .task
+        .as_ref()
+        .is_some_and(|task| number(task, "jobs") != begun.before);
+    if !has_run {
+        has_not_begun(panel, user).await;
+    }
+    end_lease(panel, user).await;
+    end.map_err(|text| {
+        if has_run { Reason::new(Code::Falla, text) } else { check::reason(&begun.file, &text) }
+    })
+}
+
+/// Gives the lease back.
+pub(super) async fn end_lease(panel: &Panel, user: &User) {
+    panel.heart.keep(false);
+    // An engine that does not answer has no lease either.
+    drop(panel.clients.give(&panel.engine, user.client).await);
+}
+
+/// Brakes and ends the job.
+pub(super) async fn cancel(panel: &Panel) {
+    let abort = Request::Command { name: "task.abort".to_owned(), args: Vec::new() };
+    if let Err(why) = panel.engine.stop(abort, true).await {
+        panel.audit.note("teleop", 0, &json!("cancel"), Err(&why));
+    }
+}
+
+/// Waits for the end of a command.
+async fn finish(panel: &Panel, ticket: u64) -> Result<(), String> {
+    loop {
+        match panel.engine.call(Request::Ticket { id: ticket, wait: false }).await {
+            Ok(Reply::Ticket(TicketInfo::Pending)) => sleep(LOOK).await,
+            Ok(Reply::Ticket(TicketInfo::Failed(why))) => return Err(why),
+            Ok(_) => return Ok(()),
+            // Other requests fill the queue: look again.
+            Err(e) if e.code == Kind::TooMany => sleep(LOOK).await,
+            Err(e) => return Err(e.text),
+        }
+    }
+}
+
+fn ticket(reply: Reply) -> Option<u64> {
+    if let Reply::Answer(answer) = reply { answer.ticket } else { None }
+}
+
+fn refused(error: Error) -> Reason {
+    let code = match error.code {
+        Kind::Conflict | Kind::Lease => Code::Ocupado,
+        Kind::Remote => Code::Apagado,
+        Kind::Role => Code::Permiso,
+        _ => Code::Falla,
+    };
+    Reason::new(code, error.text)
+}

@@ -1,0 +1,2 @@
+# nothing moves
+G04 P5

@@ -1,0 +1,204 @@
+//! The mill on the virtual clock, its panel with teleoperation, and people who speak the protocol.
+
+use hal_tests::{
+    programs::root,
+    scratch::{Running, Scratch, until},
+};
+use rustix::process::Signal;
+use std::{
+    collections::BTreeMap,
+    io::{ErrorKind, Read as _, Write as _},
+    net::TcpStream,
+    time::Duration,
+};
+
+/// Longest time for which a read waits before machine time passes.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// The machine and its panel; both end with it.
+#[derive(Debug)]
+pub(super) struct Mill {
+    pub(super) panel: Running,
+    machine: Running,
+    pub(super) scratch: Scratch,
+    pub(super) port: u16,
+}
+
+/// A connection.
+#[derive(Debug)]
+struct Person {
+    stream: TcpStream,
+    /// Bytes that have arrived and are no whole line yet.
+    bytes: Vec<u8>,
+}
+
+impl Mill {
+    /// Starts the mill, whose clock stands still, with these further entries of its INI file and options of the panel.
+    pub(super) fn start(entries: &str, options: &[&str]) -> Self {
+        Self::with(entries, options, &[])
+    }
+
+    /// Does the same, with the first occurrence of a text in a file replaced by another.
+    pub(super) fn with(entries: &str, options: &[&str], edits: &[(&str, &str, &str)]) -> Self {
+        let scratch = Scratch::copy_of(&root().join("configs/maxnc"));
+        for (file, from, to) in edits {
+            let text = scratch.read(file);
+            assert!(text.contains(from), "{file} has no {from}");
+            scratch.write(file, text.replacen(from, to, 1));
+        }
+        let ini = scratch.read("teleop.ini").replace("ON_LOSS = hold\n", entries);
+        assert!(ini.contains(entries), "{ini}");
+        // Several tests run at the same time: each has a port of its own.
+        scratch.write("teleop.ini", ini.replace(":2000", ":0"));
+        scratch.write("local.ngc", "G20 G1 X2 F6\nM2\n");
+        let mut command = scratch.command(&[], "halrun");
+        command.args(["--virtual", "--hold", "--headless", "teleop.ini"]);
+        let machine = scratch.start(&mut command);
+        until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
+        let panel = panel(&scratch, options);
+        let mut mill = Self { panel, machine, scratch, port: 0 };
+        mill.listens();
+        mill
+    }
+
+    /// Waits until the server of teleoperation listens.
+    pub(super) fn listens(&mut self) {
+        until("teleoperation listens", || {
+            let is_running = self.panel.is_running();
+            assert!(is_running, "the panel has ended: {:?}", self.panel.said());
+            self.run("10ms");
+            let output = self.scratch.halcmd(&["getp", "teleop.listening"]);
+            self.port = output.stdout.trim().parse().unwrap_or(0);
+            self.port != 0
+        });
+        // The panel learns by its pins that the machine permits remote motion.
+        self.run("100ms");
+    }
+
+    /// Ends the panel by a signal and starts another.
+    pub(super) fn restart(&mut self, signal: Signal, options: &[&str]) {
+        self.panel.signal(signal);
+        self.panel.ended().unwrap();
+        self.panel = panel(&self.scratch, options);
+        self.listens();
+    }
+
+    /// Ends the machine, while the panel goes on.
+    pub(super) fn end_machine(&mut self) {
+        self.machine.signal(Signal::TERM);
+        self.machine.ended().unwrap();
+    }
+
+    /// Lets machine time pass.
+    pub(super) fn run(&self, time: &str) {
+        self.scratch.halcmd(&["run", time]);
+    }
+
+    /// Runs a command of halcmd.
+    pub(super) fn halcmd(&self, line: &str) -> String {
+        let words: Vec<_> = line.split(' ').collect();
+        let output = self.scratch.halcmd(&words);
+        assert_eq!(output.status, Some(0), "{line}: {output:?}");
+        output.stdout
+    }
+
+    /// Returns a number that halcmd prints of a pin.
+    pub(super) fn number(&self, pin: &str) -> f64 {
+        self.halcmd(&format!("getp {pin}")).trim().parse().unwrap()
+    }
+
+    /// Switches the machine on and homes it.
+    pub(super) fn ready(&self) {
+        for command in ["task.estop-reset", "task.on", "task.home joint=all"] {
+            self.halcmd(command);
+            self.run("200ms");
+        }
+        assert_eq!(self.halcmd("getp motion.is-all-homed").trim(), "TRUE");
+    }
+
+    /// Returns the token of the next login.
+    pub(super) fn token(&self) -> String {
+        let address = self.scratch.read("address");
+        address.trim().split_once("#token=").unwrap().1.to_owned()
+    }
+
+    /// Lets machine time pass in small steps until something is so.
+    pub(super) fn until(&self, what: &str, is_so: impl Fn() -> bool) {
+        until(what, || {
+            self.run("10ms");
+            is_so()
+        });
+    }
+}
+
+impl Drop for Mill {
+    fn drop(&mut self) {
+        for program in [&mut self.panel, &mut self.machine] {
+            if program.is_running() {
+                program.signal(Signal::TERM);
+            }
+        }
+        let (machine, panel) = (&mut self.machine, &mut self.panel);
+        until("the programs end", || !machine.is_running() && !panel.is_running());
+    }
+}
+
+fn panel(scratch: &Scratch, options: &[&str]) -> Running {
+    let mut command = scratch.command(&[], "halpanel");
+    command.args(["--listen", "127.0.0.1:0", "--ini-file", "teleop.ini", "--role", "operator"]);
+    command.args(["--address-file", "address", "--audit", "audit"]).args(options);
+    scratch.start(&mut command)
+}
+
+/// People with their connections, by name.
+#[derive(Debug, Default)]
+pub(super) struct People(BTreeMap<String, Person>);
+
+impl People {
+    /// Sends a line; `TOKEN` in it is the token of the moment.
+    pub(super) fn say(&mut self, mill: &Mill, name: &str, line: &str) {
+        let person = self.0.entry(name.to_owned()).or_insert_with(|| {
+            let stream = TcpStream::connect(("127.0.0.1", mill.port)).unwrap();
+            stream.set_read_timeout(Some(PATIENCE)).unwrap();
+            Person { stream, bytes: Vec::new() }
+        });
+        let line = line.replace("TOKEN", &mill.token());
+        // A server that has closed the connection reads nothing.
+        drop(person.stream.write_all(format!("{line}\r\n").as_bytes()));
+    }
+
+    /// Returns the next line, while machine time passes; `(closed)` at the end of the connection.
+    pub(super) fn hear(&mut self, mill: &Mill, name: &str) -> String {
+        let person = self.0.get_mut(name).unwrap();
+        let mut line = None;
+        until("an answer comes", || {
+            if let Some(end) = person.bytes.windows(2).position(|two| two == b"\r\n") {
+                let bytes: Vec<u8> = person.bytes.drain(..end + 2).take(end).collect();
+                line = Some(String::from_utf8(bytes).unwrap());
+                return true;
+            }
+            let mut buffer = [0; 4096];
+            match person.stream.read(&mut buffer) {
+                Ok(0) => line = Some("(closed)".to_owned()),
+                Ok(count) => person.bytes.extend(&buffer[..count]),
+                Err(e) if e.kind() == ErrorKind::ConnectionReset => {
+                    line = Some("(closed)".to_owned());
+                }
+                Err(_) => mill.run("100ms"),
+            }
+            line.is_some()
+        });
+        line.unwrap()
+    }
+
+    /// Cuts a connection.
+    pub(super) fn cut(&mut self, name: &str) {
+        self.0.remove(name).unwrap();
+    }
+
+    /// Sends a line and returns its answer.
+    pub(super) fn ask(&mut self, mill: &Mill, name: &str, line: &str) -> String {
+        self.say(mill, name, line);
+        self.hear(mill, name)
+    }
+}
