@@ -5,6 +5,7 @@ use crate::{
     tools::Tool,
     web,
 };
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
 use std::{fs, process::Command};
 
@@ -92,6 +93,43 @@ impl Browser {
     /// Opens an address.
     pub fn go(&self, address: &str) {
         self.post("/url", &json!({ "url": address }));
+    }
+
+    /// Returns the tab that is shown.
+    pub fn tab(&self) -> String {
+        let tab = self.ask("GET", &format!("{}/window", self.session), None);
+        tab.as_str().unwrap().to_owned()
+    }
+
+    /// Opens an empty tab and shows it.
+    pub fn new_tab(&self) -> String {
+        let tab = self.post("/window/new", &json!({ "type": "tab" }));
+        let tab = tab["handle"].as_str().unwrap().to_owned();
+        self.to_tab(&tab);
+        tab
+    }
+
+    /// Shows a tab.
+    pub fn to_tab(&self, tab: &str) {
+        self.post("/window", &json!({ "handle": tab }));
+    }
+
+    /// Closes the tab that is shown.
+    pub fn close_tab(&self) {
+        self.ask("DELETE", &format!("{}/window", self.session), None);
+    }
+
+    /// Kills the browser, with all processes that it has started.
+    pub fn kill(&mut self) {
+        let mut left = children(self.driver.pid());
+        while let Some(pid) = left.pop() {
+            left.extend(children(pid));
+            if let Some(pid) = i32::try_from(pid).ok().and_then(Pid::from_raw) {
+                // One that has ended meanwhile needs no signal.
+                kill_process(pid, Signal::KILL).unwrap_or_default();
+            }
+        }
+        self.session.clear();
     }
 
     /// Runs a script in the page; `return` gives its value.
@@ -210,9 +248,18 @@ impl Drop for Browser {
             drop(web::request(self.port, "DELETE", &self.session, &host, b""));
         }
         if self.driver.is_running() {
-            self.driver.signal(rustix::process::Signal::TERM);
+            self.driver.signal(Signal::TERM);
         }
     }
+}
+
+/// Returns the processes that a process has started.
+fn children(pid: u32) -> Vec<u32> {
+    let Ok(tasks) = fs::read_dir(format!("/proc/{pid}/task")) else { return Vec::new() };
+    let lists =
+        tasks.filter_map(|task| fs::read_to_string(task.ok()?.path().join("children")).ok());
+    let all = lists.collect::<Vec<_>>().join(" ");
+    all.split_whitespace().filter_map(|pid| pid.parse().ok()).collect()
 }
 
 /// Returns a text as a string of a script.

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use std::{
     io::{Read as _, Write as _},
-    net::{Shutdown, TcpStream},
+    net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream},
     time::Duration,
 };
 
@@ -61,7 +61,11 @@ impl Answer {
 
 /// Connects to a server of this computer.
 fn connect(port: u16) -> TcpStream {
-    let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    connect_at((Ipv4Addr::LOCALHOST, port).into())
+}
+
+fn connect_at(address: SocketAddr) -> TcpStream {
+    let stream = TcpStream::connect(address).unwrap();
     stream.set_read_timeout(Some(TIMEOUT)).unwrap();
     stream
 }
@@ -74,12 +78,43 @@ pub fn raw(port: u16, bytes: &[u8]) -> Answer {
     Answer::read(&mut stream)
 }
 
-/// Sends these bytes and nothing more, and waits until the server ends the connection.
-pub fn cut(port: u16, bytes: &[u8]) {
+/// Sends these bytes and nothing more, and returns the answer once the server has ended the connection.
+pub fn cut(port: u16, bytes: &[u8]) -> Answer {
     let mut stream = connect(port);
-    stream.write_all(bytes).unwrap();
-    stream.shutdown(Shutdown::Write).unwrap();
+    // A server that refuses the first bytes may end the connection before the others.
+    drop(stream.write_all(bytes));
+    drop(stream.shutdown(Shutdown::Write));
+    let answer = Answer::read(&mut stream);
     drop(stream.read_to_end(&mut Vec::new()));
+    answer
+}
+
+/// Returns a text with percent signs for everything but letters, digits and some signs.
+pub fn encoded(text: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_./%".contains(&byte);
+    text.bytes()
+        .map(|byte| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") })
+        .collect()
+}
+
+/// Returns a frame of a client: 1 is a text, 2 is binary.
+pub fn frame(opcode: u8, bytes: &[u8]) -> Vec<u8> {
+    let mut frame = vec![0x80 | opcode];
+    match u16::try_from(bytes.len()) {
+        Ok(n @ 0..126) => frame.push(0x80 | u8::try_from(n).unwrap()),
+        Ok(n) => {
+            frame.push(0x80 | 126);
+            frame.extend(n.to_be_bytes());
+        }
+        Err(_) => {
+            frame.push(0x80 | 127);
+            frame.extend((bytes.len() as u64).to_be_bytes());
+        }
+    }
+    // A mask of zeros leaves the bytes as they are.
+    frame.extend([0; 4]);
+    frame.extend(bytes);
+    frame
 }
 
 /// Sends a request with these lines as its headers, and returns the answer.
@@ -104,7 +139,15 @@ impl Socket {
     /// # Errors
     /// The server refuses: its answer.
     pub fn open(port: u16, path: &str, headers: &str) -> Result<Self, Answer> {
-        let mut stream = connect(port);
+        Self::open_at((Ipv4Addr::LOCALHOST, port).into(), path, headers)
+    }
+
+    /// Opens the socket of a server at this address, as `open` does.
+    ///
+    /// # Errors
+    /// The server refuses: its answer.
+    pub fn open_at(address: SocketAddr, path: &str, headers: &str) -> Result<Self, Answer> {
+        let mut stream = connect_at(address);
         let head = format!(
             "GET {path} HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
              Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n{headers}\r\n"
@@ -116,22 +159,19 @@ impl Socket {
 
     /// Sends a frame: 1 is a text, 2 is binary. The server may have gone.
     pub fn frame(&mut self, opcode: u8, bytes: &[u8]) {
-        let mut frame = vec![0x80 | opcode];
-        match u16::try_from(bytes.len()) {
-            Ok(n @ 0..126) => frame.push(0x80 | u8::try_from(n).unwrap()),
-            Ok(n) => {
-                frame.push(0x80 | 126);
-                frame.extend(n.to_be_bytes());
-            }
-            Err(_) => {
-                frame.push(0x80 | 127);
-                frame.extend((bytes.len() as u64).to_be_bytes());
-            }
-        }
-        // A mask of zeros leaves the bytes as they are.
-        frame.extend([0; 4]);
-        frame.extend(bytes);
-        drop(self.stream.write_all(&frame));
+        drop(self.stream.write_all(&frame(opcode, bytes)));
+    }
+
+    /// Sends these bytes and nothing more, and waits until the server ends the connection.
+    pub fn cut(mut self, bytes: &[u8]) {
+        drop(self.stream.write_all(bytes));
+        drop(self.stream.shutdown(Shutdown::Write));
+        drop(self.stream.read_to_end(&mut Vec::new()));
+    }
+
+    /// Makes the system keep as little as it can of what the server sends and nobody reads.
+    pub fn narrow(&self) {
+        rustix::net::sockopt::set_socket_recv_buffer_size(&self.stream, 1024).unwrap();
     }
 
     /// Sends a message.

@@ -3,7 +3,9 @@
 
 mod answers;
 mod questions;
+mod search;
 mod timing;
+mod trial;
 mod write;
 
 use crate::{
@@ -32,6 +34,12 @@ const MAX_ANSWERS: u64 = 1 << 20;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Flag {
     Output,
+    Test,
+    Amplitude,
+    VelocityStep,
+    AccelerationStep,
+    Simulate,
+    Virtual,
     Help,
 }
 
@@ -41,8 +49,26 @@ const OPTIONS: &[Opt<Flag>] = &[
         long: Some("output"),
         ..Opt::short_with(Flag::Output, 'o', "FOLDER")
     },
+    with(Flag::Test, "test", "AXIS", "search the velocity and acceleration that an axis bears"),
+    with(Flag::Amplitude, "amplitude", "LENGTH", "test: way to each side (0.45 of the travel)"),
+    with(Flag::VelocityStep, "velocity-step", "V", "test: increment (a tenth of the velocity)"),
+    with(
+        Flag::AccelerationStep,
+        "acceleration-step",
+        "A",
+        "test: increment (a tenth of the answer)",
+    ),
+    with(Flag::Simulate, "simulate", "V,A", "test: a simulated motor that stalls from V and A on"),
+    Opt {
+        value: None,
+        ..with(Flag::Virtual, "virtual", "", "test: on the virtual clock, a person judges")
+    },
     Opt { help: "print this", long: Some("help"), ..Opt::flag(Flag::Help, 'h') },
 ];
+
+const fn with(id: Flag, name: &'static str, value: &'static str, help: &'static str) -> Opt<Flag> {
+    Opt { id, short: None, long: Some(name), value: Some(value), variable: None, help }
+}
 
 /// Returns the options for completion.
 pub(crate) fn completable() -> Vec<Opt<()>> {
@@ -60,7 +86,9 @@ fn run(words: &[String]) -> Result<(), String> {
     if given.iter().any(|(id, _)| *id == Flag::Help) {
         let about = "Usage: halsetup [options] [ANSWERS]\n\n\
                      Writes a machine's INI and HAL files into a new folder with its name. Without a file of answers\n\
-                     it asks in the terminal, and keeps the answers beside the machine.\n\noptions:\n";
+                     it asks in the terminal, and keeps the answers beside the machine.\n\n\
+                     With --test it makes no files: it runs an axis of the answers back and forth, harder each time, and\n\
+                     asks whether the axis stands on its mark again. The machine moves: keep a hand on the e-stop.\n\noptions:\n";
         Stdio.out(&format!("{about}{}", program_usage(OPTIONS)))?;
         return Ok(());
     }
@@ -74,9 +102,45 @@ fn run(words: &[String]) -> Result<(), String> {
         _ => return Err("one file of answers at most".to_owned()),
     };
     let answers = answers::read(&text).map_err(|list| places(&name, &text, &list))?;
+    if let Some(wish) = wish(&given)? {
+        Stdio.out(&trial::test(&answers, &wish, &mut line)?)?;
+        return Ok(());
+    }
     let written = make(&answers, &text, &folder)?;
     Stdio.out(&written)?;
     Ok(())
+}
+
+/// Returns the search that the options ask for.
+fn wish(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Wish>, String> {
+    let value = |flag| given.iter().rev().find(|(id, _)| *id == flag).map(|(_, v)| v.clone());
+    let text = |flag| value(flag).flatten();
+    let number = |flag, name: &str| match text(flag) {
+        None => Ok(None),
+        Some(text) => trial::positive(&text)
+            .map(Some)
+            .ok_or_else(|| format!("--{name} '{text}': a number above 0")),
+    };
+    let wish = trial::Wish {
+        axis: text(Flag::Test).unwrap_or_default(),
+        amplitude: number(Flag::Amplitude, "amplitude")?,
+        velocity_step: number(Flag::VelocityStep, "velocity-step")?,
+        acceleration_step: number(Flag::AccelerationStep, "acceleration-step")?,
+        stall: match text(Flag::Simulate) {
+            None => None,
+            Some(text) => Some(trial::pair(&text).ok_or_else(|| {
+                format!("--simulate '{text}': VELOCITY,ACCELERATION, two numbers above 0")
+            })?),
+        },
+        is_virtual: value(Flag::Virtual).is_some(),
+    };
+    if value(Flag::Test).is_some() {
+        return Ok(Some(wish));
+    }
+    if wish == trial::Wish::default() {
+        return Ok(None);
+    }
+    Err("--amplitude, the increments, --simulate and --virtual are for --test".to_owned())
 }
 
 fn text_of(file: &str) -> Result<String, String> {
@@ -94,17 +158,18 @@ fn text_of(file: &str) -> Result<String, String> {
 
 /// Asks in the terminal.
 fn asked() -> Result<String, String> {
-    let stdin = io::stdin();
-    let mut ask = |prompt: &str| {
-        Stdio.out(prompt)?;
-        let mut line = String::new();
-        match stdin.lock().take(4096).read_line(&mut line) {
-            Ok(0) => Ok(None),
-            Ok(_) => Ok(Some(line)),
-            Err(e) => Err(hal_output::reason(&e)),
-        }
-    };
-    questions(&mut Dialog { ask: &mut ask })
+    questions(&mut Dialog { ask: &mut line })
+}
+
+/// Asks a person for a line; `None` at the end of the input.
+fn line(prompt: &str) -> Result<Option<String>, String> {
+    Stdio.out(prompt)?;
+    let mut line = String::new();
+    match io::stdin().lock().take(4096).read_line(&mut line) {
+        Ok(0) => Ok(None),
+        Ok(_) => Ok(Some(line)),
+        Err(e) => Err(hal_output::reason(&e)),
+    }
 }
 
 /// Returns all that is wrong, each with its line.

@@ -3,6 +3,7 @@
 mod analysis;
 mod architecture;
 mod components;
+mod dependencies;
 mod engine;
 mod faults;
 mod language;

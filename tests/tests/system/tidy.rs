@@ -93,9 +93,13 @@ fn arrows_point_only_downward() {
         ("hal-storage", &["hal-output"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
-        ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol"]),
-        ("hal-job", &["hal-gcode", "hal-ini", "hal-output"]),
-        ("task", &["hal-component", "hal-gcode", "hal-ini", "hal-job", "hal-output"]),
+        ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol", "hal-remap"]),
+        ("hal-remap", &["hal-gcode", "hal-ini", "hal-output"]),
+        ("hal-job", &["hal-gcode", "hal-ini", "hal-output", "hal-remap"]),
+        (
+            "task",
+            &["hal-component", "hal-gcode", "hal-ini", "hal-job", "hal-output", "hal-remap"],
+        ),
         ("motion", &["hal-component", "hal-trajectory", "hal-watchman"]),
     ]);
     for (name, table) in &members {

@@ -27,12 +27,12 @@ pub(crate) struct OneByte {
 
 /// The function's end of a device.
 #[derive(Touch)]
-pub(crate) struct Line {
+pub(crate) struct DeviceLine {
     from: RingReader<OneByte>,
     to: RingWriter<OneByte>,
 }
 
-impl Line {
+impl DeviceLine {
     /// Realtime. Takes bytes that have arrived; returns their number.
     pub(crate) fn read(&mut self, into: &mut [u8]) -> usize {
         let mut count = 0;
@@ -102,7 +102,7 @@ pub(crate) fn declare(
     name: &str,
     path: String,
     baud: u32,
-) -> Result<Option<Line>, Error> {
+) -> Result<Option<DeviceLine>, Error> {
     if path.is_empty() || b.is_simulated() {
         return Ok(None);
     }
@@ -123,7 +123,7 @@ pub(crate) fn declare(
         messages: b.messages(),
     };
     b.worker(name, "Passes bytes from and to the device.", PERIOD_NS, 64, pump)?;
-    Ok(Some(Line { from: in_reader, to: out_writer }))
+    Ok(Some(DeviceLine { from: in_reader, to: out_writer }))
 }
 
 /// Worker of a device.

@@ -1,7 +1,7 @@
 //! `keypad`.
 
 use crate::{
-    device::{self, Line, read_port},
+    device::{self, DeviceLine, read_port},
     pipe::{self, Lines},
 };
 use hal_component::{
@@ -23,7 +23,7 @@ const SILENCE_NS: i64 = 10_000_000;
 
 /// Press that waits.
 #[derive(Clone, Copy)]
-pub(crate) struct Entry {
+pub(crate) struct WaitingPress {
     pub(crate) press: Press,
     /// Ticket of the command, at its last press.
     pub(crate) ticket: Option<TicketHandle>,
@@ -158,7 +158,7 @@ pub(crate) fn format(b: &Builder<'_>) -> Result<FrameFormat, Error> {
     made.map_err(|why| Error::new(format!("the format of the frames: {why}")))
 }
 
-fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Sender<Entry>) -> Result<(), Error> {
+fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Sender<WaitingPress>) -> Result<(), Error> {
     const PRESS: &[&ArgSpec] = &[
         &Arg::text("key", "Name of the key, or its number.").required(),
         &Arg::int("hold", "Time for which it is down; three periods without it.")
@@ -214,7 +214,7 @@ fn key_number(name: &str, keys: u8) -> Result<u8, Error> {
 }
 
 /// Puts all presses in the queue, or none.
-fn put(call: &Call<'_>, queue: &Sender<Entry>, presses: &[Press]) -> Result<(), Error> {
+fn put(call: &Call<'_>, queue: &Sender<WaitingPress>, presses: &[Press]) -> Result<(), Error> {
     let free = WAITING.saturating_sub(queue.waiting());
     if presses.len() > free {
         let count = presses.len();
@@ -222,8 +222,8 @@ fn put(call: &Call<'_>, queue: &Sender<Entry>, presses: &[Press]) -> Result<(), 
     }
     let Some((last, first)) = presses.split_last() else { return Ok(()) };
     let ticket = call.ticket()?;
-    let entries = first.iter().map(|press| Entry { press: *press, ticket: None });
-    let last = Entry { press: *last, ticket: Some(ticket) };
+    let entries = first.iter().map(|press| WaitingPress { press: *press, ticket: None });
+    let last = WaitingPress { press: *last, ticket: Some(ticket) };
     for entry in entries.chain([last]) {
         if queue.send(entry).is_err() {
             // The pipe's worker took the room in between.
@@ -245,10 +245,10 @@ struct Multiplexer {
     bad_frames: Out<u32>,
     queue: Out<u32>,
     physical: Out<bool>,
-    line: Option<Line>,
-    receiver: Receiver<Entry>,
+    line: Option<DeviceLine>,
+    receiver: Receiver<WaitingPress>,
     #[state]
-    sender: Sender<Entry>,
+    sender: Sender<WaitingPress>,
     #[state]
     reader: FrameReader,
     #[state]

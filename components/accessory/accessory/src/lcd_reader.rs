@@ -1,7 +1,7 @@
 //! `lcd_reader`.
 
 use crate::{
-    device::{self, Line, read_port},
+    device::{self, DeviceLine, read_port},
     readers,
 };
 use hal_component::{
@@ -127,7 +127,7 @@ getp lcd.errors # -> 0
         let mut found = Vec::new();
         for (n, text) in texts(b, "find", TEXT_LEN)?.into_iter().enumerate() {
             let doc = format!("True while the screen has the text '{text}'.");
-            found.push(Found { pin: b.item(&format!("lcd.found-{n}"), &doc, false)?, text });
+            found.push(FoundText { pin: b.item(&format!("lcd.found-{n}"), &doc, false)?, text });
         }
         let mut values = Vec::new();
         for (n, label) in texts(b, "values", COLUMNS)?.into_iter().enumerate() {
@@ -213,12 +213,12 @@ fn screen(latest: &SnapshotReader<ScreenRecord>) -> Result<ScreenRecord, Error> 
 }
 
 /// Text that is looked for.
-struct Found {
+struct FoundText {
     pin: Out<bool>,
     text: String,
 }
 
-impl Touch for Found {
+impl Touch for FoundText {
     fn touch(&self, uses: &mut hal_component::Uses) {
         self.pin.touch(uses);
     }
@@ -262,9 +262,9 @@ struct Reading {
     errors: Out<u32>,
     screens: Out<u32>,
     quiet: Out<bool>,
-    found: Vec<Found>,
+    found: Vec<FoundText>,
     values: Vec<ValueInText>,
-    line: Option<Line>,
+    line: Option<DeviceLine>,
     snapshot: Snapshot<ScreenRecord>,
     clock: Clock,
     #[state]
@@ -299,7 +299,7 @@ impl Reading {
         self.snapshot.set(&ScreenRecord::new(number, text));
         // The number of whole screens, without the blank one before them.
         self.screens.set(self.screens.get().wrapping_add(u32::from(number > 1)));
-        for Found { pin, text: wanted } in &self.found {
+        for FoundText { pin, text: wanted } in &self.found {
             let has = text.windows(wanted.len()).any(|part| part == wanted.as_bytes());
             pin.set(has);
         }

@@ -9,7 +9,7 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use crate::keypad::{Entry, WAITING};
+use crate::keypad::{WAITING, WaitingPress};
 
 /// Period of the worker, in nanoseconds.
 const PERIOD_NS: i64 = 5_000_000;
@@ -52,7 +52,7 @@ pub(crate) fn declare(
     b: &mut Builder<'_>,
     path: String,
     lines: Lines,
-    queue: Sender<Entry>,
+    queue: Sender<WaitingPress>,
 ) -> Result<(), Error> {
     let doc = "Number of lines of the pipe that pressed nothing.";
     let bad_lines = b.item("keypad.bad-lines", doc, 0)?;
@@ -92,7 +92,7 @@ struct PipeReader {
     /// Bytes that have been read, and whose lines have not.
     #[state]
     read: Vec<u8>,
-    queue: Sender<Entry>,
+    queue: Sender<WaitingPress>,
     bad_lines: Out<u32>,
     messages: Messages,
 }
@@ -150,7 +150,7 @@ impl PipeReader {
             .and_then(|len| parse(self.reader.line(len), self.lines.keys, self.lines.period_ms));
         match press {
             // The worker alone fills the queue beyond the commands' last look: there was room.
-            Ok(press) => drop(self.queue.send(Entry { press, ticket: None })),
+            Ok(press) => drop(self.queue.send(WaitingPress { press, ticket: None })),
             Err(bad) => {
                 self.bad_lines.set(self.bad_lines.get().wrapping_add(1));
                 self.messages.warn(message(bad), &[f64::from(self.lines.keys)]);

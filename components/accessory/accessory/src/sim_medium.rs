@@ -5,7 +5,8 @@ use hal_component::{
     Touch, Work,
 };
 use hal_nk105::{
-    JobStep, Medium, Trouble, WrongJob, controller::Next, job::read, motion::TRAVEL, panel::Row,
+    JobStep, Medium, Trouble, WrongJob, controller::Next, job::read, motion::TRAVEL,
+    panel::ScreenRow,
 };
 use hal_storage::{Side, image, storage::MOST_BYTES};
 use std::{collections::VecDeque, fs::File, path::PathBuf};
@@ -125,11 +126,11 @@ impl Medium for SimMedium {
         (list.medium == self.medium.get()).then_some(list.count)
     }
 
-    fn name(&mut self, index: u32) -> Row {
+    fn name(&mut self, index: u32) -> ScreenRow {
         let list = self.list.get();
         let at = usize::try_from(index).unwrap_or(usize::MAX).saturating_mul(2);
         let words = list.names.iter().skip(at).take(2);
-        let mut row = Row::default();
+        let mut row = ScreenRow::default();
         for byte in words.flat_map(|word| word.to_le_bytes()).filter(|byte| *byte != 0) {
             row.push(byte);
         }

@@ -12,7 +12,7 @@ use std::{
 const ORDERS: usize = 64;
 
 /// Order to the worker.
-pub(crate) enum Order {
+pub(crate) enum UsbOrder {
     Send { path: String, name: String },
     Cancel(String),
     Finish(String),
@@ -22,7 +22,7 @@ pub(crate) enum Order {
 /// State that commands and the worker share.
 #[derive(Default)]
 pub(crate) struct InboxState {
-    pub(crate) orders: VecDeque<(Order, TicketHandle)>,
+    pub(crate) orders: VecDeque<(UsbOrder, TicketHandle)>,
     pub(crate) opened: Option<Opened>,
     /// Lines of `usbjobs.status`.
     pub(crate) status: Vec<String>,
@@ -37,7 +37,7 @@ impl Inbox {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn put(&self, call: &Call<'_>, order: Order) -> Result<(), Error> {
+    fn put(&self, call: &Call<'_>, order: UsbOrder) -> Result<(), Error> {
         if self.lock().orders.len() >= ORDERS {
             return Err(Error::new(format!("{ORDERS} orders wait already")));
         }
@@ -73,7 +73,7 @@ pub(crate) fn declare(b: &mut Builder<'_>, inbox: &Inbox, has_storage: bool) -> 
         if let Err(why) = safe_name(&name) {
             return Err(Error::new(format!("job '{name}': {why}")));
         }
-        shared.put(call, Order::Send { path, name })
+        shared.put(call, UsbOrder::Send { path, name })
     })?;
     let shared = inbox.clone();
     b.command(
@@ -82,7 +82,7 @@ pub(crate) fn declare(b: &mut Builder<'_>, inbox: &Inbox, has_storage: bool) -> 
         &[&JOB],
         move |call| {
             refused()?;
-            shared.put(call, Order::Cancel(call.text("job").unwrap_or_default()))
+            shared.put(call, UsbOrder::Cancel(call.text("job").unwrap_or_default()))
         },
     )?;
     let shared = inbox.clone();
@@ -92,13 +92,13 @@ pub(crate) fn declare(b: &mut Builder<'_>, inbox: &Inbox, has_storage: bool) -> 
         &[&JOB],
         move |call| {
             refused()?;
-            shared.put(call, Order::Finish(call.text("job").unwrap_or_default()))
+            shared.put(call, UsbOrder::Finish(call.text("job").unwrap_or_default()))
         },
     )?;
     let shared = inbox.clone();
     b.command("usbjobs.retry", "Goes on after a failure.", &[], move |call| {
         refused()?;
-        shared.put(call, Order::Retry)
+        shared.put(call, UsbOrder::Retry)
     })?;
     let shared = inbox.clone();
     b.command(

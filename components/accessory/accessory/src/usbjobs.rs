@@ -2,7 +2,7 @@
 
 use crate::{
     programs_folder::ProgramsFolder,
-    usb_orders::{self, Inbox, Order},
+    usb_orders::{self, Inbox, UsbOrder},
 };
 use hal_component::{
     Arg, Builder, Clock, Component, Error, In, Messages, Out, Texts, TicketHandle, Touch, Work,
@@ -250,18 +250,18 @@ impl Work for UsbWorker {
 }
 
 impl UsbWorker {
-    fn order(&mut self, storage: &mut Storage<Folder>, order: Order, ticket: TicketHandle) {
+    fn order(&mut self, storage: &mut Storage<Folder>, order: UsbOrder, ticket: TicketHandle) {
         let result = match order {
-            Order::Send { path, name } => {
+            UsbOrder::Send { path, name } => {
                 let read = read_bounded(Path::new(&path), MOST_BYTES);
                 match read {
                     Ok(bytes) => storage.send(&name, &bytes).map(drop),
                     Err(e) => Err(StorageError::Keeping(format!("file {path}").into(), e)),
                 }
             }
-            Order::Cancel(name) => storage.cancel(&name),
-            Order::Finish(name) => storage.finish(&name),
-            Order::Retry => {
+            UsbOrder::Cancel(name) => storage.cancel(&name),
+            UsbOrder::Finish(name) => storage.finish(&name),
+            UsbOrder::Retry => {
                 storage.retry();
                 Ok(())
             }

@@ -11,9 +11,9 @@ pub const LONGEST_MS: u32 = 10_000;
 /// Reason why a line presses nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum BadLine {
-    /// There is nothing in it.
+    /// Empty.
     Empty,
-    /// It is longer than [`MOST_BYTES`].
+    /// Longer than [`MOST_BYTES`].
     Long,
     /// A byte of it is no ASCII character.
     Encoding,

@@ -3,7 +3,7 @@
 use crate::{
     job::JobStep,
     motion::Motion,
-    panel::{Panel, Row},
+    panel::{Panel, ScreenRow},
 };
 use core::fmt;
 use hal_handheld::{KeySet, st7920::ROWS};
@@ -68,7 +68,7 @@ impl fmt::Display for Trouble {
 /// Next step of an open job.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Next {
-    /// It is not known yet.
+    /// Not known yet.
     Later,
     /// A step.
     Step(JobStep),
@@ -84,7 +84,7 @@ pub trait Medium {
     fn files(&mut self) -> Option<u32>;
 
     /// Returns the name of a file, from 0.
-    fn name(&mut self, index: u32) -> Row;
+    fn name(&mut self, index: u32) -> ScreenRow;
 
     /// Opens a file as a job, whose zero is this place.
     fn open(&mut self, index: u32, origin: [f64; 3]);
@@ -113,8 +113,8 @@ pub struct Controller {
     tool: i32,
     feed: f64,
     rest: f64,
-    pub(crate) entry: Row,
-    pub(crate) message: Row,
+    pub(crate) entry: ScreenRow,
+    pub(crate) message: ScreenRow,
     /// File that the menu shows.
     pub(crate) menu: Option<u32>,
     panel: Panel,
@@ -136,8 +136,8 @@ impl Default for Controller {
             tool: 1,
             feed: FAST,
             rest: 0.0,
-            entry: Row::default(),
-            message: Row::default(),
+            entry: ScreenRow::default(),
+            message: ScreenRow::default(),
             menu: None,
             panel: Panel::default(),
         }
@@ -210,7 +210,7 @@ impl Controller {
     }
 
     pub(crate) fn say(&mut self, text: fmt::Arguments<'_>) {
-        self.message = Row::of(text);
+        self.message = ScreenRow::of(text);
     }
 
     /// Ends the job, if there is one, and all motion.
@@ -276,23 +276,23 @@ impl Controller {
         }
     }
 
-    fn rows(&self, medium: &mut impl Medium) -> [Row; ROWS] {
+    fn rows(&self, medium: &mut impl Medium) -> [ScreenRow; ROWS] {
         let status = [
-            Row::of(format_args!("{}", self.mode.text())),
-            Row::of(format_args!("F{}", self.percent)),
-            Row::of(format_args!("T{:3}", self.tool)),
+            ScreenRow::of(format_args!("{}", self.mode.text())),
+            ScreenRow::of(format_args!("F{}", self.percent)),
+            ScreenRow::of(format_args!("T{:3}", self.tool)),
         ];
-        let mut rows = [Row::default(); ROWS];
+        let mut rows = [ScreenRow::default(); ROWS];
         let axes = ['X', 'Y', 'Z'].into_iter().zip(self.motion.place).zip(self.origin);
         for ((row, ((letter, place), origin)), status) in rows.iter_mut().zip(axes).zip(status) {
             let at = place - origin;
             // There is no -0.000.
             let at = if at.abs() < 0.0005 { 0.0 } else { at };
-            *row = Row::of(format_args!("{letter}{at:10.3} {}", status.text()));
+            *row = ScreenRow::of(format_args!("{letter}{at:10.3} {}", status.text()));
         }
         if let Some(last) = rows.last_mut() {
             *last = match self.menu {
-                Some(index) => Row::of(format_args!(">{}", medium.name(index).text())),
+                Some(index) => ScreenRow::of(format_args!(">{}", medium.name(index).text())),
                 None if !self.entry.is_empty() => self.entry,
                 None => self.message,
             };

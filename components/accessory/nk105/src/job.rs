@@ -100,7 +100,7 @@ pub fn read(text: &[u8], origin: [f64; 3], travel: f64) -> Result<Vec<JobStep>, 
     it.synchronise(Position::default());
     it.load("job", Arc::new(text.to_vec()));
     let mut way = Way::new(it.state.frame, Position::default());
-    let mut reader = Reader { steps: Vec::new(), feed: 0.0, origin, travel };
+    let mut reader = JobReader { steps: Vec::new(), feed: 0.0, origin, travel };
     let mut calls = Vec::new();
     let (mut idle, mut line) = (0_u32, 0);
     loop {
@@ -129,7 +129,7 @@ pub fn read(text: &[u8], origin: [f64; 3], travel: f64) -> Result<Vec<JobStep>, 
 }
 
 /// Steps so far.
-struct Reader {
+struct JobReader {
     steps: Vec<JobStep>,
     /// Feed in mm/s.
     feed: f64,
@@ -137,7 +137,7 @@ struct Reader {
     travel: f64,
 }
 
-impl Reader {
+impl JobReader {
     fn call(&mut self, call: &Call, way: &mut Way, mm: f64, line: u32) -> Result<(), WrongJob> {
         let unknown = |name| Err(WrongJob::Unsupported(line, name));
         match call {

@@ -2,7 +2,7 @@
 
 use crate::{
     controller::{Controller, FAST, Medium, Mode, SLOW, STEP},
-    panel::Row,
+    panel::ScreenRow,
 };
 use hal_handheld::KeySet;
 
@@ -20,10 +20,11 @@ impl Controller {
     pub(crate) fn press(&mut self, key: u8, medium: &mut impl Medium) {
         if key == STOP {
             self.stop(medium);
-            (self.menu, self.entry, self.message) = (None, Row::default(), Row::default());
+            (self.menu, self.entry, self.message) =
+                (None, ScreenRow::default(), ScreenRow::default());
             return;
         }
-        self.message = Row::default();
+        self.message = ScreenRow::default();
         let is_idle = self.mode == Mode::Idle;
         match key {
             1..=12 if is_idle && self.menu.is_none() => {
@@ -82,7 +83,7 @@ impl Controller {
             }
             None => self.say(format_args!("1 TO {MOST_PERCENT} ONLY")),
         }
-        self.entry = Row::default();
+        self.entry = ScreenRow::default();
     }
 
     fn run_or_pause(&mut self, medium: &mut impl Medium) {
@@ -91,7 +92,7 @@ impl Controller {
             Mode::Hold => self.mode = Mode::Run,
             Mode::Jog => {}
             Mode::Idle => {
-                self.entry = Row::default();
+                self.entry = ScreenRow::default();
                 match medium.files() {
                     None => self.say(format_args!("NO MEDIUM")),
                     Some(0) => self.say(format_args!("NO FILES")),

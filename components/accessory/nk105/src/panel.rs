@@ -10,18 +10,18 @@ const BEGIN: [u8; 4] = [0x30, 0x0C, 0x01, 0x06];
 
 /// Text of a row.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Row {
+pub struct ScreenRow {
     bytes: [u8; COLUMNS],
     len: usize,
 }
 
-impl Default for Row {
+impl Default for ScreenRow {
     fn default() -> Self {
         Self { bytes: [b' '; COLUMNS], len: 0 }
     }
 }
 
-impl Row {
+impl ScreenRow {
     /// Returns a row with this text, as far as it fits.
     #[must_use]
     pub fn of(text: fmt::Arguments<'_>) -> Self {
@@ -52,7 +52,7 @@ impl Row {
     }
 }
 
-impl Write for Row {
+impl Write for ScreenRow {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         text.bytes().for_each(|byte| self.push(byte));
         Ok(())
@@ -79,8 +79,8 @@ impl Burst {
 pub struct Panel {
     /// Number of commands after power-on that have been sent.
     begun: usize,
-    shown: [Row; ROWS],
-    wanted: [Row; ROWS],
+    shown: [ScreenRow; ROWS],
+    wanted: [ScreenRow; ROWS],
     /// Seconds since the last look at the text.
     age: f64,
 }
@@ -93,7 +93,7 @@ impl Panel {
     }
 
     /// Takes the text, all rows of one moment.
-    pub const fn show(&mut self, text: [Row; ROWS]) {
+    pub const fn show(&mut self, text: [ScreenRow; ROWS]) {
         (self.wanted, self.age) = (text, 0.0);
     }
 
@@ -128,7 +128,7 @@ impl Panel {
         }
     }
 
-    fn difference(&self) -> Option<(usize, Row)> {
+    fn difference(&self) -> Option<(usize, ScreenRow)> {
         let both = self.shown.iter().zip(self.wanted).enumerate();
         both.filter(|(_, (shown, wanted))| *shown != wanted).map(|(at, (_, w))| (at, w)).next()
     }

@@ -11,7 +11,7 @@ use hal_nk105::{
     Controller, JobStep, Medium, Mode, Trouble,
     controller::Next,
     job::{WrongJob, read},
-    panel::Row,
+    panel::ScreenRow,
 };
 use std::collections::VecDeque;
 
@@ -28,8 +28,8 @@ impl Medium for Files {
     fn files(&mut self) -> Option<u32> {
         (!self.is_gone).then(|| u32::try_from(self.files.len()).unwrap())
     }
-    fn name(&mut self, index: u32) -> Row {
-        Row::of(format_args!("{}", self.files[index as usize].0))
+    fn name(&mut self, index: u32) -> ScreenRow {
+        ScreenRow::of(format_args!("{}", self.files[index as usize].0))
     }
     fn open(&mut self, index: u32, origin: [f64; 3]) {
         self.trouble = None;

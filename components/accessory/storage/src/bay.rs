@@ -3,7 +3,7 @@
 use core::fmt;
 use std::io::{self, Read, Seek, Write};
 
-/// One of the two images.
+/// Side of the storage: image A or image B.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Side {
     /// Image A.

@@ -19,7 +19,7 @@ impl<T: Read + Write + Seek> Disk for T {}
 
 /// File in the top folder of an image.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub struct Entry {
+pub struct ImageFile {
     /// Name of the file.
     pub name: String,
     /// Length in bytes.
@@ -67,7 +67,7 @@ pub fn format(mut disk: impl Disk) -> io::Result<()> {
 ///
 /// # Errors
 /// The image has no file system, or a damaged one.
-pub fn list(disk: impl Disk) -> io::Result<Vec<Entry>> {
+pub fn list(disk: impl Disk) -> io::Result<Vec<ImageFile>> {
     with(disk, |root| {
         let mut found = Vec::new();
         for (n, entry) in root.iter().enumerate() {
@@ -76,7 +76,7 @@ pub fn list(disk: impl Disk) -> io::Result<Vec<Entry>> {
             }
             let entry = entry?;
             if entry.is_file() {
-                found.push(Entry { name: entry.file_name(), len: entry.len() });
+                found.push(ImageFile { name: entry.file_name(), len: entry.len() });
             }
         }
         found.sort();

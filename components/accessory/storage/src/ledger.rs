@@ -9,7 +9,7 @@ pub const MOST_JOBS: usize = 4096;
 /// Reason why a line of the state file is wrong.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum WrongLedger {
-    /// It is not UTF-8.
+    /// Not UTF-8.
     Encoding,
     /// The first line is not `presented a` or `presented b`.
     Presented,

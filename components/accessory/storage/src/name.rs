@@ -12,7 +12,7 @@ const DEVICES: [&str; 4] = ["CON", "PRN", "AUX", "NUL"];
 pub enum WrongName {
     /// Nothing is left of it.
     Empty,
-    /// It is longer than [`LONGEST`].
+    /// Longer than [`LONGEST`].
     Long,
 }
 

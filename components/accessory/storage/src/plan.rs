@@ -2,7 +2,7 @@
 
 use crate::{
     error::StorageError,
-    image::Entry,
+    image::ImageFile,
     ledger::{Ledger, StoredJob},
     name::is_same,
 };
@@ -12,7 +12,7 @@ pub const FULL: u64 = 80;
 
 /// Contents of the next image.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Plan {
+pub struct ImagePlan {
     /// Files that are copied from the present image.
     pub kept: Vec<String>,
     /// Waiting jobs that are added.
@@ -40,19 +40,19 @@ const fn share(len: u64, size: u64) -> u64 {
     len.div_ceil(cluster).saturating_mul(cluster)
 }
 
-impl Plan {
+impl ImagePlan {
     /// Returns the contents of the next image: `present` has the files of the present one, `waiting` the new ones.
     ///
     /// # Errors
     /// All files together, without finished jobs, do not fit.
     pub fn new(
         ledger: &Ledger,
-        present: &[Entry],
-        waiting: &[Entry],
+        present: &[ImageFile],
+        waiting: &[ImageFile],
         size: u64,
     ) -> Result<Self, StorageError> {
         let is_replaced = |name: &str| waiting.iter().any(|job| is_same(&job.name, name));
-        let mut kept: Vec<&Entry> = present.iter().filter(|f| !is_replaced(&f.name)).collect();
+        let mut kept: Vec<&ImageFile> = present.iter().filter(|f| !is_replaced(&f.name)).collect();
         let mut deleted = Vec::new();
         let mut bytes: u64 = kept.iter().copied().chain(waiting).map(|f| share(f.len, size)).sum();
         let most = room(size);
@@ -79,7 +79,7 @@ impl Plan {
             number,
             is_finished: false,
         }));
-        let name = |file: &Entry| file.name.clone();
+        let name = |file: &ImageFile| file.name.clone();
         Ok(Self {
             kept: kept.into_iter().map(name).collect(),
             added: waiting.iter().map(name).collect(),

@@ -4,7 +4,7 @@ use crate::{
     bay::{Bay, Side},
     error::StorageError,
     image,
-    plan::Plan,
+    plan::ImagePlan,
 };
 use std::io;
 
@@ -12,7 +12,7 @@ use std::io;
 pub(crate) fn step(
     bay: &mut impl Bay,
     from: Side,
-    plan: &Plan,
+    plan: &ImagePlan,
     done: usize,
 ) -> Result<bool, StorageError> {
     let side = from.other();
@@ -55,7 +55,7 @@ pub(crate) fn step(
 fn file(
     bay: &mut impl Bay,
     from: Side,
-    plan: &Plan,
+    plan: &ImagePlan,
     at: usize,
 ) -> Result<(String, Vec<u8>), StorageError> {
     if let Some(name) = plan.kept.get(at) {

@@ -4,10 +4,10 @@ use crate::{
     bay::{Bay, Side},
     error::StorageError,
     gadget::{Gadget, NotEjected},
-    image::{self, Entry},
+    image::{self, ImageFile},
     ledger::Ledger,
     name::{is_same, safe_name},
-    plan::Plan,
+    plan::ImagePlan,
     prepare::{self, waiting_job},
 };
 use std::collections::VecDeque;
@@ -60,9 +60,9 @@ pub enum Event {
 enum Work {
     Serving,
     /// The number of steps that are done.
-    Preparing(Plan, usize),
+    Preparing(ImagePlan, usize),
     /// Since when the host has been busy, and whether that was told.
-    Ejecting(Plan, Option<f64>, bool),
+    Ejecting(ImagePlan, Option<f64>, bool),
     /// Time of the last failure.
     Presenting(Option<f64>),
 }
@@ -273,15 +273,15 @@ impl<B: Bay> Storage<B> {
         }
     }
 
-    fn plan(&mut self) -> Result<Plan, StorageError> {
+    fn plan(&mut self) -> Result<ImagePlan, StorageError> {
         let side = self.ledger.presented;
         let present = self.bay.image(side).and_then(image::list);
         let present = present.map_err(|e| StorageError::Image(side, None, e))?;
         let mut waiting = Vec::new();
         for name in self.waiting.clone() {
-            waiting.push(Entry { len: waiting_job(&mut self.bay, &name)?.len() as u64, name });
+            waiting.push(ImageFile { len: waiting_job(&mut self.bay, &name)?.len() as u64, name });
         }
-        Plan::new(&self.ledger, &present, &waiting, self.rules.size)
+        ImagePlan::new(&self.ledger, &present, &waiting, self.rules.size)
     }
 
     /// Tries to take the image from the host.
@@ -289,7 +289,7 @@ impl<B: Bay> Storage<B> {
         &mut self,
         gadget: &mut impl Gadget,
         now: f64,
-        plan: Plan,
+        plan: ImagePlan,
         since: Option<f64>,
         was_told: bool,
     ) -> bool {
@@ -321,7 +321,7 @@ impl<B: Bay> Storage<B> {
     }
 
     /// Makes the other image the presented one, after this one is ejected.
-    fn swap(&mut self, plan: Plan) {
+    fn swap(&mut self, plan: ImagePlan) {
         self.work = Work::Presenting(None);
         let next = Ledger { presented: self.ledger.presented.other(), jobs: plan.jobs };
         if let Err(why) = keep_state(&mut self.bay, &next) {

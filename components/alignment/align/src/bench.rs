@@ -2,9 +2,9 @@
 
 use crate::{
     eye::{Results, Scene},
-    job::{Job, Pictures},
+    job::{MarkJob, Pictures},
 };
-use hal_align::{Alignment, Fit, Mark, Matrix, Misfit, Model, Options, Transform, Vector, fit};
+use hal_align::{Alignment, Conditions, Fit, Mark, Matrix, Misfit, Model, Transform, Vector, fit};
 use hal_marks::{
     Calibration, Camera, Found, Mean, Picture, Search, Sight, Unfound, average, calibrate, choose,
     search,
@@ -49,7 +49,7 @@ failures! {
 /// State of the alignment.
 #[derive(Default)]
 pub(crate) struct Bench {
-    job: Job,
+    job: MarkJob,
     /// Measured place of each mark of the job.
     measured: Vec<Option<Vector>>,
     /// Marks that were touched by the tool.
@@ -73,7 +73,7 @@ pub(crate) struct Look {
 impl Bench {
     /// Reads a job.
     pub(crate) fn open(&mut self, path: &Path) -> Result<(), String> {
-        let job = Job::read(path)?;
+        let job = MarkJob::read(path)?;
         *self = Self { measured: vec![None; job.marks.len()], job, ..Self::default() };
         Ok(())
     }
@@ -138,7 +138,7 @@ impl Bench {
     /// Searches a picture.
     fn searched(&mut self, look: &mut Look, picture: &Picture) -> Result<bool, Failure> {
         look.size = (picture.width(), picture.height());
-        let Job { kind, size, ink, camera, frames, .. } = &self.job;
+        let MarkJob { kind, size, ink, camera, frames, .. } = &self.job;
         let wanted = Search { kind: *kind, size: camera.pixels(*size), ink: *ink };
         let middle = Camera::middle(look.size);
         let frames = *frames;
@@ -259,7 +259,7 @@ impl Bench {
             Err(why) => self.fail(Failure::NoPlace, why),
             Ok(found) => {
                 let model = if marks.len() == 1 { Model::Shift } else { Model::Rigid };
-                let rigid = fit(&marks, &Options { model, ..options });
+                let rigid = fit(&marks, &Conditions { model, ..options });
                 self.problem = match &rigid {
                     Ok(_) => String::new(),
                     Err(why) => no_live(*why),
@@ -300,7 +300,7 @@ impl Bench {
 
     /// Returns the place of the part as far as the marks so far tell.
     fn guess(&self, marks: &[Mark]) -> Transform {
-        let options = |model| Options { model, tolerance: 1e9, mirror: self.job.options.mirror };
+        let options = |model| Conditions { model, tolerance: 1e9, mirror: self.job.options.mirror };
         for model in [Model::Affine, Model::Similarity, Model::Shift] {
             if let Ok(found) = fit(marks, &options(model)) {
                 return found.transform;

@@ -2,7 +2,7 @@
 
 use crate::{
     bench::Bench,
-    eye::{Action, Order},
+    eye::{Action, Instruction},
     lock,
 };
 use hal_align::{Mark, Vector};
@@ -13,34 +13,39 @@ use std::{
 };
 
 /// Command that the worker executes.
-struct Row {
+struct WorkerCommand {
     name: &'static str,
     doc: &'static str,
     args: &'static [&'static ArgSpec],
     action: fn(&Call<'_>) -> Action,
 }
 
-const ROWS: &[Row] = &[
-    Row {
+const ROWS: &[WorkerCommand] = &[
+    WorkerCommand {
         name: "align.look",
         doc: "Finds a mark from the present position; without a number the selected one.",
         args: &[&Arg::int("mark", "Number of the mark, from 1.")],
         action: |call| Action::Look(call.int("mark").map(|n| u32::try_from(n).unwrap_or(0))),
     },
-    Row {
+    WorkerCommand {
         name: "align.solve",
         doc: "Computes the place of the part from the marks that are measured.",
         args: &[],
         action: |_| Action::Solve,
     },
-    Row { name: "align.clear", doc: "Forgets all marks.", args: &[], action: |_| Action::Clear },
-    Row {
+    WorkerCommand {
+        name: "align.clear",
+        doc: "Forgets all marks.",
+        args: &[],
+        action: |_| Action::Clear,
+    },
+    WorkerCommand {
         name: "align.sight",
         doc: "Finds any mark from the present position, for the calibration of the camera.",
         args: &[],
         action: |_| Action::Sight,
     },
-    Row {
+    WorkerCommand {
         name: "align.calibrate",
         doc: "Calibrates the camera from the sights of one mark from three positions or more, and forgets all marks. align.status shows the matrix, for the job's file.",
         args: &[],
@@ -61,13 +66,13 @@ const SAVE: &[&ArgSpec] = &[&Arg::text("file", "File to write.").required()];
 pub(crate) fn open(
     b: &mut Builder<'_>,
     bench: &Arc<Mutex<Bench>>,
-    orders: &Sender<Order>,
+    orders: &Sender<Instruction>,
 ) -> Result<(), Error> {
     for row in ROWS {
         let orders = orders.clone();
         b.command(row.name, row.doc, row.args, move |call| {
             let ticket = Some(call.ticket()?);
-            let order = Order { action: (row.action)(call), ticket };
+            let order = Instruction { action: (row.action)(call), ticket };
             let full = |_| Error::new("too many commands wait for the function align");
             orders.send(order).map_err(full)
         })?;

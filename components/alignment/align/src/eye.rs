@@ -1,6 +1,6 @@
 //! Realtime. The function: it reads the pins, passes events to the worker, and shows results.
 
-use crate::{bench::Failure, pins::Pins};
+use crate::{bench::Failure, pins::EyePins};
 use hal_component::{
     Builder, Error, Period, Plain, Receiver, Sender, SeqReader, SeqWriter, TicketHandle, Touch,
     Update,
@@ -28,9 +28,9 @@ pub(crate) enum Action {
     Calibrate,
 }
 
-/// Order of a command.
+/// Instruction of a command.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Order {
+pub(crate) struct Instruction {
     pub(crate) action: Action,
     pub(crate) ticket: Option<TicketHandle>,
 }
@@ -124,8 +124,8 @@ pub(crate) struct Shared {
 /// The function.
 #[derive(Debug, Touch)]
 pub(crate) struct Eye {
-    pins: Pins,
-    orders: Receiver<Order>,
+    pins: EyePins,
+    orders: Receiver<Instruction>,
     events: Sender<Event>,
     results: SeqReader<Results>,
     #[state]
@@ -141,12 +141,12 @@ impl Eye {
     /// Creates the pins and the ways to and from the worker.
     pub(crate) fn make(
         b: &mut Builder<'_>,
-        orders: Receiver<Order>,
+        orders: Receiver<Instruction>,
         shared: Arc<Shared>,
     ) -> Result<(Self, Ends), Error> {
         let (events, receiver) = b.queue(4);
         let (writer, results) = b.seqlock(Results::default());
-        let pins = Pins::make(b)?;
+        let pins = EyePins::make(b)?;
         let eye = Self { pins, orders, events, results, shared, was: Was::default() };
         Ok((eye, (writer, receiver)))
     }
@@ -191,7 +191,7 @@ impl Update for Eye {
             } else {
                 None
             };
-            let pressed = action.map(|action| Order { action, ticket: None });
+            let pressed = action.map(|action| Instruction { action, ticket: None });
             if let Some(order) = pressed.or_else(|| self.orders.take()) {
                 self.begin(order, mark, x, y);
             }
@@ -210,7 +210,7 @@ impl Update for Eye {
 
 impl Eye {
     /// Passes an event to the worker.
-    fn begin(&mut self, order: Order, mark: u32, x: f64, y: f64) {
+    fn begin(&mut self, order: Instruction, mark: u32, x: f64, y: f64) {
         let scene = self.pins.scene();
         let event = Event {
             number: self.was.number.wrapping_add(1),

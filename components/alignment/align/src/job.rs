@@ -1,8 +1,8 @@
 //! The job: marks, model, camera and source of pictures, from an INI file.
 
-use hal_align::{MAX_MARKS, Matrix, Model, Options, Vector};
+use hal_align::{Conditions, MAX_MARKS, Matrix, Model, Vector};
 use hal_ini::{Entry, Ini};
-use hal_marks::{Camera, Files, Ink, Kind, Source, Table};
+use hal_marks::{Camera, Files, Ink, MarkKind, Source, Table};
 use std::path::{Path, PathBuf};
 
 /// Largest number of pictures of a look.
@@ -16,13 +16,13 @@ pub(crate) enum Pictures {
 }
 
 /// Job with its camera.
-pub(crate) struct Job {
+pub(crate) struct MarkJob {
     /// Marks in the file's coordinates.
     pub(crate) marks: Vec<Vector>,
     /// Expected place of each mark on the machine.
     pub(crate) expected: Vec<Option<Vector>>,
-    pub(crate) options: Options,
-    pub(crate) kind: Kind,
+    pub(crate) options: Conditions,
+    pub(crate) kind: MarkKind,
     /// Diameter or side of the marks, in mm.
     pub(crate) size: f64,
     pub(crate) ink: Ink,
@@ -36,14 +36,14 @@ pub(crate) struct Job {
     pub(crate) pictures: Pictures,
 }
 
-impl Default for Job {
+impl Default for MarkJob {
     fn default() -> Self {
         let linear = Matrix::new(0.02, 0.0, 0.0, -0.02);
         Self {
             marks: Vec::new(),
             expected: Vec::new(),
-            options: Options::default(),
-            kind: Kind::Circle,
+            options: Conditions::default(),
+            kind: MarkKind::Circle,
             size: 2.0,
             ink: Ink::Dark,
             frames: 5,
@@ -55,7 +55,7 @@ impl Default for Job {
     }
 }
 
-impl Job {
+impl MarkJob {
     /// Reads a file, and opens the source of pictures. An error is `file:line: text`.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let ini = Ini::read(path).map_err(|e| e.to_string())?;
@@ -102,7 +102,7 @@ impl Job {
             }
             "KIND" => {
                 self.kind =
-                    Kind::of(value).ok_or_else(|| wrong(entry, "must be circle or square"))?;
+                    MarkKind::of(value).ok_or_else(|| wrong(entry, "must be circle or square"))?;
             }
             "SIZE" => self.size = between(entry, 1.0, 10.0)?,
             "INK" => {

@@ -91,7 +91,11 @@ getp align.live # -> TRUE
         commands::open(b, &bench, &orders)?;
         if let Some(job) = b.arg_text("job").filter(|j| !j.is_empty()) {
             let bench = bench.clone();
-            b.on_open(move |_| lock(&bench).open(Path::new(&job)).map_err(Error::new))?;
+            b.on_open(move |_| {
+                let opened = lock(&bench).open(Path::new(&job));
+                opened
+                    .map_err(|e| Error::new(format!("{e}; job= is an INI file such as plate.ini")))
+            })?;
         }
         let worker = Worker::new(bench, shared, events, results, b.clock(), b.messages());
         b.worker("align", "Takes pictures and searches them.", PERIOD_NS, 1, worker)

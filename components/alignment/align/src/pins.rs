@@ -5,7 +5,7 @@ use hal_component::{Builder, Error, In, Out, Touch};
 
 /// The pins.
 #[derive(Debug, Touch)]
-pub(crate) struct Pins {
+pub(crate) struct EyePins {
     pub(crate) pos_x: In<f64>,
     pub(crate) pos_y: In<f64>,
     pub(crate) still: In<bool>,
@@ -51,7 +51,7 @@ struct Simulated {
     stall: In<bool>,
 }
 
-impl Pins {
+impl EyePins {
     /// Creates the pins.
     pub(crate) fn make(b: &mut Builder<'_>) -> Result<Self, Error> {
         Ok(Self {

@@ -3,7 +3,7 @@
 use crate::{
     bench::{Bench, Failure, Look},
     eye::{Results, Scene},
-    job::Job,
+    job::MarkJob,
 };
 use hal_align::Vector;
 use std::{fs, path::PathBuf};
@@ -51,7 +51,7 @@ fn wrong_jobs_are_refused_with_their_place() {
         let text =
             if text.starts_with("[CAMERA]") { format!("{text}{usual}") } else { text.to_owned() };
         let path = folder.write("job.ini", text);
-        let error = Job::read(&path).err().unwrap();
+        let error = MarkJob::read(&path).err().unwrap();
         assert!(error.contains(wanted), "{error}, must contain {wanted}");
     }
 }

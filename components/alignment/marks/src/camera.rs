@@ -1,7 +1,7 @@
 //! The camera: from pixels to the machine, and its calibration.
 
 use core::fmt;
-use hal_align::{Mark, Matrix, Misfit, Model, Options, Vector, fit};
+use hal_align::{Conditions, Mark, Matrix, Misfit, Model, Vector, fit};
 
 /// Largest residual of a calibration, in pixels.
 const RESIDUAL: f64 = 0.2;
@@ -35,7 +35,7 @@ impl Camera {
     }
 }
 
-/// One mark seen from a position of the machine.
+/// View of a mark from a position of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
     /// Position of the machine in millimetres.
@@ -91,7 +91,7 @@ pub fn calibrate(sights: &[Sight]) -> Result<Calibration, CameraProblem> {
     const UNIT: f64 = 1000.0;
     let marks: Vec<Mark> =
         sights.iter().map(|s| Mark { file: s.position * UNIT, machine: s.pixel }).collect();
-    let options = |mirror| Options { model: Model::Affine, tolerance: 1e9, mirror };
+    let options = |mirror| Conditions { model: Model::Affine, tolerance: 1e9, mirror };
     let found = match fit(&marks, &options(true)) {
         Err(Misfit::NotMirrored) => fit(&marks, &options(false)),
         other => other,

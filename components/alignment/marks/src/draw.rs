@@ -3,7 +3,7 @@
 use crate::{
     picture::{Picture, smooth},
     random::Random,
-    search::Kind,
+    search::MarkKind,
 };
 use hal_align::{Matrix, Transform, Vector};
 use libm::fabs;
@@ -17,7 +17,7 @@ pub enum Figure {
     /// Mark of a kind: its centre, diameter or side, and angle in degrees; the width of its line if it is an outline.
     Mark {
         /// Kind.
-        kind: Kind,
+        kind: MarkKind,
         /// Centre.
         centre: Vector,
         /// Diameter or side.
@@ -47,8 +47,8 @@ impl Figure {
             Self::Mark { kind, centre, size, angle, outline } => {
                 let p = turned(centre, angle);
                 let depth = match kind {
-                    Kind::Circle => size / 2.0 - p.length(),
-                    Kind::Square => size / 2.0 - fabs(p.x).max(fabs(p.y)),
+                    MarkKind::Circle => size / 2.0 - p.length(),
+                    MarkKind::Square => size / 2.0 - fabs(p.x).max(fabs(p.y)),
                 };
                 outline.map_or(depth, |width| depth.min(width - depth))
             }

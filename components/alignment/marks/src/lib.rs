@@ -26,7 +26,7 @@ pub use camera::{Calibration, Camera, CameraProblem, Sight, calibrate};
 pub use draw::{Figure, Sheet, View};
 pub use measure::Found;
 pub use picture::{MAX_BYTES, MAX_SIDE, Picture, PictureProblem};
-pub use search::{Ink, Kind, Rejected, Search, Seen, search};
+pub use search::{Ink, MarkKind, Rejected, Search, Seen, search};
 pub use select::{Mean, Unfound, average, choose};
 pub use source::{Files, Source, SourceProblem};
 pub use table::{Table, TableProblem};

@@ -3,7 +3,7 @@
 use crate::{
     picture::Picture,
     region::{FRAME, Region},
-    search::Kind,
+    search::MarkKind,
 };
 use hal_align::Vector;
 use libm::{atan2, fabs, hypot, sqrt};
@@ -21,7 +21,7 @@ const FLOOR: f64 = 0.005;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
     /// Kind of the mark.
-    pub kind: Kind,
+    pub kind: MarkKind,
     /// Centre in pixels from the left and from the top; the first pixel ends at 1.
     pub centre: Vector,
     /// Angle of a square in degrees between -45 and 45, from X towards the downward Y; of a circle 0.

@@ -11,14 +11,14 @@ use hal_align::Vector;
 
 /// Kinds of marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum MarkKind {
     /// Disc or ring.
     Circle,
     /// Square, filled or outline.
     Square,
 }
 
-impl Kind {
+impl MarkKind {
     /// Returns the kind of a name.
     #[must_use]
     pub fn of(name: &str) -> Option<Self> {
@@ -53,7 +53,7 @@ pub enum Ink {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
     /// Kind of the marks.
-    pub kind: Kind,
+    pub kind: MarkKind,
     /// Diameter, or side, in pixels.
     pub size: f64,
     /// Brightness.
@@ -63,15 +63,15 @@ pub struct Search {
 /// Reason why a region is no mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rejected {
-    /// It touches the border of the picture.
+    /// A region that touches the border of the picture.
     Border,
-    /// Its area in square pixels, and the expected one.
+    /// An area in square pixels, and the expected one.
     Area(f64, f64),
-    /// It differs too little from the background.
+    /// A region that differs too little from the background.
     Faint,
-    /// Its shape: roundness, elongation, squareness.
+    /// A shape: roundness, elongation, squareness.
     Shape(f64, f64, f64),
-    /// It is a mark of the other kind.
+    /// A mark of the other kind.
     Kind,
 }
 
@@ -146,8 +146,8 @@ fn middle(region: &Region) -> Vector {
 /// Judges a region.
 fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<Found, Rejected> {
     let expected = match wanted.kind {
-        Kind::Circle => PI / 4.0 * wanted.size * wanted.size,
-        Kind::Square => wanted.size * wanted.size,
+        MarkKind::Circle => PI / 4.0 * wanted.size * wanted.size,
+        MarkKind::Square => wanted.size * wanted.size,
     };
     let fits = |area: f64| (1.0 - AREA) * expected <= area && area <= (1.0 + AREA) * expected;
     let rough = region.area() as f64;
@@ -169,16 +169,16 @@ fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<Found, R
         return Err(shape);
     }
     let kind = if squareness < CIRCLE {
-        Kind::Circle
+        MarkKind::Circle
     } else if SQUARE < squareness && squareness < 1.3 {
-        Kind::Square
+        MarkKind::Square
     } else {
         return Err(shape);
     };
     if kind != wanted.kind {
         return Err(Rejected::Kind);
     }
-    let angle = if kind == Kind::Square { m.angle } else { 0.0 };
+    let angle = if kind == MarkKind::Square { m.angle } else { 0.0 };
     let Measures { centre, area, uncertainty, contrast, .. } = m;
     Ok(Found { kind, centre, angle, area, uncertainty, contrast })
 }

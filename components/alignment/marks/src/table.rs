@@ -3,7 +3,7 @@
 use crate::{
     draw::{Figure, Sheet, View},
     picture::Picture,
-    search::Kind,
+    search::MarkKind,
 };
 use core::fmt;
 use hal_align::{Matrix, Parts, Transform, Vector};
@@ -167,7 +167,7 @@ fn figure(entry: &Entry) -> Result<Figure, TableProblem> {
         });
     }
     let (name, rest) = entry.value.split_once(char::is_whitespace).unwrap_or((&entry.value, ""));
-    let kind = Kind::of(name)
+    let kind = MarkKind::of(name)
         .ok_or_else(|| wrong(entry, &format!("'{name}' is neither circle nor square")))?;
     let numbers: Vec<f64> = rest.split_whitespace().filter_map(number).collect();
     let words = rest.split_whitespace().count();

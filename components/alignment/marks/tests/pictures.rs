@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests; figures are shown")]
 
 use hal_align::{Matrix, Vector};
-use hal_marks::{Figure, Ink, Kind, Search, Sheet, View, average, choose, search};
+use hal_marks::{Figure, Ink, MarkKind, Search, Sheet, View, average, choose, search};
 use std::{fmt::Write, fs, path::Path};
 
 /// Numbers that repeat.
@@ -17,7 +17,7 @@ impl Random {
     }
 }
 
-/// Kind of pictures.
+/// MarkKind of pictures.
 struct Case {
     name: &'static str,
     blur: f64,
@@ -127,9 +127,9 @@ struct Sum {
 }
 
 fn picture_of(case: &Case, random: &mut Random, seed: u64) -> (View, Sheet, Search, Vector, f64) {
-    let kind = if seed.is_multiple_of(2) { Kind::Circle } else { Kind::Square };
+    let kind = if seed.is_multiple_of(2) { MarkKind::Circle } else { MarkKind::Square };
     let size = random.between(20.0, 90.0);
-    let angle = if kind == Kind::Square { random.between(-44.0, 44.0) } else { 0.0 };
+    let angle = if kind == MarkKind::Square { random.between(-44.0, 44.0) } else { 0.0 };
     let room = size * 0.75 + 6.0;
     let at = Vector::new(random.between(room, 320.0 - room), random.between(room, 240.0 - room));
     let outline = (seed % 4 > 1).then(|| (size * 0.2).max(5.0));
@@ -167,7 +167,7 @@ fn measure(case: &Case, pictures: u64) -> Sum {
         sum.square += off * off;
         sum.largest = sum.largest.max(off);
         sum.ratio += off * off / (2.0 * found.uncertainty * found.uncertainty);
-        if wanted.kind == Kind::Square {
+        if wanted.kind == MarkKind::Square {
             let by = found.angle - angle;
             sum.angle = sum.angle.max((by - 90.0 * (by / 90.0).round()).abs());
         }
@@ -214,8 +214,8 @@ fn without_marks() -> (u32, u32) {
     let (mut pictures, mut finds) = (0, 0);
     for n in 0..200_u64 {
         let size = random.between(20.0, 60.0);
-        let kind = if n.is_multiple_of(2) { Kind::Circle } else { Kind::Square };
-        let other = if n.is_multiple_of(2) { Kind::Square } else { Kind::Circle };
+        let kind = if n.is_multiple_of(2) { MarkKind::Circle } else { MarkKind::Square };
+        let other = if n.is_multiple_of(2) { MarkKind::Square } else { MarkKind::Circle };
         let mut place = |room: f64| {
             Vector::new(random.between(room, 320.0 - room), random.between(room, 240.0 - room))
         };

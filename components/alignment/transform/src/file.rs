@@ -2,7 +2,7 @@
 
 use crate::{
     Matrix, Transform, Vector,
-    fit::{Fit, MAX_MARKS, Mark, Misfit, Model, Options, fit},
+    fit::{Conditions, Fit, MAX_MARKS, Mark, Misfit, Model, fit},
 };
 use core::fmt;
 use hal_ini::{Entry, Ini};
@@ -12,7 +12,7 @@ use std::path::Path;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Alignment {
     /// Conditions of the fit.
-    pub options: Options,
+    pub options: Conditions,
     /// Marks.
     pub marks: Vec<Mark>,
     /// Transform that is given instead of marks.
@@ -153,7 +153,7 @@ impl Alignment {
     /// Returns the text of a file with this alignment.
     #[must_use]
     pub fn text(&self) -> String {
-        let Options { model, tolerance, mirror } = self.options;
+        let Conditions { model, tolerance, mirror } = self.options;
         let mut out =
             String::from("# Marks: X and Y in the file, X and Y on the machine, in mm.\n[ALIGN]\n");
         out.push_str(&format!(

@@ -85,7 +85,7 @@ impl Model {
 
 /// Conditions of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct Conditions {
     /// Kind of the transform.
     pub model: Model,
     /// Largest root of the mean square of the residuals, in millimetres.
@@ -94,7 +94,7 @@ pub struct Options {
     pub mirror: bool,
 }
 
-impl Default for Options {
+impl Default for Conditions {
     fn default() -> Self {
         Self { model: Model::Auto, tolerance: 0.1, mirror: false }
     }
@@ -168,7 +168,7 @@ impl fmt::Display for Misfit {
 ///
 /// # Errors
 /// The marks do not determine the transform, or fit worse than the tolerance.
-pub fn fit(marks: &[Mark], options: &Options) -> Result<Fit, Misfit> {
+pub fn fit(marks: &[Mark], options: &Conditions) -> Result<Fit, Misfit> {
     let model = options.model.for_marks(marks.len());
     if marks.len() < model.least() || marks.len() > MAX_MARKS {
         return Err(Misfit::Count(marks.len(), model));

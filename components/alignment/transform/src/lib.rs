@@ -15,6 +15,6 @@ pub mod rewrite;
 mod transform;
 
 pub use file::{Alignment, FileProblem};
-pub use fit::{Fit, MAX_MARKS, Mark, Misfit, Model, Options, fit};
+pub use fit::{Conditions, Fit, MAX_MARKS, Mark, Misfit, Model, fit};
 pub use matrix::{Matrix, Vector};
 pub use transform::{Parts, Transform, Warning};

@@ -3,6 +3,7 @@
 mod arc;
 mod block;
 mod codes;
+mod curve;
 mod edit;
 mod modal;
 mod reason;
@@ -56,7 +57,7 @@ impl Default for Options {
 /// Rewritten program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rewritten {
-    /// Its text.
+    /// The text.
     pub text: Vec<u8>,
     /// Number of blocks that were changed.
     pub changed: usize,
@@ -71,9 +72,9 @@ pub struct Rewritten {
 /// Block that cannot be rewritten.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// Its line, from 1.
+    /// The line, from 1.
     pub line: u32,
-    /// Its column, from 1; 0 for the whole line.
+    /// The column, from 1; 0 for the whole line.
     pub column: u32,
     /// The reason.
     pub reason: Reason,

@@ -97,7 +97,8 @@ impl Transform {
             turn: atan2(m21, m11).to_degrees(),
             scale_x,
             scale_y: det / scale_x,
-            shear: atan2(lean, fabs(det)).to_degrees(),
+            // Never -0.
+            shear: atan2(lean, fabs(det)).to_degrees() + 0.0,
             shift: self.shift,
         }
     }

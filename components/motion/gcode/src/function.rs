@@ -46,30 +46,30 @@ pub struct Function {
     pub serial: u64,
     /// The number of turns so far.
     pub turns: u64,
-    /// What happens next.
+    /// The next thing that happens.
     pub turn: Turn,
     /// A tool change that the function has ordered, and whose end is not known.
     pub changing: Option<i32>,
 }
 
-/// What a function waits for, or has got.
+/// The thing that a function waits for, or has got.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Turn {
     /// The function begins.
     Begin,
-    /// It waits for the end of these lines.
+    /// The function waits for the end of this line.
     Executing(Box<str>),
-    /// The lines have ended.
+    /// The line has ended.
     Executed(Option<Failure>),
-    /// It waits until the machine has done everything.
+    /// The function waits until the machine has done everything.
     Finishing,
     /// The machine has done everything.
     Finished,
-    /// It waits for a value.
+    /// The function waits for a value.
     Asking(Wanted),
     /// The value; `None` if there is none.
     Value(Option<f64>),
-    /// It has ended with this value, and a tool change goes on.
+    /// The function has ended with this value, and a tool change goes on.
     Leaving(Option<f64>),
 }
 
@@ -96,9 +96,9 @@ pub struct Failure {
 /// The answer of a function's host: a step of the function.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reply {
-    /// What the function has done, in this order.
+    /// The effects of the function, in this order.
     pub effects: Vec<Effect>,
-    /// What it waits for.
+    /// The request of the function, or its end.
     pub next: Next,
 }
 

@@ -65,7 +65,7 @@ pub struct Machine {
     pub folder: PathBuf,
     /// Remarks about the files: `file:line: text`.
     pub remarks: Vec<String>,
-    /// What the INI file says about functions in Python.
+    /// The INI file's entries about functions in Python.
     pub python: Option<Setup>,
     /// The names of the functions that O-words call, once the functions have been started.
     pub words: BTreeSet<Box<str>>,

@@ -73,7 +73,7 @@ fn answer(request: &Request, state: &State) -> Answer {
         Request::Hal { names } => {
             Answer::Hal(names.iter().map(|name| (name.clone(), Some(1.0))).collect())
         }
-        Request::UserCode { .. } => Answer::Done,
+        Request::Function { .. } | Request::Finish | Request::UserCode { .. } => Answer::Done,
     }
 }
 
@@ -96,7 +96,8 @@ fn unbroken(world: &World, name: &str, at: u64) -> (Option<Line>, Vec<Answer>, u
                 Request::Probe => Some(Unknown::Probe),
                 Request::Input { .. } => Some(Unknown::Input),
                 Request::Hal { .. } => Some(Unknown::Hal),
-                Request::ToolChange { .. } | Request::UserCode { .. } => None,
+                Request::Function { .. } => Some(Unknown::Function),
+                Request::ToolChange { .. } | Request::Finish | Request::UserCode { .. } => None,
             };
             asked = asked.or(unknown);
             let given = answer(request, &it.state);

@@ -42,7 +42,7 @@ pub struct Functions {
     words: BTreeSet<Box<str>>,
     /// Time in which the process said nothing.
     silent: Duration,
-    /// Why the user's modules cannot be used.
+    /// Reason why the user's modules cannot be used.
     broken: Option<String>,
 }
 

@@ -37,7 +37,7 @@ pub(crate) struct Process {
     child: Child,
     input: Option<ChildStdin>,
     output: ChildStdout,
-    /// What was read and is no whole line yet.
+    /// Bytes that were read and are no whole line yet.
     read: Vec<u8>,
 }
 

@@ -1,4 +1,4 @@
-//! What an INI file says about functions in Python: its section `PYTHON`.
+//! Entries of an INI file about functions in Python: its section `PYTHON`.
 
 use hal_ini::Ini;
 use serde::Serialize;

@@ -11,10 +11,10 @@ use std::{
 
 /// Kinds of cameras.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum Delivery {
     /// Stream of pictures in one answer.
     Mjpeg,
-    /// One picture in each answer.
+    /// A picture in each answer.
     Shot,
 }
 
@@ -48,7 +48,7 @@ fn lock(shared: &Shared) -> MutexGuard<'_, Slot> {
 impl Feed {
     /// Starts to receive pictures. No wait for bytes lasts longer than the time-out.
     #[must_use]
-    pub fn start(kind: Kind, address: Address, timeout: Duration) -> Self {
+    pub fn start(kind: Delivery, address: Address, timeout: Duration) -> Self {
         let shared = Shared::default();
         let own = shared.clone();
         // The thread ends with the connection, or when nobody takes pictures.
@@ -96,7 +96,7 @@ impl Drop for Feed {
 
 /// Receives pictures until the connection ends.
 fn receive(
-    kind: Kind,
+    kind: Delivery,
     address: &Address,
     timeout: Duration,
     shared: &Shared,
@@ -109,7 +109,7 @@ fn receive(
         if slot.is_left { Err(Refused::Ended) } else { Ok(()) }
     };
     match kind {
-        Kind::Mjpeg => {
+        Delivery::Mjpeg => {
             let answer = get(address, timeout)?;
             let content = answer.content.clone();
             let mut parts = Parts::new(&content, answer)?;
@@ -117,7 +117,7 @@ fn receive(
                 put(parts.part()?)?;
             }
         }
-        Kind::Shot => loop {
+        Delivery::Shot => loop {
             put(shot(address, timeout)?)?;
             // The next one is asked for when this one is taken.
             let mut slot = lock(shared);

@@ -15,7 +15,7 @@ mod parts;
 mod refused;
 
 pub use address::Address;
-pub use feed::{Feed, Kind};
+pub use feed::{Delivery, Feed};
 pub use http::{Answer, get};
 pub use parts::Parts;
 pub use refused::Refused;

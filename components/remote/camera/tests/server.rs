@@ -1,7 +1,7 @@
 //! A small server on this computer that behaves well, or badly.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
-use camera::{Address, Feed, Kind, Refused};
+use camera::{Address, Delivery, Feed, Refused};
 use hal_marks::PictureProblem;
 use std::{
     io::{Read, Write},
@@ -57,7 +57,7 @@ fn still(body: &[u8]) -> Vec<u8> {
 
 const SECOND: Duration = Duration::from_secs(1);
 
-fn first(kind: Kind, bytes: Vec<u8>, stays: bool) -> Result<(usize, u8), Refused> {
+fn first(kind: Delivery, bytes: Vec<u8>, stays: bool) -> Result<(usize, u8), Refused> {
     let mut feed = Feed::start(kind, server(bytes, stays), SECOND);
     feed.take().map(|(_, picture, _)| (picture.width(), picture.at(9, 9)))
 }
@@ -65,7 +65,7 @@ fn first(kind: Kind, bytes: Vec<u8>, stays: bool) -> Result<(usize, u8), Refused
 #[test]
 fn the_newest_picture_of_a_stream_wins() {
     let parts: Vec<_> = (0..100).map(|n| jpeg(n * 2)).collect();
-    let mut feed = Feed::start(Kind::Mjpeg, server(stream(&parts), false), 5 * SECOND);
+    let mut feed = Feed::start(Delivery::Mjpeg, server(stream(&parts), false), 5 * SECOND);
     let (mut taken, mut lost, mut level) = (0, 0, 0);
     let end = loop {
         match feed.take() {
@@ -82,7 +82,7 @@ fn the_newest_picture_of_a_stream_wins() {
 
 #[test]
 fn stills_are_taken_one_by_one() {
-    let mut feed = Feed::start(Kind::Shot, server(still(&jpeg(50)), false), 5 * SECOND);
+    let mut feed = Feed::start(Delivery::Shot, server(still(&jpeg(50)), false), 5 * SECOND);
     for _ in 0..3 {
         let (bytes, picture, _) = feed.take().unwrap();
         assert_eq!((picture.width(), picture.at(9, 9)), (64, 50));
@@ -94,29 +94,29 @@ fn stills_are_taken_one_by_one() {
 fn a_camera_that_behaves_badly_is_refused_by_name() {
     let broken = Err(Refused::Picture(PictureProblem::Broken));
     let cut = jpeg(9)[..200].to_vec();
-    assert_eq!(first(Kind::Mjpeg, stream(std::slice::from_ref(&cut)), false), broken);
-    assert_eq!(first(Kind::Shot, still(&cut), false), broken);
+    assert_eq!(first(Delivery::Mjpeg, stream(std::slice::from_ref(&cut)), false), broken);
+    assert_eq!(first(Delivery::Shot, still(&cut), false), broken);
     let garbage = Err(Refused::Picture(PictureProblem::Format));
-    assert_eq!(first(Kind::Mjpeg, stream(&[b"hello".to_vec()]), false), garbage);
-    assert_eq!(first(Kind::Mjpeg, still(&jpeg(9)), false), Err(Refused::NotStream));
+    assert_eq!(first(Delivery::Mjpeg, stream(&[b"hello".to_vec()]), false), garbage);
+    assert_eq!(first(Delivery::Mjpeg, still(&jpeg(9)), false), Err(Refused::NotStream));
     let other = b"HTTP/1.1 404 Not Found\r\n\r\n".to_vec();
-    assert_eq!(first(Kind::Mjpeg, other, false), Err(Refused::Status(404)));
-    assert_eq!(first(Kind::Mjpeg, b"SSH-2.0-x\r\n\r\n".to_vec(), false), Err(Refused::Header));
-    assert_eq!(first(Kind::Mjpeg, Vec::new(), false), Err(Refused::Ended));
+    assert_eq!(first(Delivery::Mjpeg, other, false), Err(Refused::Status(404)));
+    assert_eq!(first(Delivery::Mjpeg, b"SSH-2.0-x\r\n\r\n".to_vec(), false), Err(Refused::Header));
+    assert_eq!(first(Delivery::Mjpeg, Vec::new(), false), Err(Refused::Ended));
     let mut wrong = stream(&[]);
     wrong.extend(b"--c\r\n\r\nabc\r\n".repeat(1000));
-    assert_eq!(first(Kind::Mjpeg, wrong, false), Err(Refused::Boundary));
+    assert_eq!(first(Delivery::Mjpeg, wrong, false), Err(Refused::Boundary));
     let mut large = stream(&[]);
     large.extend(b"--b\r\nContent-Length: 99999999999\r\n\r\n");
-    assert_eq!(first(Kind::Mjpeg, large, true), Err(Refused::Large));
+    assert_eq!(first(Delivery::Mjpeg, large, true), Err(Refused::Large));
     let large = b"HTTP/1.1 200 OK\r\nContent-Length: x\r\n\r\n".to_vec();
-    assert_eq!(first(Kind::Shot, large, true), Err(Refused::Header));
+    assert_eq!(first(Delivery::Shot, large, true), Err(Refused::Header));
     // A camera that stops in the middle.
     let mut silent = stream(&[]);
     silent.extend(b"--b\r\nContent-Length: 100\r\n\r\nabc");
-    assert_eq!(first(Kind::Mjpeg, silent, true), Err(Refused::Timeout));
+    assert_eq!(first(Delivery::Mjpeg, silent, true), Err(Refused::Timeout));
     let nobody = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let address = Address::parse(&format!("http://{nobody}/")).unwrap();
-    let refused = Feed::start(Kind::Shot, address, SECOND).take().err().unwrap();
+    let refused = Feed::start(Delivery::Shot, address, SECOND).take().err().unwrap();
     assert!(matches!(refused, Refused::Connection(_)), "{refused}");
 }

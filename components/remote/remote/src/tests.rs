@@ -1,5 +1,6 @@
 //! The lease and the dead man, with a motion controller in virtual time.
 
+mod cuts;
 mod job;
 mod jogs;
 mod rig;

@@ -1,6 +1,6 @@
 //! The sentence of each error.
 
-use super::Error;
+use super::{Error, hint};
 
 impl core::fmt::Display for Error {
     #[expect(clippy::too_many_lines, reason = "one line for each sentence")]

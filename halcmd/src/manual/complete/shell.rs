@@ -5,7 +5,7 @@ use crate::{
     language::rows::rows,
     programs::{
         hal_manualtoolchange, halcmd, halgcode, halrun, halsampler, halscope, halsetup,
-        halstreamer, haltest,
+        halstreamer, haltest, latency_test,
         options::{Opt, Subcommand, VERSION_HELP},
     },
     session::remote::Remote,
@@ -28,6 +28,7 @@ pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
         "haltest" => option_or_file(&haltest::completable(), rest, &word),
         "halsampler" => option_or_file(&halsampler::completable(), rest, &word),
         "halsetup" => option_or_file(&halsetup::completable(), rest, &word),
+        "latency-test" => option_or_file(&latency_test::completable(), rest, &word),
         "halstreamer" => option_or_file(&halstreamer::completable(), rest, &word),
         "hal_manualtoolchange" => option_or_file(&hal_manualtoolchange::completable(), rest, &word),
         _ => program_words(name, &halcmd::completable(), rest, &word),

@@ -20,7 +20,7 @@ pub(super) const ARGUMENTS: &str = "[options] FILE";
 pub(super) const HELP: &str = "a program moved, turned and scaled to a part by its marks";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Id {
+enum Setting {
     Marks,
     Mark,
     Matrix,
@@ -35,59 +35,63 @@ enum Id {
     Help,
 }
 
-const OPTIONS: &[Opt<Id>] = &[
+const OPTIONS: &[Opt<Setting>] = &[
     Opt {
         long: Some("marks"),
         help: "the marks, or a matrix: an INI file with a section [ALIGN]",
-        ..Opt::short_with(Id::Marks, 'm', "FILE")
+        ..Opt::short_with(Setting::Marks, 'm', "FILE")
     },
     Opt {
         long: Some("mark"),
         help: "a mark: X,Y in the file and X,Y on the machine, in mm; several times",
-        ..Opt::short_with(Id::Mark, 'k', "X,Y,X,Y")
+        ..Opt::short_with(Setting::Mark, 'k', "X,Y,X,Y")
     },
     Opt {
         long: Some("matrix"),
         help: "instead of marks: rows of the linear part, and the shift in mm",
-        ..Opt::short_with(Id::Matrix, 'M', "A,B,C,D,X,Y")
+        ..Opt::short_with(Setting::Matrix, 'M', "A,B,C,D,X,Y")
     },
     Opt {
         long: Some("model"),
         help: "auto, shift, rigid, similarity, scale-xy or affine",
-        ..Opt::short_with(Id::Model, 'l', "NAME")
+        ..Opt::short_with(Setting::Model, 'l', "NAME")
     },
-    Opt { long: Some("mirror"), help: "the part lies on its back", ..Opt::flag(Id::Mirror, 'r') },
+    Opt {
+        long: Some("mirror"),
+        help: "the part lies on its back",
+        ..Opt::flag(Setting::Mirror, 'r')
+    },
     Opt {
         long: Some("arcs"),
         help: "arcs of a part with unequal scales: lines (the default) or refuse",
-        ..Opt::short_with(Id::Arcs, 'a', "HOW")
+        ..Opt::short_with(Setting::Arcs, 'a', "HOW")
     },
     Opt {
         long: Some("tolerance"),
         help: "largest distance of these lines from the curve in mm, 0.005",
-        ..Opt::short_with(Id::Tolerance, 't', "MM")
+        ..Opt::short_with(Setting::Tolerance, 't', "MM")
     },
     Opt {
         long: Some("start"),
         help: "place of the tool before the program, in the file's mm",
-        ..Opt::short_with(Id::Start, 's', "X,Y")
+        ..Opt::short_with(Setting::Start, 's', "X,Y")
     },
     Opt {
         long: Some("expand"),
         help: "evaluate expressions and parameters that the program sets",
-        ..Opt::flag(Id::Expand, 'e')
+        ..Opt::flag(Setting::Expand, 'e')
     },
     Opt {
         long: Some("header"),
         help: "a comment with the place of the part and the source",
-        ..Opt::flag(Id::Header, 'H')
+        ..Opt::flag(Setting::Header, 'H')
     },
     Opt {
         long: Some("output"),
         help: "the file to write, instead of standard output",
-        ..Opt::short_with(Id::Output, 'o', "FILE")
+        ..Opt::short_with(Setting::Output, 'o', "FILE")
     },
-    Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
+    Opt { long: Some("help"), help: "print this", ..Opt::flag(Setting::Help, 'h') },
 ];
 
 /// Returns the options for completion.
@@ -103,7 +107,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         found.1.as_deref()
     };
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
-    if is_given(Id::Help) {
+    if is_given(Setting::Help) {
         let text =
             format!("Usage: halgcode align {ARGUMENTS}\n{HELP}\n\noptions:\n{}", usage(OPTIONS));
         Stdio.out(&text)?;
@@ -112,29 +116,30 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let [file] = rest.as_slice() else {
         return Err("which file? halgcode align [options] FILE".into());
     };
-    let marks = given.iter().filter(|(id, _)| *id == Id::Mark).filter_map(|(_, v)| v.as_deref());
+    let marks =
+        given.iter().filter(|(id, _)| *id == Setting::Mark).filter_map(|(_, v)| v.as_deref());
     let marks: Vec<&str> = marks.collect();
-    let (mut alignment, name) = alignment(last(Id::Marks), &marks, last(Id::Matrix))?;
-    if let Some(model) = last(Id::Model) {
+    let (mut alignment, name) = alignment(last(Setting::Marks), &marks, last(Setting::Matrix))?;
+    if let Some(model) = last(Setting::Model) {
         let usual = "auto, shift, rigid, similarity, scale-xy or affine";
         let model = Model::of(model).ok_or_else(|| format!("--model '{model}': {usual}"))?;
         alignment.options.model = model;
     }
-    alignment.options.mirror |= is_given(Id::Mirror);
+    alignment.options.mirror |= is_given(Setting::Mirror);
     let mut options = Options {
-        expand: is_given(Id::Expand),
-        header: is_given(Id::Header).then(|| name_of(file)),
+        expand: is_given(Setting::Expand),
+        header: is_given(Setting::Header).then(|| name_of(file)),
         ..Options::default()
     };
-    match last(Id::Arcs) {
+    match last(Setting::Arcs) {
         None | Some("lines") => {}
         Some("refuse") => options.arcs = Arcs::Refuse,
         Some(other) => return Err(format!("--arcs '{other}': lines or refuse")),
     }
-    if let Some(text) = last(Id::Tolerance) {
+    if let Some(text) = last(Setting::Tolerance) {
         [options.tolerance] = numbers("--tolerance", text)?;
     }
-    if let Some(text) = last(Id::Start) {
+    if let Some(text) = last(Setting::Start) {
         let [x, y] = numbers("--start", text)?;
         options.start = Some(Vector::new(x, y));
     }
@@ -162,7 +167,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         }
     };
     let report = report(&transform, fit.as_ref(), &done);
-    match last(Id::Output).map(PathBuf::from) {
+    match last(Setting::Output).map(PathBuf::from) {
         None => {
             print_error(&report);
             let text = std::str::from_utf8(&done.text);

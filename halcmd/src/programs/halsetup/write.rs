@@ -159,8 +159,7 @@ pub(super) fn hal(answers: &Answers, timing: &Timing) -> String {
         put!(to, "\n# The port ends each step in the period in which it began.");
         let steps = answers.joint.iter().filter_map(|j| line(j.get_ref().step.as_ref()?));
         for step in steps {
-            put!(to, "setp parport.{}.reset-time {}", step.port, answers.pulse.length);
-            put!(to, "setp {}-reset TRUE", output(answers, step));
+            reset(&mut to, answers, step);
         }
     }
     put!(to, "\n# The spindle.\nnet spindle-cmd <= spindle.0.speed-out");
@@ -183,10 +182,7 @@ fn load(to: &mut String, answers: &Answers) {
         "loadrt [EMCMOT]EMCMOT base_period_nsec=[EMCMOT]BASE_PERIOD \
          servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS"
     );
-    match answers.driver {
-        Driver::Parport => put!(to, "loadrt hal_parport cfg=\"{}\"", answers.ports.join(" ")),
-        Driver::Viagpio => put!(to, "loadrt hal_viagpio"),
-    }
+    driver(to, answers);
     if answers.kind == Motors::Servos {
         put!(to, "loadrt encoder num_chan={joints}\nloadrt pid num_chan={joints}");
         put!(to, "loadrt pwmgen output_type={}", vec!["1"; joints].join(","));
@@ -198,11 +194,86 @@ fn load(to: &mut String, answers: &Answers) {
     }
 }
 
-fn functions(to: &mut String, answers: &Answers, timing: &Timing) {
-    let ports: Vec<String> = match answers.driver {
+fn driver(to: &mut String, answers: &Answers) {
+    match answers.driver {
+        Driver::Parport => put!(to, "loadrt hal_parport cfg=\"{}\"", answers.ports.join(" ")),
+        Driver::Viagpio => put!(to, "loadrt hal_viagpio"),
+    }
+}
+
+/// Returns the parts of the driver that have functions of their own.
+fn boards(answers: &Answers) -> Vec<String> {
+    match answers.driver {
         Driver::Parport => (0..answers.ports.len()).map(|p| format!("parport.{p}")).collect(),
         Driver::Viagpio => vec!["viagpio".to_owned()],
-    };
+    }
+}
+
+/// Appends the reset of the port that ends each step in its period.
+fn reset(to: &mut String, answers: &Answers, step: Line) {
+    put!(to, "setp parport.{}.reset-time {}", step.port, answers.pulse.length);
+    put!(to, "setp {}-reset TRUE", output(answers, step));
+}
+
+/// Returns the script of a single axis for the search of what it bears. `is_simulated` adds a motor that stalls.
+pub(super) fn axis(
+    answers: &Answers,
+    timing: &Timing,
+    joint: &Joint,
+    is_simulated: bool,
+) -> String {
+    let mut to = String::new();
+    let base = timing.base;
+    put!(to, "loadrt threads name1=base-thread period1={base} name2=servo-thread period2=1000000");
+    driver(&mut to, answers);
+    put!(to, "loadrt stepgen step_type=0\nloadrt steptest\nloadrt and2 names=may-move");
+    let boards = boards(answers);
+    for board in &boards {
+        put!(to, "addf {board}.read base-thread");
+    }
+    put!(to, "addf stepgen.make-pulses base-thread");
+    put!(to, "net step stepgen.0.step\nnet dir stepgen.0.dir");
+    if is_simulated {
+        put!(to, "loadrt stepper\naddf stepper.0 base-thread\nnet step => stepper.0.step");
+        put!(to, "net dir => stepper.0.dir\nsetp stepper.0.scale {}", number(joint.scale()));
+    }
+    for board in &boards {
+        put!(to, "addf {board}.write base-thread");
+    }
+    if timing.resets {
+        for board in &boards {
+            put!(to, "addf {board}.reset base-thread");
+        }
+        if let Some(step) = joint.step.as_ref().and_then(|text| line(text)) {
+            reset(&mut to, answers, step);
+        }
+    }
+    put!(to, "addf may-move servo-thread\naddf stepgen.capture-position servo-thread");
+    put!(to, "addf steptest.0 servo-thread\naddf stepgen.update-freq servo-thread");
+    put!(to, "setp stepgen.0.position-scale {}", number(joint.scale()));
+    put!(to, "setp stepgen.0.steplen 1\nsetp stepgen.0.stepspace {}", timing.space);
+    put!(to, "setp stepgen.0.dirhold {}\nsetp stepgen.0.dirsetup {}", timing.hold, timing.setup);
+    put!(to, "net cmd steptest.0.position-cmd => stepgen.0.position-cmd");
+    put!(to, "net fb stepgen.0.position-fb => steptest.0.position-fb");
+    give(&mut to, answers, "step", joint.step.as_ref());
+    give(&mut to, answers, "dir", joint.direction.as_ref());
+    // The e-stop chain and the switch at the ends keep the motor from moving.
+    put!(to, "net may-move may-move.out => stepgen.0.enable");
+    give(&mut to, answers, "may-move", answers.pins.enable.as_ref());
+    let chain = answers.pins.estop.as_ref().and_then(|text| line(text));
+    let free = joint.switch.as_ref().and_then(|text| line(text));
+    let free = free.map(|switch| Line { is_inverted: !switch.is_inverted, ..switch });
+    for (pin, source) in [("may-move.in0", chain), ("may-move.in1", free)] {
+        match source.filter(|_| !is_simulated) {
+            Some(source) => put!(to, "net {pin}-wire {} => {pin}", input(answers, source)),
+            None => put!(to, "setp {pin} TRUE"),
+        }
+    }
+    to
+}
+
+fn functions(to: &mut String, answers: &Answers, timing: &Timing) {
+    let ports = boards(answers);
     let joints = 0..answers.joint.len();
     let is_servo = answers.kind == Motors::Servos;
     put!(to, "\n# The fast thread: inputs, pulses, outputs.");

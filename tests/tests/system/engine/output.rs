@@ -358,6 +358,7 @@ fn standard_error_that_cannot_be_written_to_disturbs_nothing() {
         ("halsampler -c 7", 1),
         ("halstreamer", 1),
         ("halsetup none.toml", 1),
+        ("latency-test never", 1),
         ("haltest none", 2),
         ("haltest test", 0),
         ("halcompile none.comp", 1),

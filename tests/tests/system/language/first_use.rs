@@ -39,6 +39,7 @@ fn every_program_prints_its_version() {
         "halshow",
         "linuxcnc",
         "halcompile",
+        "latency-test",
     ] {
         let want = format!("{program} {}\n", env!("CARGO_PKG_VERSION"));
         assert_eq!(run(&scratch, &[program, "--version"]), (want, String::new(), Some(0)));

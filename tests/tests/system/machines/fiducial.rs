@@ -44,7 +44,7 @@ fn distance(a: Point, b: Point) -> f64 {
 
 /// Returns the positions of the tool in the material, cycle by cycle.
 fn cut(vcd: &Vcd) -> Vec<Point> {
-    let ends = ["camera-x", "camera-y", "z"].map(|name| vcd.of(name));
+    let ends = ["x", "y", "z"].map(|name| vcd.of(name));
     let times = ends.iter().flat_map(|changes| changes.iter().map(|c| c.0));
     let mut times: Vec<i64> = times.collect();
     times.sort_unstable();

@@ -13,5 +13,6 @@ mod printer;
 mod samples;
 mod setup;
 mod speed;
+mod trials;
 mod viewers;
 mod waveform;

@@ -7,10 +7,15 @@
 )]
 
 mod accounts;
+mod cuts;
 mod display;
+mod figures;
+mod garbage;
 mod integrator;
+mod load;
 mod looks;
 mod loss;
+mod openapi;
 mod operator;
 mod printer;
 mod requests;
@@ -18,4 +23,6 @@ mod roles;
 mod samples;
 mod socket;
 mod stand;
+mod strangers;
 mod teleop;
+mod trouble;

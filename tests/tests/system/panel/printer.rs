@@ -37,11 +37,10 @@ impl Printer {
         let scratch = Scratch::copy_of(&root().join("configs/printer"));
         let ini = scratch.read("printer.ini");
         // A computer that tests keep busy answers late: the lease then lasts, while a jog still ends at once.
-        scratch.write("printer.ini", format!("{ini}\n[REMOTE]\nLEASE_TIMEOUT = 60\n{entries}"));
+        let lasts = if entries.contains("LEASE_TIMEOUT") { "" } else { "LEASE_TIMEOUT = 60\n" };
+        scratch.write("printer.ini", format!("{ini}\n[REMOTE]\n{lasts}{entries}"));
         fs::create_dir(scratch.path().join("programs")).unwrap();
-        let mut command = scratch.command(&[], "halrun");
-        let machine = scratch.start(command.args(clock).args(["--headless", "printer.ini"]));
-        until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
+        let machine = machine(&scratch, clock);
         let panel = panel(&scratch, role, &[]);
         let mut printer = Self { panel, machine, scratch, port: 0 };
         printer.port = printer.listens();
@@ -68,10 +67,34 @@ impl Printer {
         self.port = self.listens();
     }
 
+    /// Returns the process id of the panel.
+    pub(super) fn panel_pid(&self) -> u32 {
+        self.panel.pid()
+    }
+
+    /// Sends the panel a signal.
+    pub(super) fn signal_panel(&self, signal: Signal) {
+        self.panel.signal(signal);
+    }
+
+    /// Starts a panel after the one before was killed.
+    pub(super) fn begin_again(&mut self, role: &str) {
+        assert!(self.panel.ended().is_some(), "the panel still runs");
+        // The one that was killed has left it.
+        fs::remove_file(self.scratch.path().join("address")).unwrap();
+        self.panel = panel(&self.scratch, role, &[]);
+        self.port = self.listens();
+    }
+
     /// Ends the machine, while the panel goes on.
     pub(super) fn end_machine(&mut self) {
         self.machine.signal(Signal::TERM);
         self.machine.ended().unwrap();
+    }
+
+    /// Starts the machine again after its end.
+    pub(super) fn start_machine(&mut self) {
+        self.machine = machine(&self.scratch, &["--simulate"]);
     }
 
     /// Returns what the panel has printed.
@@ -163,6 +186,13 @@ impl Drop for Printer {
 
 fn is_address(file: &Path) -> bool {
     fs::read_to_string(file).is_ok_and(|text| text.contains("#token=") && text.ends_with('\n'))
+}
+
+fn machine(scratch: &Scratch, clock: &[&str]) -> Running {
+    let mut command = scratch.command(&[], "halrun");
+    let machine = scratch.start(command.args(clock).args(["--headless", "printer.ini"]));
+    until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
+    machine
 }
 
 fn panel(scratch: &Scratch, role: &str, options: &[&str]) -> Running {

@@ -10,8 +10,8 @@ fn marks(rows: &[(f64, f64, f64, f64)]) -> Vec<Mark> {
     rows.iter().map(mark).collect()
 }
 
-fn with(model: Model) -> Options {
-    Options { model, ..Options::default() }
+fn with(model: Model) -> Conditions {
+    Conditions { model, ..Conditions::default() }
 }
 
 /// Compares with the digits that a vector states.
@@ -48,7 +48,7 @@ fn a_no_change() {
 
 #[test]
 fn b_one_mark_is_a_shift() {
-    let fit = fit(&marks(&[(0.0, 0.0, 2.0, 1.0)]), &Options::default()).unwrap();
+    let fit = fit(&marks(&[(0.0, 0.0, 2.0, 1.0)]), &Conditions::default()).unwrap();
     assert_eq!(fit.transform, Transform { linear: Matrix::IDENTITY, shift: Vector::new(2.0, 1.0) });
     assert_eq!(fit.model, Model::Shift);
 }
@@ -56,7 +56,7 @@ fn b_one_mark_is_a_shift() {
 #[test]
 fn c_two_marks_are_a_similarity() {
     let two = marks(&[(0.0, 0.0, 2.0, 1.0), (7.0, 8.0, 7.5, 10.09)]);
-    let found = fit(&two, &Options::default()).unwrap();
+    let found = fit(&two, &Conditions::default()).unwrap();
     near(found.transform.parts().turn, 10.00945, 5e-6);
     near(found.transform.parts().scale_x, 0.999460, 5e-7);
     let rigid = fit(&two, &with(Model::Rigid)).unwrap().transform.parts();
@@ -77,7 +77,7 @@ fn d_two_scales() {
 
 #[test]
 fn e_three_marks_are_an_affine_map() {
-    let transform = fit(&marks(E), &Options::default()).unwrap().transform;
+    let transform = fit(&marks(E), &Conditions::default()).unwrap().transform;
     let parts = transform.parts();
     near(parts.turn, 10.0, 1e-4);
     near(parts.scale_x, 1.2, 1e-6);
@@ -98,7 +98,7 @@ fn e_three_marks_are_an_affine_map() {
 
 #[test]
 fn f_four_marks_with_errors() {
-    let found = fit(&marks(F), &Options::default()).unwrap();
+    let found = fit(&marks(F), &Conditions::default()).unwrap();
     let m = found.transform.linear;
     for (got, wanted) in
         [(m.m11, 1.181767), (m.m12, -0.181610), (m.m21, 0.208497), (m.m22, 1.084935)]
@@ -136,7 +136,7 @@ fn g_a_similarity_with_errors() {
 
 #[test]
 fn h_the_inverse_leads_back() {
-    let transform = fit(&marks(E), &Options::default()).unwrap().transform;
+    let transform = fit(&marks(E), &Conditions::default()).unwrap().transform;
     let back = transform.inverse().unwrap();
     for n in 0..1000 {
         let p = Vector::new(f64::from(n) * 0.37 - 100.0, f64::from(n % 37) * 11.0 - 200.0);
@@ -165,7 +165,7 @@ fn parts_and_transform_agree_for_mirrored_parts_too() {
 #[test]
 fn scale_xy_is_the_least_sum_of_squares() {
     let rows: Vec<Mark> = marks(F);
-    let options = Options { model: Model::ScaleXy, tolerance: 10.0, mirror: false };
+    let options = Conditions { model: Model::ScaleXy, tolerance: 10.0, mirror: false };
     let found = fit(&rows, &options).unwrap();
     let parts = found.transform.parts();
     near(parts.shear, 0.0, 1e-12);
@@ -196,14 +196,14 @@ fn mirrored_parts_are_fitted_on_request_alone() {
         .map(|file| Mark { file, machine: transform.apply(file) })
         .collect();
     for model in [Model::Affine, Model::Similarity, Model::Rigid, Model::ScaleXy] {
-        let mirrored = Options { model, mirror: true, ..Options::default() };
+        let mirrored = Conditions { model, mirror: true, ..Conditions::default() };
         let found = fit(&rows, &mirrored).unwrap().transform.parts();
         near(found.turn, 30.0, 1e-9);
         near(found.scale_y, -1.0, 1e-12);
         assert!(fit(&rows, &with(model)).is_err(), "{model:?}");
     }
     assert_eq!(fit(&rows, &with(Model::Affine)), Err(Misfit::Mirrored));
-    let mirror = Options { mirror: true, ..Options::default() };
+    let mirror = Conditions { mirror: true, ..Conditions::default() };
     assert_eq!(fit(&marks(E), &mirror), Err(Misfit::NotMirrored));
 }
 
@@ -239,6 +239,6 @@ fn marks_that_determine_nothing_are_refused_by_name() {
     bad[2].2 += 2.0;
     let text = say(&bad, Model::Affine);
     assert!(text.contains("and 0.1 mm are allowed: mark "), "{text}");
-    let nan = Options { tolerance: f64::NAN, ..Options::default() };
+    let nan = Conditions { tolerance: f64::NAN, ..Conditions::default() };
     assert!(matches!(fit(&marks(F), &nan), Err(Misfit::Residual(..))));
 }

@@ -4,32 +4,31 @@ use super::{
     Arcs, Program, Reason,
     block::New,
     codes::Codes,
+    curve::Curve,
     edit::{Digits, letter},
     modal::{ArcPlane, Modal, Motion},
-    transfer::{Line, Step, follow_z, is_coupled, straight, write},
+    transfer::{Displacement, Line, follow_z, is_coupled, straight, write},
     words::Word,
 };
 use crate::{Matrix, Vector};
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 use libm::{fabs, hypot, sqrt};
 
-/// Largest number of lines for an arc.
-const MAX_CHORDS: f64 = 100_000.0;
 /// Distance of the ends of an arc, in millimetres, below which rounding could make a circle of it.
 const SHORT: f64 = 0.001;
 
 /// Arc of a block: lengths in millimetres of the file.
-struct Arc {
-    end: [Option<f64>; 3],
-    centre: [Option<f64>; 3],
-    radius: Option<f64>,
+pub(super) struct Arc {
+    pub(super) end: [Option<f64>; 3],
+    pub(super) centre: [Option<f64>; 3],
+    pub(super) radius: Option<f64>,
     /// Angle beyond the arc itself, in radians.
-    turns: f64,
+    pub(super) turns: f64,
     /// Counterclockwise.
-    left: bool,
+    pub(super) left: bool,
 }
 
-type Failure = (u32, Reason);
+pub(super) type Failure = (u32, Reason);
 
 /// Rewrites a block with an arc.
 pub(super) fn arc(
@@ -129,7 +128,7 @@ fn keep(
     }
     let [x, y, _] = arc.end;
     if x.is_some() || y.is_some() {
-        let step = Step { x, y, times: 1.0 };
+        let step = Displacement { x, y, times: 1.0 };
         let closed =
             modal.place().filter(|at| !modal.now.incremental && x == Some(at.x) && y == Some(at.y));
         match closed {
@@ -183,15 +182,6 @@ fn centre(
 /// Returns the first word of an arc on a line.
 fn first_word(line: &Line<'_>) -> Option<Word> {
     line.words.list.iter().find(|w| b"xyzijkrp".contains(&w.letter)).copied()
-}
-
-/// Indices of the axes of a plane, and of the axis across it.
-const fn axes(plane: ArcPlane) -> [usize; 3] {
-    match plane {
-        ArcPlane::Xy | ArcPlane::Other => [0, 1, 2],
-        ArcPlane::Zx => [2, 0, 1],
-        ArcPlane::Yz => [1, 2, 0],
-    }
 }
 
 /// Writes an arc as lines.
@@ -273,97 +263,6 @@ fn start(modal: &Modal, has_z: bool, incremental: bool) -> Result<[f64; 3], Fail
     };
     let z = if has_z { known(modal.z, 'Z')? } else { 0.0 };
     Ok([known(modal.x, 'X')?, known(modal.y, 'Y')?, z])
-}
-
-/// Curve of an arc or helix in the file.
-struct Curve {
-    axes: [usize; 3],
-    centre: [f64; 2],
-    /// Angle of the start, and of the way, in radians.
-    from: f64,
-    sweep: f64,
-    radii: [f64; 2],
-    across: [f64; 2],
-}
-
-/// Returns the coordinate of an axis.
-fn on(point: [f64; 3], axis: usize) -> f64 {
-    point.get(axis).copied().unwrap_or(0.0)
-}
-
-impl Curve {
-    fn new(modal: &Modal, arc: &Arc, start: [f64; 3], stop: [f64; 3]) -> Result<Self, Failure> {
-        let axes = axes(modal.now.plane);
-        let [first, second, across] = axes;
-        let flat = |p| Vector::new(on(p, first), on(p, second));
-        let (s, e) = (flat(start), flat(stop));
-        let word = |axis: usize| arc.centre.get(axis).copied().flatten();
-        let centre = match (arc.radius, word(first), word(second)) {
-            (Some(r), ..) => centre_of_radius(s, e, r, arc.left)?,
-            (None, None, None) => return Err((0, Reason::ArcWords)),
-            (None, Some(a), Some(b)) if modal.now.centre_is_absolute => Vector::new(a, b),
-            (None, ..) if modal.now.centre_is_absolute => return Err((0, Reason::ArcWords)),
-            (None, a, b) => s + Vector::new(a.unwrap_or(0.0), b.unwrap_or(0.0)),
-        };
-        let (a, b) = (s - centre, e - centre);
-        let turn = libm::atan2(a.cross(b), a.dot(b));
-        let turn = if arc.left { turn } else { -turn };
-        let turn = if turn <= 1e-12 { turn + TAU } else { turn } + arc.turns;
-        let radii = [a.length(), b.length()];
-        if radii.iter().any(|r| *r < 1e-6) {
-            return Err((0, Reason::ArcWords));
-        }
-        Ok(Self {
-            axes,
-            centre: [centre.x, centre.y],
-            from: libm::atan2(a.y, a.x),
-            sweep: if arc.left { turn } else { -turn },
-            radii,
-            across: [on(start, across), on(stop, across)],
-        })
-    }
-
-    /// Returns the number of lines that stay within the tolerance when lengths grow by `scale`.
-    fn count(&self, scale: f64, tolerance: f64) -> Result<usize, Failure> {
-        let [a, b] = self.radii;
-        let step = 2.0 * libm::acos((1.0 - tolerance / (a.max(b) * scale)).max(0.0));
-        let count = libm::ceil(fabs(self.sweep) / step).max(1.0);
-        let count = if fabs(self.sweep) > PI { count.max(3.0) } else { count };
-        if !matches!(count.partial_cmp(&MAX_CHORDS), Some(core::cmp::Ordering::Less)) {
-            return Err((0, Reason::TooLong));
-        }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in range")]
-        Ok(count as usize)
-    }
-
-    /// Returns the point at a part of the way.
-    fn point(&self, part: f64) -> [f64; 3] {
-        let between = |[a, b]: [f64; 2]| a + (b - a) * part;
-        let (s, c) = libm::sincos(self.from + self.sweep * part);
-        let radius = between(self.radii);
-        let [first, second] = self.centre;
-        let mut out = [0.0; 3];
-        let values = [first + radius * c, second + radius * s, between(self.across)];
-        for (axis, value) in self.axes.iter().zip(values) {
-            if let Some(to) = out.get_mut(*axis) {
-                *to = value;
-            }
-        }
-        out
-    }
-}
-
-/// Returns the centre of an arc by its radius; a negative one means the long way round.
-fn centre_of_radius(s: Vector, e: Vector, r: f64, left: bool) -> Result<Vector, Failure> {
-    let chord = e - s;
-    let half = chord.length() / 2.0;
-    if half < 1e-9 {
-        return Err((0, Reason::ArcWords));
-    }
-    let height = sqrt((r * r - half * half).max(0.0));
-    let height = if left == (r > 0.0) { height } else { -height };
-    let across = Vector::new(-chord.y, chord.x) * (0.5 / half);
-    Ok(s + chord * 0.5 + across * height)
 }
 
 /// Writer of the ends of lines.

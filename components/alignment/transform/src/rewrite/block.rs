@@ -7,13 +7,13 @@ use super::{
     codes::{Codes, Use, codes},
     edit::Edits,
     modal::{ArcPlane, Modal, Motion},
-    transfer::{Line, Step, follow_z, is_coupled, straight},
+    transfer::{Displacement, Line, follow_z, is_coupled, straight},
     words::Words,
 };
 
 /// Block of the result.
 pub(super) struct New {
-    /// Its text; the end of the line is in it if there are several lines.
+    /// The text; the end of the line is in it if there are several lines.
     pub(super) text: Vec<u8>,
     /// Number of lines that stand for an arc.
     pub(super) chords: usize,
@@ -94,7 +94,7 @@ fn go_back(
     program: &Program<'_>,
     code: i32,
 ) -> Result<bool, (u32, Reason)> {
-    let step = Step { x: line.mm(modal, b'x')?, y: line.mm(modal, b'y')?, times: 1.0 };
+    let step = Displacement { x: line.mm(modal, b'x')?, y: line.mm(modal, b'y')?, times: 1.0 };
     let single = step.x.is_some() != step.y.is_some();
     if single && is_coupled(program.transform) {
         let stays = modal.now.incremental && step.x.or(step.y) == Some(0.0);
@@ -153,7 +153,7 @@ fn motion(
             Motion::Cycle => words.number(b'l')?.unwrap_or(1.0),
             _ => 1.0,
         };
-        let step = Step { x: line.mm(modal, b'x')?, y: line.mm(modal, b'y')?, times };
+        let step = Displacement { x: line.mm(modal, b'x')?, y: line.mm(modal, b'y')?, times };
         straight(line, modal, program.transform, step)?;
     }
     match modal.motion {

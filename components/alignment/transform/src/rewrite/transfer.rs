@@ -61,7 +61,7 @@ impl Line<'_> {
 
 /// Move in X and Y, in millimetres of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Step {
+pub(super) struct Displacement {
     /// Words that are given.
     pub(super) x: Option<f64>,
     pub(super) y: Option<f64>,
@@ -74,7 +74,7 @@ pub(super) fn straight(
     line: &mut Line<'_>,
     modal: &mut Modal,
     transform: &Transform,
-    step: Step,
+    step: Displacement,
 ) -> Result<(), (u32, Reason)> {
     let coupled = is_coupled(transform);
     let want = if modal.now.incremental {
@@ -99,7 +99,7 @@ pub(super) fn straight(
 pub(super) fn write(
     line: &mut Line<'_>,
     modal: &mut Modal,
-    step: Step,
+    step: Displacement,
     want: Vector,
     coupled: bool,
 ) {
@@ -120,7 +120,7 @@ pub(super) fn write(
 }
 
 /// Follows the position in the file.
-fn follow(modal: &mut Modal, step: Step, deletable: bool) {
+fn follow(modal: &mut Modal, step: Displacement, deletable: bool) {
     let incremental = modal.now.incremental;
     let move_to = |at: &mut Option<f64>, given: Option<f64>| {
         let Some(by) = given else { return };

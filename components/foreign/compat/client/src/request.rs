@@ -10,7 +10,7 @@ use std::{
 /// A connection of a C program.
 pub(crate) struct Handle {
     client: Client,
-    /// Why the last call failed.
+    /// Reason why the last call failed.
     why: CString,
 }
 

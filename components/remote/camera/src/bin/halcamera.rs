@@ -1,9 +1,9 @@
 //! The program halcamera: pictures of a camera in the network, for the component align, and marks in pictures.
 #![forbid(unsafe_code)]
 
-use camera::{Address, Feed, Kind};
+use camera::{Address, Delivery, Feed};
 use clap::{Parser, Subcommand};
-use hal_marks::{Files, Ink, Kind as Mark, Picture, Search, Source as _, choose, search};
+use hal_marks::{Files, Ink, MarkKind as Mark, Picture, Search, Source as _, choose, search};
 use std::{
     collections::VecDeque,
     fs,
@@ -17,7 +17,7 @@ use std::{
 /// them (SOURCE = live FOLDER). The commands mjpeg and shot end with the camera; find searches the pictures of a folder for marks.
 #[derive(Parser)]
 #[command(name = "halcamera", version)]
-struct Options {
+struct Arguments {
     #[command(subcommand)]
     command: Command,
 }
@@ -76,9 +76,9 @@ fn size(text: &str) -> Result<f64, String> {
 
 fn main() -> ExitCode {
     hal_output::program(|_| {
-        let done = match Options::parse().command {
-            Command::Mjpeg(options) => save(Kind::Mjpeg, &options),
-            Command::Shot(options) => save(Kind::Shot, &options),
+        let done = match Arguments::parse().command {
+            Command::Mjpeg(options) => save(Delivery::Mjpeg, &options),
+            Command::Shot(options) => save(Delivery::Shot, &options),
             Command::Find(options) => find(&options),
         };
         match done {
@@ -92,7 +92,7 @@ fn main() -> ExitCode {
 }
 
 /// Writes the pictures of a camera to a folder.
-fn save(kind: Kind, options: &Save) -> Result<ExitCode, String> {
+fn save(kind: Delivery, options: &Save) -> Result<ExitCode, String> {
     let say = |e: camera::Refused| format!("{}: {e}", options.address);
     let address = Address::parse(&options.address).map_err(say)?;
     fs::create_dir_all(&options.folder)

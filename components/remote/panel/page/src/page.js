@@ -4,6 +4,7 @@ import { ask, el, enable, mark, setText, show } from "./dom.js";
 import { releaseAll } from "./hold.js";
 import { signOut } from "./http.js";
 import { findingsCard, flightCard, orderCard, threadsCard } from "./integrator/diagnose.js";
+import { latencyCard } from "./integrator/latency.js";
 import { graphCard } from "./integrator/graph.js";
 import { scopeCard } from "./integrator/scope.js";
 import { treeCard, watchCard } from "./integrator/tree.js";
@@ -30,7 +31,7 @@ const OPERATOR = [
 const GROUPS = ["move", "view", "job", "mdi", "more"];
 const INTEGRATOR = [
   ["left", treeCard], ["centre", watchCard], ["centre", scopeCard], ["centre", graphCard], ["right", findingsCard], ["right", orderCard],
-  ["right", threadsCard], ["right", flightCard],
+  ["right", latencyCard], ["right", threadsCard], ["right", flightCard],
 ];
 
 /** Builds the page anew. */

@@ -11,8 +11,10 @@ use axum::{
     http::header,
     response::{IntoResponse as _, Response},
 };
-use hal_protocol::{Failure, Kind, Reply, Request};
+use hal_protocol::{Failure, Kind, Reply, Request, ThreadInfo};
+use halcmd::programs::latency_test::Band;
 use serde::Serialize;
+use serde_json::json;
 use std::sync::Arc;
 
 /// Kinds of lists, by their path.
@@ -115,6 +117,25 @@ pub(crate) async fn start(State(panel): State<Arc<Panel>>, _: Session) -> Result
         }
         _ => answer(reply),
     }
+}
+
+/// Largest delay of the wake-ups of each thread, with the verdict of `latency-test`.
+pub(crate) async fn latency(
+    State(panel): State<Arc<Panel>>,
+    _: Session,
+) -> Result<Response, Error> {
+    let list = Request::List { kind: Kind::Threads, patterns: Vec::new(), ty: None };
+    let Reply::Threads(threads) = panel.engine.call(list).await? else {
+        return Err(Error::new(Code::Refused, "the engine lists no threads"));
+    };
+    let row = |thread: ThreadInfo| {
+        let band = Band::of(thread.latency_max);
+        json!({
+            "thread": thread.name, "period": thread.period, "cycles": thread.cycles,
+            "late": thread.latency_max, "verdict": band.name(), "words": band.words(),
+        })
+    };
+    Ok(Json(threads.into_iter().map(row).collect::<Vec<_>>()).into_response())
 }
 
 /// State of the flight recorder.

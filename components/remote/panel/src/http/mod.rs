@@ -16,6 +16,7 @@ use crate::{
 use axum::{
     Router,
     extract::{DefaultBodyLimit, Request, State},
+    http::header,
     middleware,
     response::{IntoResponse as _, Response},
     routing::{any, get},
@@ -24,6 +25,9 @@ use std::sync::Arc;
 
 /// Longest body of a request that is no upload.
 const MAX_BODY: usize = 64 << 10;
+
+/// The API as `OpenAPI` describes it.
+const DOCUMENT: &str = include_str!("../../openapi.json");
 
 /// Returns all routes.
 pub(crate) fn router(panel: &Arc<Panel>) -> Router {
@@ -39,6 +43,8 @@ pub(crate) fn router(panel: &Arc<Panel>) -> Router {
         .route("/status", get(lists::status))
         .route("/check", get(lists::check))
         .route("/order", get(lists::order))
+        .route("/latency", get(lists::latency))
+        .route("/openapi.json", get(document))
         .route("/start", get(lists::start))
         .route("/graph", get(graph::svg))
         .route("/flight", get(lists::flight))
@@ -56,6 +62,11 @@ pub(crate) fn router(panel: &Arc<Panel>) -> Router {
         .layer(DefaultBodyLimit::max(MAX_BODY))
         .layer(middleware::from_fn_with_state(panel.clone(), guard::guard))
         .with_state(panel.clone())
+}
+
+/// Returns the description of this API.
+async fn document() -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], DOCUMENT).into_response()
 }
 
 async fn file(State(panel): State<Arc<Panel>>, request: Request) -> Response {

@@ -1,9 +1,9 @@
 //! The check of a program before it starts, and the lengths of its moves.
 
-use hal_gcode::{Interpreter, axis::Position, canon::Unit};
+use hal_gcode::{Error, Interpreter, Issued, Request, Step, axis::Position, canon::Unit};
 use hal_job::{
     Files, Machine, World,
-    run::{Answers, start, step},
+    run::{Answers, start},
     way::{Way, distance},
     world,
 };
@@ -31,7 +31,7 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, pose: [f64; 9]) -> Result<Le
     let machine = Machine::read(&Files { ini, ..Files::default() }).map_err(fail)?;
     let to_mm = machine.settings.unit.to(Unit::Millimetre);
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
-    let world = World { machine, hal: std::collections::BTreeMap::new() };
+    let world = World::with_functions(machine, std::collections::BTreeMap::new());
     start(&mut it, &world).map_err(fail)?;
     let [x, y, z, a, b, c, u, v, w] = pose;
     let here = Position { x, y, z, a, b, c, u, v, w };
@@ -43,7 +43,7 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, pose: [f64; 9]) -> Result<Le
     let (mut beyond, mut length, mut out) = (None, 0.0, Vec::new());
     let begun = Instant::now();
     for n in 0_u32.. {
-        let going = step(&mut it, &world, Answers { probe_trips: true }, &mut out);
+        let going = step(&mut it, &world, &mut out);
         for issued in out.drain(..) {
             let (mut from, before) = (way.at, length);
             way.follow(&issued.call, &mut |_, to| {
@@ -77,6 +77,21 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, pose: [f64; 9]) -> Result<Le
         Some(text) => Err(Reason::new(Code::Limite, text)),
         None => Ok(lengths),
     }
+}
+
+/// Runs one step with the answers of a machine that stands still; returns whether there are more. What follows a value of
+/// HAL that only the machine knows is not read: the task checks it as it comes.
+fn step(it: &mut Interpreter, world: &World, out: &mut Vec<Issued>) -> Result<bool, Error> {
+    let answers = Answers { probe_trips: true, functions: world.functions.as_ref() };
+    let mut step = it.next(world, out)?;
+    while let Step::Ask(request) = step {
+        if matches!(request, Request::Hal { .. }) {
+            return Ok(false);
+        }
+        let answer = answers.answer(&request, it, world);
+        step = it.answer(&answer, world, out)?;
+    }
+    Ok(step != Step::Ended)
 }
 
 /// Returns the reason of a task that refuses a program: `FILE:LINE: TEXT` becomes the line and the text.

@@ -121,6 +121,12 @@ impl Rig {
         }
     }
 
+    /// Loses the link, with all that is on its way.
+    pub(super) fn lose(&mut self) {
+        self.answers = false;
+        self.way.clear();
+    }
+
     pub(super) fn at(&self, joint: usize) -> f64 {
         self.bench.get(&format!("joint.{joint}.pos-cmd"))
     }

@@ -47,7 +47,10 @@ fn play(mill: &mut Mill, text: &str) {
                     mill.until(line, || mill.halcmd("getp teleop.running").trim() == "TRUE");
                 }
                 (_, "gone") => people.cut(who),
-                (_, "closed") => assert_eq!(people.hear(mill, who), "(closed)", "{line}"),
+                (_, "closed") => {
+                    assert_eq!(people.hear(mill, who), "(closed)", "{line}");
+                    people.cut(who);
+                }
                 ("*", "listens") => mill.listens(),
                 _ => panic!("{line}: this is no line of a transcript"),
             }

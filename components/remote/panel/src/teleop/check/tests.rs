@@ -34,6 +34,9 @@ fn a_program_is_refused_with_its_line_or_has_a_length() {
     for ((_, length), right) in lengths.iter().zip([6.0, 7.0, 7.0 + core::f64::consts::PI]) {
         assert!((length - right).abs() < 1e-3, "{lengths:?}");
     }
+    // The rest depends on the machine.
+    let known = read("G20 F10\nG1 X1\nG1 X[#<_hal[a.pin]>]\nG1 X99\nM2\n", 0.0).unwrap().0;
+    assert_eq!(known, [(2, 1.0)]);
     let gone = super::read(None, &folder.join("gone.ngc"), [0.0; 9]).unwrap_err();
     assert_eq!(gone.code, Some(Code::Falla), "{gone}");
     fs::remove_dir_all(&folder).unwrap();

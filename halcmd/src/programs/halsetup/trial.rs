@@ -1,0 +1,196 @@
+//! Runs of one axis for the search: an engine with a step generator, and a person or a simulated motor that tells
+//! whether steps were lost.
+
+use super::{
+    answers::{Answers, Joint, Motors, Units},
+    search::{Settings, Trial, search, told},
+    timing::{Timing, rate, timing},
+    write,
+};
+use crate::{programs::alone::Alone, terminal::termination::ending_flag};
+use hal_engine::ClockKind;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Time between two looks at a run, in nanoseconds.
+const LOOK_NS: u64 = 10_000_000;
+/// Time after a run in which a motor comes to rest, in nanoseconds.
+const REST_NS: u64 = 200_000_000;
+/// Looks until a run is aborted: an hour.
+const MAX_LOOKS: u32 = 360_000;
+/// Ends of the way that a run reaches before it returns.
+const ENDS: u32 = 2;
+/// Share of its limits up to which the simulated motor is sure to hold: it measures speeds from steps.
+const SURE: f64 = 0.98;
+/// Share of the travel that a run uses on each side of the middle, unless it is given.
+const TRAVEL: f64 = 0.45;
+
+/// Options of a search, as the command line states them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Wish {
+    /// Letter of the axis, or number of the joint.
+    pub(super) axis: String,
+    pub(super) amplitude: Option<f64>,
+    pub(super) velocity_step: Option<f64>,
+    pub(super) acceleration_step: Option<f64>,
+    /// Velocity and acceleration from which a simulated motor loses steps.
+    pub(super) stall: Option<(f64, f64)>,
+    /// True for the virtual clock with simulated hardware, where a person still judges.
+    pub(super) is_virtual: bool,
+}
+
+/// A person who is asked, and who answers with a line.
+pub(super) type Ask<'a> = dyn FnMut(&str) -> Result<Option<String>, String> + 'a;
+
+/// Searches what an axis bears; returns the report.
+pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<String, String> {
+    let (number, joint) = find(answers, &wish.axis)?;
+    let timing = timing(answers).map_err(|(joint, possible)| {
+        format!("joint {joint}: too fast for this computer's jitter; a velocity of {possible:.3} is possible")
+    })?;
+    let settings = settings(joint, &timing, wish);
+    let simulated = wish.stall.is_some() || wish.is_virtual;
+    if !simulated && joint.step.is_none() {
+        return Err(format!("axis {}: the answers have no step and direction for it", wish.axis));
+    }
+    let clock = if simulated { ClockKind::Virtual } else { ClockKind::Real };
+    let mut engine = Alone::new(clock, None)?;
+    engine.script("axis test", &write::axis(answers, &timing, joint, wish.stall.is_some()))?;
+    if let Some((velocity, acceleration)) = wish.stall {
+        engine.set("stepper.0.max-vel", &(velocity * SURE).to_string())?;
+        engine.set("stepper.0.max-accel", &(acceleration * SURE).to_string())?;
+    }
+    engine.set("steptest.0.amplitude", &settings.amplitude.to_string())?;
+    engine.script("axis test", "start")?;
+    // Drives are switched off before the program ends.
+    let ending = ending_flag();
+    let unit = if answers.units == Units::Mm { "mm" } else { "inch" };
+    let mut returns = |trial: Trial| {
+        let shown = format!(
+            "axis {}: {} {unit}/s, {} {unit}/s^2",
+            wish.axis, trial.velocity, trial.acceleration
+        );
+        if wish.stall.is_some() {
+            let from = engine.number("stepper.0.position")?;
+            run(&mut engine, trial, &ending)?;
+            let off = engine.number("stepper.0.position")? - from;
+            // A person puts the axis back on its mark; the next trial begins where this one ended.
+            return Ok(off.abs() * joint.scale().abs() < 1.0);
+        }
+        answer(ask, &format!("{shown}: mark where it stands, then Enter (q ends) "), &["", "q"])?;
+        run(&mut engine, trial, &ending)?;
+        let said = answer(ask, "does it stand on its mark again? [y/n/q] ", &["y", "n", "q"])?;
+        Ok(said == "y")
+    };
+    let borne = search(&settings, &mut returns)?;
+    Ok(told(&wish.axis, unit, number, &borne))
+}
+
+/// Finds the joint of an axis, by its letter or number.
+fn find<'a>(answers: &'a Answers, axis: &str) -> Result<(usize, &'a Joint), String> {
+    if answers.kind == Motors::Servos {
+        return Err("servos have encoders: they lose no steps that a search could find".to_owned());
+    }
+    let joints: Vec<&Joint> = answers.joint.iter().map(|j| j.get_ref()).collect();
+    let by_letter = joints.iter().position(|j| j.axis.as_deref() == Some(axis));
+    let number = by_letter.or_else(|| axis.parse().ok());
+    let found = number.and_then(|n| Some((n, *joints.get(n)?)));
+    found.ok_or_else(|| {
+        let names = joints.iter().enumerate().map(|(n, j)| j.axis.clone().unwrap_or(n.to_string()));
+        let names = names.collect::<Vec<_>>().join(", ");
+        format!("--test '{axis}': the answers have {names}")
+    })
+}
+
+/// Returns the settings of a search; what is not given follows from the answers.
+fn settings(joint: &Joint, timing: &Timing, wish: &Wish) -> Settings {
+    let periods = if timing.resets { 1.0 } else { 2.0 };
+    let highest = 1e9 / (periods * timing.base);
+    Settings {
+        amplitude: wish.amplitude.unwrap_or((joint.max - joint.min) * TRAVEL),
+        velocity_step: wish.velocity_step.unwrap_or(joint.velocity / 10.0),
+        acceleration_step: wish.acceleration_step.unwrap_or(joint.acceleration / 10.0),
+        gentle: joint.acceleration / 2.0,
+        fastest: joint.velocity * highest / rate(joint),
+    }
+}
+
+/// Runs back and forth once, and home.
+fn run(engine: &mut Alone, trial: Trial, ending: &AtomicBool) -> Result<(), String> {
+    engine.set("stepgen.0.maxvel", &trial.velocity.to_string())?;
+    engine.set("stepgen.0.maxaccel", &trial.acceleration.to_string())?;
+    engine.set("steptest.0.run", "TRUE")?;
+    let (mut target, mut ends) = (None, 0);
+    for _ in 0..MAX_LOOKS {
+        engine.pass(LOOK_NS)?;
+        if ending.load(Ordering::Relaxed) {
+            return Err("the search was ended: nothing is told of the axis".to_owned());
+        }
+        if engine.number("stepgen.0.enable")? == 0.0 {
+            engine.set("steptest.0.run", "FALSE")?;
+            return Err(
+                "the e-stop or a switch has ended the run: nothing moves any more".to_owned()
+            );
+        }
+        let now = engine.number("steptest.0.position-cmd")?.to_bits();
+        if target.replace(now).is_some_and(|before| before != now) {
+            ends += 1;
+            if ends == ENDS {
+                engine.set("steptest.0.run", "FALSE")?;
+            }
+        }
+        if engine.number("steptest.0.running")? == 0.0 && ENDS <= ends {
+            return engine.pass(REST_NS);
+        }
+    }
+    Err("the axis has not come back to its start within an hour".to_owned())
+}
+
+/// Asks until one of the answers comes; `q` and the end of the input end the search.
+fn answer(ask: &mut Ask<'_>, question: &str, answers: &[&str]) -> Result<String, String> {
+    loop {
+        let line =
+            ask(question)?.ok_or("the search was not finished: nothing is told of the axis")?;
+        let said = line.trim().to_lowercase();
+        if said == "q" {
+            return Err("the search was ended: nothing is told of the axis".to_owned());
+        }
+        if answers.contains(&said.as_str()) {
+            return Ok(said);
+        }
+    }
+}
+
+/// Reads `V,A`, two numbers above 0.
+pub(super) fn pair(text: &str) -> Option<(f64, f64)> {
+    let (velocity, acceleration) = text.split_once(',')?;
+    Some((positive(velocity)?, positive(acceleration)?))
+}
+
+/// Reads a number above 0.
+pub(super) fn positive(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{answer, pair, positive};
+
+    #[test]
+    fn numbers_are_above_0() {
+        assert_eq!(pair("100,1600"), Some((100.0, 1600.0)));
+        for wrong in ["100", "100,", "-1,2", "0,1", "nan,1", "1,inf", "a,b", ""] {
+            assert_eq!(pair(wrong), None, "{wrong}");
+        }
+        assert_eq!((positive("2.5"), positive("0")), (Some(2.5), None));
+    }
+
+    #[test]
+    fn a_person_is_asked_until_the_answer_is_one() {
+        let mut lines = ["what", "Y"].into_iter();
+        let mut ask = |_: &str| Ok(lines.next().map(str::to_owned));
+        assert_eq!(answer(&mut ask, "?", &["y", "n"]), Ok("y".to_owned()));
+        assert!(answer(&mut ask, "?", &["y", "n"]).unwrap_err().contains("not finished"));
+        let mut quits = |_: &str| Ok(Some("q\n".to_owned()));
+        assert!(answer(&mut quits, "?", &["", "q"]).unwrap_err().contains("was ended"));
+    }
+}

@@ -1,0 +1,58 @@
+//! Another user of the computer, who has neither the token nor the rights of the files.
+
+use super::printer::Printer;
+use hal_tests::{
+    user::{as_user, is_root},
+    web::{self, Socket},
+};
+use serde_json::json;
+use std::{fs, io::ErrorKind, os::unix::net::UnixStream};
+
+/// A user without rights: `nobody`.
+const NOBODY: u32 = 65_534;
+
+#[test]
+fn another_user_of_the_computer_reaches_neither_the_machine_nor_a_session() {
+    if !is_root() {
+        return;
+    }
+    let printer = Printer::start("integrator");
+    let session = printer.sign_in();
+    let (host, port) = (printer.host(), printer.port);
+    let folder = printer.scratch.path().to_owned();
+    let socket = fs::read_dir(folder.join(".run/ferrule")).unwrap();
+    let socket = socket.map(|entry| entry.unwrap().path());
+    let sockets: Vec<_> =
+        socket.filter(|path| path.extension().is_some_and(|e| e == "sock")).collect();
+    assert!(!sockets.is_empty(), "the instance has a socket");
+    let denied = |what: &str, error: Option<ErrorKind>| {
+        assert_eq!(error, Some(ErrorKind::PermissionDenied), "{what}");
+    };
+    as_user(NOBODY, || {
+        for file in ["address", "audit"] {
+            denied(file, fs::read(folder.join(file)).err().map(|e| e.kind()));
+            denied(file, fs::write(folder.join(file), "x").err().map(|e| e.kind()));
+        }
+        denied("the folder", fs::read_dir(folder.join(".run/ferrule")).err().map(|e| e.kind()));
+        for path in &sockets {
+            denied("the socket", UnixStream::connect(path).err().map(|e| e.kind()));
+        }
+        // The panel's port is open to every user of the computer, and serves only who has signed in.
+        for path in ["/info", "/pins", "/programs", "/status", "/graph", "/check"] {
+            let answer = web::request(port, "GET", &format!("/api/v1{path}"), &host, b"");
+            assert_eq!((answer.status, answer.code()), (401, "no-session".to_owned()), "{path}");
+        }
+        for token in [String::new(), "0".repeat(64), "f".repeat(64), "é".repeat(64)] {
+            let body = json!({ "token": token }).to_string();
+            let answer = web::request(port, "POST", "/api/v1/session", &host, body.as_bytes());
+            assert_eq!((answer.status, answer.code()), (401, "wrong-login".to_owned()));
+        }
+        let mut stranger = Socket::open(port, "/api/v1/socket", &host).unwrap();
+        stranger.send(&json!({ "type": "hello", "key": "0".repeat(64) }));
+        assert_eq!(stranger.last_error(), "no-session");
+    });
+    // The person who has signed in goes on.
+    assert_eq!(session.socket().command("abort", &json!({})), "");
+    let save = |what: &str| printer.halcmd(what);
+    assert_eq!(save("getp motion.motion-enabled").trim(), "FALSE");
+}
