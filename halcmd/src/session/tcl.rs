@@ -21,6 +21,10 @@ impl Session<'_> {
     pub(crate) fn tcl_file(&mut self, file: &TclFile<'_>) -> Outcome {
         self.stand_at(file.shown, 0);
         match self.run_tcl(file) {
+            Ok(Outcome::Failed) => {
+                self.doubt_what_follows(file.shown);
+                Outcome::Failed
+            }
             Ok(outcome) => outcome,
             Err(error) if self.is_dry_run() => {
                 self.stop_following(&At::new(file.shown, 0), &error.whole());
@@ -55,9 +59,7 @@ impl Session<'_> {
         );
         let ended = self.follow(&mut tclsh, &mut script);
         tclsh.end();
-        let Some(status) =
-            ended.map_err(|e| Error::NotStarted { program: TCLSH.into(), why: why(&e) })?
-        else {
+        let Some(status) = ended.map_err(|e| Error::Tcl { text: why(&e) })? else {
             return Ok(Outcome::Ended);
         };
         match status.code() {

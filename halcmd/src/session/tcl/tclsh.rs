@@ -23,7 +23,7 @@ const START: &str = "haltcl.tcl";
 /// Environment variable with the numbers of the pipes.
 const PIPES: &str = "FERRULE_TCL";
 /// Environment variable with the folders of Tcl packages.
-const PACKAGES: &str = "TCLLIBPATH";
+pub(crate) const PACKAGES: &str = "TCLLIBPATH";
 /// Environment variable with the folder of HAL files that Tcl files source.
 const LIBRARY: &str = "HALLIB_DIR";
 /// Address space of an interpreter in a dry run.
@@ -54,13 +54,13 @@ pub(crate) struct Tclsh {
     from: OwnedFd,
 }
 
-/// What an interpreter has done.
+/// Event of an interpreter.
 pub(crate) enum Event {
-    /// It has sent bytes of requests.
+    /// Bytes of requests have arrived.
     Bytes(Vec<u8>),
-    /// Nothing yet.
+    /// Nothing has arrived.
     Nothing,
-    /// It has ended.
+    /// The interpreter has ended.
     Ended(ExitStatus),
 }
 
