@@ -10,7 +10,7 @@ use answer::Script;
 use hal_protocol::{At, Request};
 use rustix::io::Errno;
 use std::{ffi::OsString, io, path::Path, process::ExitStatus};
-use tclsh::{Event, TCLSH, TclFile, Tclsh};
+use tclsh::{TCLSH, TclFile, Tclsh, TclshEvent};
 use wire::Incoming;
 
 /// Number of waits without a request after which a dry run ends an interpreter: about 10 s.
@@ -78,7 +78,7 @@ impl Session<'_> {
         let mut waits = 0;
         loop {
             match tclsh.event()? {
-                Event::Bytes(bytes) => {
+                TclshEvent::Bytes(bytes) => {
                     waits = 0;
                     incoming.add(&bytes);
                     let garbled = |_| io::Error::other("it sent something else than requests");
@@ -87,7 +87,7 @@ impl Session<'_> {
                         tclsh.answer(&answer);
                     }
                 }
-                Event::Nothing => {
+                TclshEvent::Nothing => {
                     waits += 1;
                     if self.is_dry_run() && waits > MOST_WAITS {
                         return Err(io::Error::other("it does not end"));
@@ -97,7 +97,7 @@ impl Session<'_> {
                         drop(self.ask(Request::Idle { ms: 0, flow: false }));
                     }
                 }
-                Event::Ended(status) => return Ok(Some(status)),
+                TclshEvent::Ended(status) => return Ok(Some(status)),
             }
             if self.link.is_ending() {
                 self.ended = true;
