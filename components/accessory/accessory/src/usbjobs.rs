@@ -171,7 +171,8 @@ impl Gadget for Device {
 /// Opens the storage and its device.
 fn open(folder: &Path, function: Option<&str>, rules: Rules) -> Result<Opened, String> {
     let place = |text: String| format!("usbjobs, folder {}: {text}", folder.display());
-    let bay = Folder::new(folder, rules.size).map_err(|e| place(e.to_string()))?;
+    let bay = Folder::new(folder, rules.size)
+        .map_err(|e| place(format!("{e}: must be a folder that exists")))?;
     let device = match function {
         None => Device::Simulated(None, false),
         Some(function) => {
