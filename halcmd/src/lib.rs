@@ -1,5 +1,5 @@
 //! The `.hal` language (lexer, INI files, one table of commands, interpreter), and the programs
-//! halrun, halcmd, halscope, halsampler, halstreamer, haltest, halsetup and `hal_manualtoolchange`.
+//! halrun, halcmd, halscope, halsampler, halstreamer, haltest, halsetup, haltcl, linuxcnc and `hal_manualtoolchange`.
 //!
 //! The lexer splits a line of a script into words ([`language::lex`], [`language::vars`]). The table in [`language::table`] turns
 //! words into a [`Command`]. A [`Session`] executes the command over any

@@ -28,7 +28,7 @@ proc ::ferrule::connect {} {
     } else {
         set command [list [halcmd] --tcl]
         if {$ini ne {}} { lappend command -i $ini }
-        set to [open |$command r+]
+        set to [open |[concat $command {2>@ stderr}] r+]
         set from $to
     }
     foreach channel [list $from $to] {

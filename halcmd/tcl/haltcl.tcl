@@ -64,16 +64,20 @@ proc ::ferrule::run {file} {
     exit 1
 }
 
-# Executes what a person types.
+# Executes what a person types, or lines of standard input.
 proc ::ferrule::prompt {} {
-    if {![catch {package require tclreadline}]} {
+    # Only terminals have this option.
+    set person [expr {![catch {fconfigure stdin -mode}]}]
+    if {$person && ![catch {package require tclreadline}]} {
         namespace eval ::tclreadline { proc prompt1 {} { return "haltcl: " } }
         ::tclreadline::Loop
     }
     set typed {}
     while 1 {
-        puts -nonewline [expr {$typed eq {} ? "haltcl: " : "haltcl+ "}]
-        flush stdout
+        if {$person} {
+            puts -nonewline [expr {$typed eq {} ? "haltcl: " : "haltcl+ "}]
+            flush stdout
+        }
         if {[gets stdin line] < 0} { exit }
         append typed $line\n
         if {![info complete $typed]} { continue }
@@ -92,10 +96,15 @@ if {[info exists env(FERRULE_TRIAL)]} {
     ::ferrule::trial $argv
     exit
 }
-::ferrule::commands
-::ferrule::passes
-::ferrule::keep_own_hal
-parse_ini
+if {[catch {
+    ::ferrule::commands
+    ::ferrule::passes
+    ::ferrule::keep_own_hal
+    parse_ini
+} text]} {
+    puts stderr "haltcl: $text"
+    exit 1
+}
 if {$argv eq {}} { ::ferrule::prompt }
 set argv0 [lindex $argv 0]
 set argv [lrange $argv 1 end]

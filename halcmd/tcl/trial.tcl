@@ -76,8 +76,11 @@ proc ::ferrule::outside {name args} {
 # Sends a request of the script. The file that `save` would write is kept here.
 proc ::ferrule::trial_request {args} {
     variable written
+    variable lost
     if {[lindex $args 0] ne "do" || [lindex $args 3] ne "save" || [llength $args] != 6} {
-        return [request {*}$args]
+        set answer [request {*}$args]
+        if {[lindex $answer 0] eq "unknown"} { set lost 1 }
+        return $answer
     }
     set answer [request {*}[lrange $args 0 4]]
     if {[lindex $answer 0] ne "ok"} { return $answer }

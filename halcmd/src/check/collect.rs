@@ -83,6 +83,9 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
         | Code::OddChannel
         | Code::NeverAdded
         | Code::NothingHandedOver
+        | Code::NeverStarted
+        | Code::EmptyThread
+        | Code::Unused
             if unread =>
         {
             false

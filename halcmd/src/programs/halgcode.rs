@@ -9,6 +9,7 @@
 //! | `path` | the way of the tool in machine coordinates |
 //! | `plot`, `views` | `plot`: pictures of the way |
 //! | `format`, `tokens`, `metric` | `format`: tidy text, line numbers, millimetres for inches |
+//! | `help` | the help of a command |
 //! | `language` | the option for the dialect of a program |
 //! | `state` | `state`: the interpreter's state at a line |
 //! | `ticks`, `ticks/` | `ticks`: a program in single steps, as figures, a table or a picture |
@@ -22,6 +23,7 @@ mod check;
 mod clock;
 mod filter;
 mod format;
+mod help;
 mod language;
 mod metric;
 mod plot;
@@ -50,43 +52,43 @@ struct Command {
 const COMMANDS: [Command; 8] = [
     Command {
         name: "check",
-        arguments: "[options] FILE...",
-        help: "errors, limits, tools and extents, before anything moves",
+        arguments: check::ARGUMENTS,
+        help: check::HELP,
         options: check::completable,
         run: check::main,
     },
     Command {
         name: "canon",
-        arguments: "[options] FILE [OUTPUT]",
-        help: "the canonical calls, with the options of rs274",
+        arguments: canon::ARGUMENTS,
+        help: canon::HELP,
         options: canon::completable,
         run: canon::main,
     },
     Command {
         name: "plot",
-        arguments: "[options] FILE",
-        help: "a picture of the way, SVG or PNG",
+        arguments: plot::ARGUMENTS,
+        help: plot::HELP,
         options: plot::completable,
         run: plot::main,
     },
     Command {
         name: "format",
-        arguments: "[options] FILE",
-        help: "the same program, tidied, renumbered or in millimetres",
+        arguments: format::ARGUMENTS,
+        help: format::HELP,
         options: format::completable,
         run: format::main,
     },
     Command {
         name: "state",
-        arguments: "--line N [options] FILE",
-        help: "the interpreter's state before a line",
+        arguments: state::ARGUMENTS,
+        help: state::HELP,
         options: state::completable,
         run: state::main,
     },
     Command {
         name: "ticks",
-        arguments: "[options] FILE",
-        help: "the program in single steps: figures, a table, or a picture of the simulation",
+        arguments: ticks::ARGUMENTS,
+        help: ticks::HELP,
         options: ticks::completable,
         run: ticks::main,
     },
@@ -153,12 +155,4 @@ fn usage() -> String {
     }
     text.push_str("\nhalgcode COMMAND -h lists the options of a command, halgcode --version prints the version.\n");
     text
-}
-
-/// Returns the usage of a command.
-fn usage_of(name: &str, options: &str) -> String {
-    let command = COMMANDS.iter().find(|c| c.name == name);
-    command.map_or_else(String::new, |c| {
-        format!("Usage: halgcode {} {}\n{}\n\noptions:\n{options}", c.name, c.arguments, c.help)
-    })
 }

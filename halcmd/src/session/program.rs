@@ -1,6 +1,6 @@
 //! Programs that a script starts.
 
-use crate::{Error, Session, language::command::Launch};
+use crate::{Error, Session, language::command::Launch, session::tcl::tclsh};
 use hal_protocol::{ComponentInfo, ComponentState, Kind, Lock, Reply, Request};
 use rustix::{
     fs::FileType,
@@ -113,6 +113,8 @@ impl Session<'_> {
         if let Some(path) = python_path() {
             command.env("PYTHONPATH", path);
         }
+        let packages = tclsh::folder().ok().and_then(|folder| tclsh::packages(&folder));
+        command.envs(packages.map(|folders| (tclsh::PACKAGES, folders)));
         command.envs(self.variables.iter().map(|(name, value)| (name, value)));
         if self.style.reads_input {
             command.stdin(Stdio::null());

@@ -10,7 +10,7 @@ use answer::Script;
 use hal_protocol::{At, Request};
 use rustix::io::Errno;
 use std::{ffi::OsString, io, path::Path, process::ExitStatus};
-use tclsh::{Event, TCLSH, TclFile, Tclsh};
+use tclsh::{TCLSH, TclFile, Tclsh, TclshEvent};
 use wire::Incoming;
 
 /// Number of waits without a request after which a dry run ends an interpreter: about 10 s.
@@ -21,6 +21,10 @@ impl Session<'_> {
     pub(crate) fn tcl_file(&mut self, file: &TclFile<'_>) -> Outcome {
         self.stand_at(file.shown, 0);
         match self.run_tcl(file) {
+            Ok(Outcome::Failed) => {
+                self.doubt_what_follows(file.shown);
+                Outcome::Failed
+            }
             Ok(outcome) => outcome,
             Err(error) if self.is_dry_run() => {
                 self.stop_following(&At::new(file.shown, 0), &error.whole());
@@ -55,9 +59,7 @@ impl Session<'_> {
         );
         let ended = self.follow(&mut tclsh, &mut script);
         tclsh.end();
-        let Some(status) =
-            ended.map_err(|e| Error::NotStarted { program: TCLSH.into(), why: why(&e) })?
-        else {
+        let Some(status) = ended.map_err(|e| Error::Tcl { text: why(&e) })? else {
             return Ok(Outcome::Ended);
         };
         match status.code() {
@@ -76,7 +78,7 @@ impl Session<'_> {
         let mut waits = 0;
         loop {
             match tclsh.event()? {
-                Event::Bytes(bytes) => {
+                TclshEvent::Bytes(bytes) => {
                     waits = 0;
                     incoming.add(&bytes);
                     let garbled = |_| io::Error::other("it sent something else than requests");
@@ -85,7 +87,7 @@ impl Session<'_> {
                         tclsh.answer(&answer);
                     }
                 }
-                Event::Nothing => {
+                TclshEvent::Nothing => {
                     waits += 1;
                     if self.is_dry_run() && waits > MOST_WAITS {
                         return Err(io::Error::other("it does not end"));
@@ -95,7 +97,7 @@ impl Session<'_> {
                         drop(self.ask(Request::Idle { ms: 0, flow: false }));
                     }
                 }
-                Event::Ended(status) => return Ok(Some(status)),
+                TclshEvent::Ended(status) => return Ok(Some(status)),
             }
             if self.link.is_ending() {
                 self.ended = true;

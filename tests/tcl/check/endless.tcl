@@ -1,2 +1,3 @@
 source part.tcl
-while 1 {}
+set x 0
+while 1 { incr x }

@@ -1,7 +1,7 @@
 # What the commands of HAL return to Tcl, and the errors that they raise.
 proc try_it {args} {
     set failed [catch {uplevel #0 $args} text]
-    puts "$args => [expr {$failed ? "error " : ""}<$text>"
+    puts "$args => [expr {$failed ? "error " : ""}]<$text>"
 }
 try_it hal loadrt threads name1=servo period1=1000000
 try_it hal loadrt and2 count=2

@@ -1,3 +1,3 @@
 puts "joints $::KINS(JOINTS) [info exists ::env(CONFIG_DIR)]"
-parse_ini more.inc
-puts $::EXTRA(WORD)
+parse_ini other.ini
+puts $::OTHER(WORD)

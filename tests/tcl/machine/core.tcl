@@ -1,4 +1,4 @@
-puts "argv $argv, [file tail $argv0], $::env(HALLIB_DIR) [file tail $::env(INI_FILE_NAME)]"
+puts "argv $argv, [file tail $argv0], [file exists $::env(HALLIB_DIR)/procs.tcl] [file tail $::env(INI_FILE_NAME)]"
 puts "words $::EXTRA(WORD), second [lindex $::EXTRA(WORD) 1], scale $::JOINT_0(SCALE)"
 loadrt trivkins coordinates=XY
 loadrt motmod servo_period_nsec=$::EMCMOT(SERVO_PERIOD) num_joints=$::KINS(JOINTS)

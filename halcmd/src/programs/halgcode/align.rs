@@ -108,8 +108,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     };
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Setting::Help) {
-        let text =
-            format!("Usage: halgcode align {ARGUMENTS}\n{HELP}\n\noptions:\n{}", usage(OPTIONS));
+        let text = super::help::usage_of("align", ARGUMENTS, HELP, &usage(OPTIONS));
         Stdio.out(&text)?;
         return Ok(ExitCode::SUCCESS);
     }

@@ -84,10 +84,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     };
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {
-        Stdio.out(&format!(
-            "Usage: halgcode apt {ARGUMENTS}\n{HELP}\n\noptions:\n{}",
-            usage(OPTIONS)
-        ))?;
+        Stdio.out(&super::help::usage_of("apt", ARGUMENTS, HELP, &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let ([file], Some(ini)) = (rest.as_slice(), path(Id::Ini)) else {

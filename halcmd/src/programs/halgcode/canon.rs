@@ -1,6 +1,6 @@
 //! `halgcode canon`: the canonical calls, with the options and in the form of `rs274`.
 
-use super::{filter, language, printer::Printer, usage_of};
+use super::{filter, help::usage_of, language, printer::Printer};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -19,6 +19,11 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
+
+/// Arguments of the command.
+pub(super) const ARGUMENTS: &str = "[options] FILE [OUTPUT]";
+/// Purpose of the command.
+pub(super) const HELP: &str = "the canonical calls, with the options of rs274";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Id {
@@ -82,7 +87,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     };
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {
-        Stdio.out(&usage_of("canon", &usage(OPTIONS)))?;
+        Stdio.out(&usage_of("canon", ARGUMENTS, HELP, &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let on_error = match path(Id::OnError).as_deref().and_then(Path::to_str) {

@@ -1,6 +1,6 @@
 //! `halgcode check`: the errors of a program, the places that the machine cannot reach, its tools and extents.
 
-use super::{clock::Clock, filter, language, usage_of};
+use super::{clock::Clock, filter, help::usage_of, language};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -25,6 +25,11 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
+
+/// Arguments of the command.
+pub(super) const ARGUMENTS: &str = "[options] FILE...";
+/// Purpose of the command.
+pub(super) const HELP: &str = "errors, limits, tools and extents, before anything moves";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Id {
@@ -80,7 +85,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let path = |wanted| value(wanted).map(PathBuf::from);
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {
-        Stdio.out(&usage_of("check", &usage(OPTIONS)))?;
+        Stdio.out(&usage_of("check", ARGUMENTS, HELP, &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     if files.is_empty() {

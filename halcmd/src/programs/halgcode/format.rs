@@ -1,9 +1,9 @@
 //! `halgcode format`: the same program with other text.
 
 use super::{
+    help::usage_of,
     metric::Metric,
     tokens::{Token, bytes, tokens},
-    usage_of,
 };
 use crate::{
     Stdio, Terminal,
@@ -18,6 +18,11 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
+
+/// Arguments of the command.
+pub(super) const ARGUMENTS: &str = "[options] FILE";
+/// Purpose of the command.
+pub(super) const HELP: &str = "the same program, tidied, renumbered or in millimetres";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Id {
@@ -59,7 +64,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {
-        Stdio.out(&usage_of("format", &usage(OPTIONS)))?;
+        Stdio.out(&usage_of("format", ARGUMENTS, HELP, &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let [file] = rest.as_slice() else {

@@ -1,7 +1,9 @@
 //! `halgcode plot`: the way of the tool as a picture.
 
 use super::{
-    filter, language, usage_of,
+    filter,
+    help::usage_of,
+    language,
     views::{Move, Views},
 };
 use crate::{
@@ -24,6 +26,11 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
+
+/// Arguments of the command.
+pub(super) const ARGUMENTS: &str = "[options] FILE";
+/// Purpose of the command.
+pub(super) const HELP: &str = "a picture of the way, SVG or PNG";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Id {
@@ -79,7 +86,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let path = |wanted| value(wanted).map(PathBuf::from);
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {
-        Stdio.out(&usage_of("plot", &usage(OPTIONS)))?;
+        Stdio.out(&usage_of("plot", ARGUMENTS, HELP, &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let [file] = rest.as_slice() else {

@@ -1,6 +1,6 @@
 //! `halgcode state`: the interpreter's state before a line.
 
-use super::{filter, language, usage_of};
+use super::{filter, help::usage_of, language};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -22,6 +22,11 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
+
+/// Arguments of the command.
+pub(super) const ARGUMENTS: &str = "--line N [options] FILE";
+/// Purpose of the command.
+pub(super) const HELP: &str = "the interpreter's state before a line";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Id {
@@ -81,7 +86,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let path = |wanted| value(wanted).map(PathBuf::from);
     let is_given = |wanted| given.iter().any(|(id, _)| *id == wanted);
     if is_given(Id::Help) {
-        Stdio.out(&usage_of("state", &usage(OPTIONS)))?;
+        Stdio.out(&usage_of("state", ARGUMENTS, HELP, &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let [file] = rest.as_slice() else {

@@ -2,7 +2,7 @@
 
 mod drawing;
 
-use super::{filter, language, usage_of};
+use super::{filter, help::usage_of, language};
 use crate::{
     Stdio, Terminal,
     programs::{
@@ -27,6 +27,12 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
+
+/// Arguments of the command.
+pub(super) const ARGUMENTS: &str = "[options] FILE";
+/// Purpose of the command.
+pub(super) const HELP: &str =
+    "the program in single steps: figures, a table, or a picture of the simulation";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Id {
@@ -99,7 +105,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let (given, rest) = mixed("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
     if given.iter().any(|(id, _)| *id == Id::Help) {
-        Stdio.out(&usage_of("ticks", &usage(OPTIONS)))?;
+        Stdio.out(&usage_of("ticks", ARGUMENTS, HELP, &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let [file] = rest.as_slice() else {

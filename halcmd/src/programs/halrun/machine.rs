@@ -5,7 +5,7 @@ use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
     io::operator_args,
-    session::tcl::tclsh::{self, TclFile},
+    session::tcl::tclsh::TclFile,
 };
 use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
 use std::{ffi::OsString, path::Path};
@@ -80,12 +80,6 @@ pub(super) fn shut_down(session: &mut Session<'_>, ini: &Ini, path: &Path) {
 fn variables(ini: &Path, folder: &Path) -> Vec<(&'static str, OsString)> {
     let ini = std::path::absolute(ini).unwrap_or_else(|_| ini.to_path_buf());
     let mut all = vec![("INI_FILE_NAME", ini.into()), ("CONFIG_DIR", folder.into())];
-    all.extend(
-        tclsh::folder()
-            .ok()
-            .and_then(|folder| tclsh::packages(&folder))
-            .map(|list| ("TCLLIBPATH", list.into())),
-    );
     let here = std::env::current_exe().ok().and_then(|p| p.parent().map(Path::to_path_buf));
     let before = std::env::var_os("PATH").unwrap_or_default();
     let paths = here.into_iter().chain(std::env::split_paths(&before));

@@ -23,6 +23,8 @@ const INTERFACES: [(&str, &str, &[&str]); 5] = [
     ("HAL", "HALUI", &["halui"]),
 ];
 
+/// Component of LinuxCNC's programs that show a machine.
+const VIEW: &str = "vismach";
 /// Failure code for a name that does not exist.
 const ENOENT: i32 = -2;
 
@@ -143,6 +145,13 @@ impl Session<'_> {
         }
     }
 
+    /// Lets everything exist from here on, because the rest of a Tcl file with an error was not executed.
+    pub(in crate::session) fn doubt_what_follows(&mut self, file: &str) {
+        if let Some(dry_run) = &mut self.dry_run {
+            dry_run.unknown.begin_anything(file);
+        }
+    }
+
     /// Returns whether the line that runs may use a name that does not exist in a dry run.
     pub(in crate::session) fn is_covered(&mut self, name: &str) -> bool {
         let at = self.current_line();
@@ -188,6 +197,10 @@ impl Session<'_> {
         let stem = base.split('.').next().unwrap_or_default();
         for name in [stem, stem.strip_prefix("hal_").unwrap_or(stem)] {
             unknown.expect(name, &at, program);
+        }
+        // LinuxCNC's views of machines, such as puma560gui, have a second component for the view itself.
+        if stem.ends_with("gui") {
+            unknown.expect(VIEW, &at, program);
         }
         // A program often gets the name for its component as an argument.
         for word in &launch.args {

@@ -23,7 +23,7 @@ const START: &str = "haltcl.tcl";
 /// Environment variable with the numbers of the pipes.
 const PIPES: &str = "FERRULE_TCL";
 /// Environment variable with the folders of Tcl packages.
-const PACKAGES: &str = "TCLLIBPATH";
+pub(crate) const PACKAGES: &str = "TCLLIBPATH";
 /// Environment variable with the folder of HAL files that Tcl files source.
 const LIBRARY: &str = "HALLIB_DIR";
 /// Address space of an interpreter in a dry run.
@@ -54,13 +54,13 @@ pub(crate) struct Tclsh {
     from: OwnedFd,
 }
 
-/// What an interpreter has done.
-pub(crate) enum Event {
-    /// It has sent bytes of requests.
+/// TclshEvent of an interpreter.
+pub(crate) enum TclshEvent {
+    /// Bytes of requests have arrived.
     Bytes(Vec<u8>),
-    /// Nothing yet.
+    /// Nothing has arrived.
     Nothing,
-    /// It has ended.
+    /// The interpreter has ended.
     Ended(ExitStatus),
 }
 
@@ -89,7 +89,7 @@ impl Tclsh {
     }
 
     /// Waits a short time for requests.
-    pub(crate) fn event(&mut self) -> io::Result<Event> {
+    pub(crate) fn event(&mut self) -> io::Result<TclshEvent> {
         let wait = Timespec { tv_sec: 0, tv_nsec: WAIT_NS };
         let ready = {
             let mut fds = [PollFd::new(&self.from, PollFlags::IN)];
@@ -102,14 +102,14 @@ impl Tclsh {
         if ready.contains(PollFlags::IN) {
             let mut chunk = [0; 65536];
             let n = read(&self.from, &mut chunk)?;
-            return Ok(Event::Bytes(chunk.get(..n).unwrap_or_default().to_vec()));
+            return Ok(TclshEvent::Bytes(chunk.get(..n).unwrap_or_default().to_vec()));
         }
         if !ready.is_empty() {
             // It has closed the pipe, as it does when it ends.
-            return self.child.wait().map(Event::Ended);
+            return self.child.wait().map(TclshEvent::Ended);
         }
         let ended = self.child.try_wait()?;
-        Ok(ended.map_or(Event::Nothing, Event::Ended))
+        Ok(ended.map_or(TclshEvent::Nothing, TclshEvent::Ended))
     }
 
     /// Sends an answer. An interpreter that has ended meanwhile needs none.

@@ -100,10 +100,6 @@ fn a_turned_stretched_and_sheared_plate_is_cut_along_its_print() {
     let outline: Vec<Point> = outline().into_iter().flatten().collect();
     // Points of both are at most 0.05 mm apart along the way, which adds less than 0.01 mm to a distance across it.
     let (beside, missing) = (farthest(&cut, &outline), farthest(&outline, &cut));
-    println!(
-        "{} positions, {beside:.4} mm beside the print, {missing:.4} mm of print without a cut",
-        cut.len()
-    );
     assert!(cut.len() > 10_000, "{}", cut.len());
     assert!(beside < BAR && missing < BAR, "{beside} {missing}");
     // The same bytes again.
