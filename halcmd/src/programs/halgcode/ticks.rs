@@ -35,7 +35,7 @@ pub(super) const HELP: &str =
     "the program in single steps: figures, a table, or a picture of the simulation";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Id {
+enum TicksOption {
     Output,
     View,
     Turn,
@@ -47,36 +47,40 @@ enum Id {
     Help,
 }
 
-const OPTIONS: &[Opt<Id>] = &[
+const OPTIONS: &[Opt<TicksOption>] = &[
     Opt {
         long: Some("output"),
         help: "the ticks as FILE.csv, or a picture of the simulation as FILE.svg or FILE.png; the figures if none is given",
-        ..Opt::short_with(Id::Output, 'o', "FILE")
+        ..Opt::short_with(TicksOption::Output, 'o', "FILE")
     },
     Opt {
         long: Some("view"),
         help: "perspective (the default), front, side or top",
-        ..Opt::short_with(Id::View, 'w', "NAME")
+        ..Opt::short_with(TicksOption::View, 'w', "NAME")
     },
     Opt {
         long: Some("turn"),
         help: "where the perspective is seen from, in degrees: to the right of the front, and above it; 30,35 if none is given",
-        ..Opt::short_with(Id::Turn, 'a', "RIGHT,UP")
+        ..Opt::short_with(TicksOption::Turn, 'a', "RIGHT,UP")
     },
-    Opt { long: Some("title"), help: "the title", ..Opt::short_with(Id::Title, 'T', "TEXT") },
+    Opt {
+        long: Some("title"),
+        help: "the title",
+        ..Opt::short_with(TicksOption::Title, 'T', "TEXT")
+    },
     Opt {
         long: Some("size"),
         help: "in pixels; 1000x1000 if none is given",
-        ..Opt::short_with(Id::Size, 'S', "WIDTHxHEIGHT")
+        ..Opt::short_with(TicksOption::Size, 'S', "WIDTHxHEIGHT")
     },
     Opt {
         long: Some("resolution"),
         help: "points per inch, above 0 to 1000000; those of [JOINT_0]SCALE, or 100",
-        ..Opt::short_with(Id::Resolution, 'r', "N")
+        ..Opt::short_with(TicksOption::Resolution, 'r', "N")
     },
-    Opt { help: "the machine's INI file", ..Opt::short_with(Id::Ini, 'i', "INI") },
-    language::option(Id::Dialect),
-    Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
+    Opt { help: "the machine's INI file", ..Opt::short_with(TicksOption::Ini, 'i', "INI") },
+    language::option(TicksOption::Dialect),
+    Opt { long: Some("help"), help: "print this", ..Opt::flag(TicksOption::Help, 'h') },
 ];
 
 /// Points per inch where nothing states them.
@@ -104,20 +108,20 @@ enum Target {
 pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let (given, rest) = mixed("halgcode", OPTIONS, words).map_err(|e| e.to_string())?;
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.as_deref();
-    if given.iter().any(|(id, _)| *id == Id::Help) {
+    if given.iter().any(|(id, _)| *id == TicksOption::Help) {
         Stdio.out(&usage_of("ticks", ARGUMENTS, HELP, &usage(OPTIONS)))?;
         return Ok(ExitCode::SUCCESS);
     }
     let [file] = rest.as_slice() else {
         return Err("which file? halgcode ticks [options] FILE".into());
     };
-    let target = target(value(Id::Output).map(PathBuf::from))?;
-    let view = View::of(value(Id::View), value(Id::Turn))?;
-    let size = value(Id::Size).map(picture::size).transpose()?.unwrap_or((1000, 1000));
-    let ini = value(Id::Ini).map(PathBuf::from);
+    let target = target(value(TicksOption::Output).map(PathBuf::from))?;
+    let view = View::of(value(TicksOption::View), value(TicksOption::Turn))?;
+    let size = value(TicksOption::Size).map(picture::size).transpose()?.unwrap_or((1000, 1000));
+    let ini = value(TicksOption::Ini).map(PathBuf::from);
     let mut machine = Machine::read(&Files { ini: ini.as_deref(), ..Files::default() })?;
-    language::set(&mut machine, value(Id::Dialect))?;
-    let scale = match value(Id::Resolution) {
+    language::set(&mut machine, value(TicksOption::Dialect))?;
+    let scale = match value(TicksOption::Resolution) {
         None => resolution(&machine)?,
         Some(text) => {
             let number = text.parse::<f64>().ok().filter(|n| *n > 0.0 && *n <= FINEST);
@@ -146,7 +150,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         Target::Table(path) => write(&path, made.table().as_bytes())?,
         Target::Picture(path, kind) => {
             let name = Path::new(file).file_name().map(|n| n.to_string_lossy().into_owned());
-            let title = value(Id::Title).map(str::to_owned).or(name).unwrap_or_default();
+            let title = value(TicksOption::Title).map(str::to_owned).or(name).unwrap_or_default();
             let drawing = Drawing::new(&made.ticks, &made.moves, scale, view, title, size);
             let drawing = drawing.ok_or_else(|| format!("{file}: there is no move to draw"))?;
             write(&path, &kind.bytes(&drawing)?)?;

@@ -1,6 +1,6 @@
 //! The figures of a whole program in ticks.
 
-use super::{Kind, Move, Place, Step};
+use super::{Move, MoveKind, Place, Step};
 
 /// Sums over all ticks and moves of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,10 +48,10 @@ impl Figures {
     /// Adds a move, beside its ticks.
     pub fn moved(&mut self, by: &Move) {
         let kind = match by.kind {
-            Kind::Rapid => 0,
-            Kind::Line => 1,
-            Kind::Clockwise => 2,
-            Kind::Counterclockwise => 3,
+            MoveKind::Rapid => 0,
+            MoveKind::Line => 1,
+            MoveKind::Clockwise => 2,
+            MoveKind::Counterclockwise => 3,
         };
         if let Some(count) = self.moves.get_mut(kind) {
             *count += 1;

@@ -40,7 +40,7 @@ const SHORTEST: f64 = 1e-3;
 
 /// The kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum MoveKind {
     /// G00
     Rapid,
     /// G01
@@ -57,7 +57,7 @@ pub struct Move {
     /// The line of the program.
     pub line: u32,
     /// The kind.
-    pub kind: Kind,
+    pub kind: MoveKind,
     /// The length of the programmed path in inches.
     pub length: f64,
     /// The number of ticks.
@@ -123,10 +123,11 @@ impl Ticks {
         self.frame.apply(&issued.call);
         let lacks = |what| Err(Problem::NoTicks { what });
         let (kind, end) = match &issued.call {
-            Call::StraightTraverse(end) => (Kind::Rapid, *end),
-            Call::StraightFeed(end) => (Kind::Line, *end),
+            Call::StraightTraverse(end) => (MoveKind::Rapid, *end),
+            Call::StraightFeed(end) => (MoveKind::Line, *end),
             Call::ArcFeed { plane: Plane::Xy, end, centre_first, centre_second, turns } => {
-                let kind = if *turns < 0 { Kind::Clockwise } else { Kind::Counterclockwise };
+                let kind =
+                    if *turns < 0 { MoveKind::Clockwise } else { MoveKind::Counterclockwise };
                 if turns.unsigned_abs() != 1 {
                     return lacks("arcs of more than one turn");
                 }
@@ -161,7 +162,7 @@ impl Ticks {
     fn round(
         &mut self,
         line: u32,
-        kind: Kind,
+        kind: MoveKind,
         end: Position,
         centre: Point,
         each: &mut dyn FnMut(Step),
@@ -172,7 +173,7 @@ impl Ticks {
         (middle.x, middle.y) = (centre.first, centre.second);
         let middle = steps(self.frame.machine(middle).scaled(unit), self.resolution.scale)?;
         let point = |p: Position| Point::new(p.x, p.y);
-        let turns = if kind == Kind::Clockwise { -1 } else { 1 };
+        let turns = if kind == MoveKind::Clockwise { -1 } else { 1 };
         let angle = sweep(point(start), point(end), Shape { centre, turns });
         let radius = point(start).minus(centre).length();
         let from = self.place;
@@ -189,7 +190,7 @@ impl Ticks {
         self.spend(around.saturating_add(rise.abs_diff(from[2])))?;
         let mut count = 0;
         let (from, to) = (relative(from), relative(to));
-        arc::arc_of(from, to, kind == Kind::Clockwise, angle, &mut |step| {
+        arc::arc_of(from, to, kind == MoveKind::Clockwise, angle, &mut |step| {
             count += 1;
             each(step);
         });
@@ -218,8 +219,8 @@ impl Ticks {
         if self.count > limit { Err(Problem::TicksTooMany { limit }) } else { Ok(()) }
     }
 
-    fn figures(&self, line: u32, kind: Kind, length: f64, ticks: u64) -> Move {
-        let speed = if kind == Kind::Rapid { self.resolution.rapid } else { self.feed };
+    fn figures(&self, line: u32, kind: MoveKind, length: f64, ticks: u64) -> Move {
+        let speed = if kind == MoveKind::Rapid { self.resolution.rapid } else { self.feed };
         let seconds = length / speed * 60.0 / ticks.max(1) as f64;
         let seconds = if seconds > SHORTEST { seconds } else { SHORTEST };
         Move { line, kind, length, ticks, seconds }

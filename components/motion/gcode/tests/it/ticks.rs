@@ -8,7 +8,7 @@ use hal_gcode::{
     axis::{AxisMask, Position},
     canon::{Frame, Plane, Unit},
     error::Problem,
-    ticks::{Figures, Kind, Move, Resolution, Step, Ticks, arc, line},
+    ticks::{Figures, Move, MoveKind, Resolution, Step, Ticks, arc, line},
 };
 
 use crate::support::{World, run_with};
@@ -180,7 +180,10 @@ fn random_arcs_end_exactly_where_the_interpreter_says() {
         assert_eq!(place, wanted, "{text}");
         assert_eq!(sum(&steps), wanted, "{text}");
         let [_, arc] = moves[..] else { panic!("{text}: {moves:?}") };
-        assert_eq!(arc.kind, if case % 2 == 0 { Kind::Clockwise } else { Kind::Counterclockwise });
+        assert_eq!(
+            arc.kind,
+            if case % 2 == 0 { MoveKind::Clockwise } else { MoveKind::Counterclockwise }
+        );
         let from = [x, y].map(|v| (v * 4000.0).round());
         let centre = [(x + i) * 4000.0, (y + j) * 4000.0].map(f64::round);
         let r = (from[0] - centre[0]).hypot(from[1] - centre[1]);

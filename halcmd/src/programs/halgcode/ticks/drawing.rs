@@ -1,7 +1,7 @@
 //! The picture of a simulation: a corner for each tick, a colour for each command, in perspective or along an axis.
 
 use crate::programs::picture::{Area, COLOURS, INK, PALE, Painted, Picture, text};
-use hal_gcode::ticks::{Kind, Move, Step};
+use hal_gcode::ticks::{Move, MoveKind, Step};
 use plotters::{
     backend::DrawingBackend,
     element::PathElement,
@@ -71,7 +71,7 @@ impl View {
 
 /// The ticks of one command.
 struct Chain {
-    kind: Kind,
+    kind: MoveKind,
     points: Vec<[f64; 3]>,
 }
 
@@ -198,7 +198,7 @@ impl Picture for Drawing {
         }
         for (number, chain) in self.chains.iter().enumerate() {
             let colour = COLOURS.get(number % COLOURS.len()).copied().unwrap_or(INK);
-            let share = if chain.kind == Kind::Rapid { 0.4 } else { 1.0 };
+            let share = if chain.kind == MoveKind::Rapid { 0.4 } else { 1.0 };
             let style = ShapeStyle { color: colour.mix(share), filled: false, stroke_width: 2 };
             let points: Vec<(i32, i32)> = chain.points.iter().map(|p| pixel(*p)).collect();
             root.draw(&PathElement::new(points, style))?;
