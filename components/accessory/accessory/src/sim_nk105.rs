@@ -44,7 +44,7 @@ inertia; arcs are chords of at most 2 degrees. Travel is 500 mm to either side o
 | SHIFT | none |
 
 Rows 1 to 3 of the display have the axis, its coordinate in the work (`%10.3f`) and four characters: IDLE, JOG, RUN or HOLD; the
-feed; the tool. ScreenRow 4 has the number, the menu or a message. A key that is down already when a job ends moves nothing.
+feed; the tool. Row 4 has the number, the menu or a message. A key that is down already when a job ends moves nothing.
 If no good frame arrives for 60 ms, all keys are up and a job is held.
 
 The medium is image A or B in the folder of `usbjobs`, as the pin `medium` says. The controller holds it (`reading`) while a

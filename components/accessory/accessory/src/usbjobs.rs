@@ -170,7 +170,7 @@ impl Gadget for Device {
 
 /// Opens the storage and its device.
 fn open(folder: &Path, function: Option<&str>, rules: Rules) -> Result<Opened, String> {
-    let place = |text: String| format!("usbjobs, folder {}: {text}", folder.display());
+    let place = |text: String| format!("folder {}: {text}", folder.display());
     let bay = Folder::new(folder, rules.size)
         .map_err(|e| place(format!("{e}: must be a folder that exists")))?;
     let device = match function {
@@ -180,7 +180,7 @@ fn open(folder: &Path, function: Option<&str>, rules: Rules) -> Result<Opened, S
             let images: Result<[PathBuf; 2], io::Error> =
                 whole(Side::A).and_then(|a| Ok([a, whole(Side::B)?]));
             let made = images.and_then(|images| Configfs::new(Path::new(function), images));
-            Device::Real(made.map_err(|e| format!("usbjobs, function {function}: {e}"))?)
+            Device::Real(made.map_err(|e| format!("function {function}: {e}"))?)
         }
     };
     let storage = Storage::open(bay, rules).map_err(|why| place(why.to_string()))?;
