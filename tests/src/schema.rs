@@ -24,13 +24,17 @@ impl Document {
     /// # Panics
     /// The schema has a keyword that is not known here.
     pub fn check(&self, schema: &Value, value: &Value) -> Result<(), String> {
+        // What is of another type fits nowhere else either.
+        if let Some(wanted) = schema.get("type") {
+            is_type(wanted.as_str().unwrap(), value)?;
+        }
         for (keyword, wanted) in schema.as_object().unwrap() {
             match keyword.as_str() {
                 "$ref" => {
                     let name = wanted.as_str().unwrap().rsplit('/').next().unwrap();
                     self.check(self.schema(name), value)?;
                 }
-                "type" => is_type(wanted.as_str().unwrap(), value)?,
+                "type" => {}
                 "const" => same(wanted, value)?,
                 "enum" if wanted.as_array().unwrap().contains(value) => {}
                 "enum" => return Err(format!("{value} is none of {wanted}")),

@@ -131,7 +131,8 @@ getp lcd.errors # -> 0
         }
         let mut values = Vec::new();
         for (n, label) in texts(b, "values", COLUMNS)?.into_iter().enumerate() {
-            let doc = format!("Number in the row that begins with '{label}'.");
+            let doc =
+                format!("Number in the row that begins with '{label}', in units of the screen.");
             let value = b.item(&format!("lcd.value-{n}"), &doc, 0.0)?;
             let doc = format!("True while a row begins with '{label}' and a number.");
             values.push(ValueInText {

@@ -94,7 +94,7 @@ getp align.live # -> TRUE
             b.on_open(move |_| {
                 let opened = lock(&bench).open(Path::new(&job));
                 opened
-                    .map_err(|e| Error::new(format!("{e}; job= is an INI file such as plate.ini")))
+                    .map_err(|e| Error::new(format!("{e}; job= is an INI file such as plate.conf")))
             })?;
         }
         let worker = Worker::new(bench, shared, events, results, b.clock(), b.messages());

@@ -62,10 +62,10 @@ const SCENE: Scene = Scene { light: 1.0, x: 0.0, y: 0.0, stalls: false };
 fn a_mark_is_measured_on_the_simulated_table() {
     let folder = Folder::new("table");
     folder.write(
-        "table.ini",
+        "table.conf",
         "[TABLE]\nMARK = circle 10 20 4\nNOISE = 3\nBLUR = 1\nOFFSET = -35.2 12.4\n",
     );
-    let job = "[JOB]\nMARK = 10 20\nSIZE = 4\nFRAMES = 3\n[CAMERA]\nSOURCE = sim table.ini\nOFFSET = -35.2 12.4\n";
+    let job = "[JOB]\nMARK = 10 20\nSIZE = 4\nFRAMES = 3\n[CAMERA]\nSOURCE = sim table.conf\nOFFSET = -35.2 12.4\n";
     let mut bench = Bench::default();
     bench.open(&folder.write("job.ini", job)).unwrap();
     let mut look = Look::default();

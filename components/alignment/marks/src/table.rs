@@ -212,16 +212,16 @@ mod tests {
     #[test]
     fn wrong_entries_are_refused_with_their_place() {
         for (text, wanted) in [
-            ("INK = 300", "table.ini:2: INK: 300 is not between 0 and 255"),
-            ("INK = nan", "table.ini:2: INK: 1 numbers are needed, not 'nan'"),
-            ("PICTURE = 9 100", "table.ini:2: PICTURE: 9 is not between 16 and 2000"),
-            ("CAMERA = 1 2 2 4", "table.ini:2: CAMERA: the matrix has no inverse"),
-            ("PART = 0 0 1 0 0 0", "table.ini:2: PART: the part has a scale of 0"),
-            ("MARK = star 1 2 3", "table.ini:2: MARK: 'star' is neither circle nor square"),
-            ("MARK = circle 1 2", "table.ini:2: MARK: a mark is KIND X Y SIZE [OUTLINE [ANGLE]]"),
-            ("BAR = 1 2 3", "table.ini:2: BAR: 5 numbers are needed, not '1 2 3'"),
+            ("INK = 300", "table.conf:2: INK: 300 is not between 0 and 255"),
+            ("INK = nan", "table.conf:2: INK: 1 numbers are needed, not 'nan'"),
+            ("PICTURE = 9 100", "table.conf:2: PICTURE: 9 is not between 16 and 2000"),
+            ("CAMERA = 1 2 2 4", "table.conf:2: CAMERA: the matrix has no inverse"),
+            ("PART = 0 0 1 0 0 0", "table.conf:2: PART: the part has a scale of 0"),
+            ("MARK = star 1 2 3", "table.conf:2: MARK: 'star' is neither circle nor square"),
+            ("MARK = circle 1 2", "table.conf:2: MARK: a mark is KIND X Y SIZE [OUTLINE [ANGLE]]"),
+            ("BAR = 1 2 3", "table.conf:2: BAR: 5 numbers are needed, not '1 2 3'"),
         ] {
-            let error = Table::parse("table.ini", format!("[TABLE]\n{text}\n").as_bytes());
+            let error = Table::parse("table.conf", format!("[TABLE]\n{text}\n").as_bytes());
             assert_eq!(error.unwrap_err().to_string(), wanted);
         }
         let error = Table::parse("t.ini", b"[TABLE]\nCOLOUR = 1\n").unwrap_err().to_string();

@@ -106,13 +106,11 @@ pub(super) const ROWS: &[Explanation] = &[
     },
     Explanation {
         code: Code::NotSupported,
-        means: "Ferrule does not do this: Tcl files, TWOPASS, and other modules for homing or the \
-                trajectory planner.",
+        means: "Ferrule does not do this: other modules for homing or the trajectory planner.",
         matters: "halrun refuses the machine.",
-        remedy: "Write the Tcl file as a .hal file; name each module in one loadrt line and take \
-                 TWOPASS out; take HOMEMOD and TPMOD out.",
-        wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nTWOPASS = on\n# <--\n\
-                HALFILE = m.hal\n",
+        remedy: "Take HOMEMOD and TPMOD out: homing and the trajectory planner are part of motmod.",
+        wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[EMCMOT]\nHOMEMOD = mine\n# <--\n\
+                [HAL]\nHALFILE = m.hal\n",
         right: "net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
                 --- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n",
     },
@@ -136,6 +134,6 @@ pub(super) const ROWS: &[Explanation] = &[
         remedy: "Check the running machine: halcmd check. If the line may fail, a catch around it lets the \
                  check go on behind it.",
         wrong: "--- m.ini\n[EMCIO]\n[HAL]\nHALFILE = m.tcl\n--- m.tcl\nset host [exec hostname] ;# <--\n",
-        right: "--- m.ini\n[EMCIO]\n[HAL]\nHALFILE = m.tcl\n--- m.tcl\nset host [info hostname]\n",
+        right: "--- m.ini\n[EMCIO]\n[HAL]\nHALFILE = m.tcl\n--- m.tcl\nset host [info hostname]\nnet estop-loop iocontrol.0.user-enable-out iocontrol.0.emc-enable-in\n",
     },
 ];

@@ -198,7 +198,7 @@ impl MachineStart<'_, '_> {
             Some((shown, path)) => match hal_ini::file::whole(&path) {
                 Ok(text) => {
                     if !must_exist
-                        && settings::are_named(&text)
+                        && settings::are_missing(&text)
                         && let Err(failure) = settings::load(session.link)
                     {
                         session.stand_at(&entry.file, entry.line);

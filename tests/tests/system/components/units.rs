@@ -5,8 +5,8 @@ use hal_tests::programs::programs;
 use halcmd::manual::man;
 
 /// Words that name a unit, or state that there is none.
-const WORDS: &str = "counts cycles degrees fraction hertz k microseconds milliseconds ms nanoseconds \
-    ns part percent periods pulses radians ratio revolution revolutions rpm seconds steps turns unit \
+const WORDS: &str = "counts cycles degrees fraction hertz k microseconds milliseconds mm ms nanoseconds \
+    ns part percent periods pixels pulses radians ratio revolution revolutions rpm seconds steps turns unit \
     units volts °c °f µs";
 /// Phrases of several words with the same meaning.
 const PHRASES: &[&str] = &[

@@ -7,6 +7,13 @@ use std::{collections::BTreeMap, fmt::Write, fs};
 
 /// Messages that no script produces, and the tests that produce them instead.
 const ELSEWHERE: &[(&str, &str)] = &[
+    ("* is not supported", "HOMEMOD and TPMOD in an INI file"),
+    ("Ferrule's package for Tcl is not in '*'", "a folder of programs without the folder tcl"),
+    ("Tcl files need tclsh, which is not installed", "a computer without tclsh"),
+    ("a signal ended tclsh", "a tclsh that a signal ends"),
+    ("loadrt *: '*' cannot be joined with '*' of *", "tests/tcl/refused/expected"),
+    ("the file ended itself with status *", "tests/tcl/errors/expected"),
+    ("this machine has no task, which runs programs", "halrun --run on a machine without a task"),
     ("Use 'help <command>' for more details about each command", "halcmd/src/manual/help.rs"),
     ("Waiting for component '*' to become ready.", "halcmd/src/session.rs"),
     ("*: built for major version * of the plugin contract, this engine has *", FAULTS),

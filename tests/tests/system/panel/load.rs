@@ -1,4 +1,4 @@
-//! Many viewers, and one that does not read.
+//! Many viewers.
 
 use super::printer::Printer;
 use hal_protocol::{Client, Kind, Link as _, Place, Reply, Request, ThreadInfo};
@@ -12,8 +12,6 @@ use std::{
     thread,
 };
 
-/// Messages that a viewer gets while another one does not read.
-const MESSAGES: usize = 60;
 /// Viewers of the measurement.
 const VIEWERS: usize = 100;
 /// Rounds with viewers and without, one after the other.
@@ -22,32 +20,6 @@ const ROUNDS: usize = 6;
 const ROUND_MS: f64 = 5000.0;
 /// Clock ticks of a process's time in a second.
 const TICKS: f64 = 100.0;
-
-#[test]
-fn a_viewer_that_does_not_read_slows_nobody() {
-    let printer = Printer::start("viewer");
-    let mut fast = printer.sign_in().socket();
-    let mut slow = printer.sign_in().socket();
-    slow.narrow();
-    fast.wait(|m| m["panel"]["clients"].as_array().is_some_and(|c| c.len() == 2)).unwrap();
-    for _ in 0..MESSAGES {
-        fast.wait(|m| m["type"] == "status").unwrap();
-    }
-    // A message to a client takes 10 s at most: then the connection ends, and the others are told.
-    let mut got = MESSAGES;
-    loop {
-        let message = fast.wait(|m| m["type"] == "status").unwrap();
-        got += 1;
-        if message["panel"]["clients"].as_array().is_some_and(|c| c.len() == 1) {
-            break;
-        }
-    }
-    let mut read = 0;
-    while slow.receive().is_some() {
-        read += 1;
-    }
-    assert!(read < got, "the slow viewer had {read} messages, the other {got}");
-}
 
 /// Returns the ticks of processor time that a process has used, and its memory in bytes.
 fn usage(pid: u32) -> (f64, u64) {
