@@ -47,7 +47,7 @@ pub struct Functions {
 }
 
 impl Functions {
-    /// Starts the process and imports the user's modules. What is wrong with them is told here, and again at each call.
+    /// Starts the process and imports the user's modules. Their errors are reported here, and again at each call.
     pub fn start(setup: Setup) -> (Self, Result<(), String>) {
         let mut out = Self {
             setup,

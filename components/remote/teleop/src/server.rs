@@ -226,7 +226,7 @@ impl Server {
         }
     }
 
-    /// Begins to stop: the job is cancelled, then every client is told, and closed.
+    /// Begins to stop: cancels the job, informs every client, and closes its connection.
     pub fn stop(&mut self, now: u64) {
         if core::mem::replace(&mut self.stops, true) {
             return;
@@ -253,7 +253,7 @@ impl Server {
         self.job.is_none_or(|job| !job.lost && job.owner.is_some())
     }
 
-    /// Returns the progress that a client is told, in percent.
+    /// Returns the progress as a client receives it, in percent.
     pub fn progress(&self) -> u8 {
         match (self.machine.progress, self.job) {
             (Some(percent), _) => percent.min(99),

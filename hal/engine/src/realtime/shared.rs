@@ -236,26 +236,11 @@ impl Shared {
 
     /// Waits until no cycle is in progress, for at most this time. Returns whether none is.
     pub(crate) fn settle_within(&self, limit_ns: i64) -> bool {
-        self.wait_within(limit_ns, 0, || !self.is_inside())
-    }
-
-    /// Waits for the threads until `done`, for at most `limit_ns`, and for at most `late_ns` more
-    /// while no thread gets a processor. Returns whether it was done.
-    pub(crate) fn wait_within(&self, limit_ns: i64, late_ns: i64, done: impl Fn() -> bool) -> bool {
         let limit = os::monotonic_ns().saturating_add(limit_ns);
-        let threads = self.threads.load();
-        let waits = threads.iter().filter(|_| late_ns > 0);
-        let turns: Vec<_> = waits.map(|t| (t.clone(), t.turn())).collect();
-        while !done() {
-            let past = os::monotonic_ns().saturating_sub(limit);
-            if past > late_ns
-                || past > 0 && turns.iter().any(|(t, turn)| t.gate.is_inside() && !turn.is_denied())
-            {
-                return false;
-            }
+        while self.is_inside() && os::monotonic_ns() <= limit {
             os::sleep_until(os::monotonic_ns() + 20_000);
         }
-        true
+        !self.is_inside()
     }
 
     /// Waits until no cycle is in progress, for at most two periods of the slowest thread.

@@ -54,7 +54,7 @@ pub(crate) struct Tclsh {
     from: OwnedFd,
 }
 
-/// TclshEvent of an interpreter.
+/// Event of an interpreter of Tcl.
 pub(crate) enum TclshEvent {
     /// Bytes of requests have arrived.
     Bytes(Vec<u8>),

@@ -32,7 +32,7 @@ pub struct Line {
     pub items: Vec<Item>,
 }
 
-/// A byte that no number contains, in the place of a comment.
+/// A byte that stands in the place of a comment: numbers do not contain it.
 const GAP: u8 = b'(';
 
 /// Parses a line.

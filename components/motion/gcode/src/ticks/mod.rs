@@ -27,7 +27,7 @@ pub use arc::arc;
 pub use figures::Figures;
 pub use line::line;
 
-/// One tick: the steps of X, Y and Z, each -1, 0 or 1.
+/// Steps of X, Y and Z in a tick, each -1, 0 or 1.
 pub type Step = [i8; 3];
 
 /// A place in steps from the machine's zero.

@@ -133,7 +133,7 @@ fn a_run_goes_on_from_its_state_as_a_value() {
     }
 }
 
-/// Whatever the bytes: an error with its place, or an end within the limits.
+/// Random bytes end with an error and its place, or within the limits.
 #[test]
 fn garbage_ends_in_order() {
     const TOKENS: [&str; 48] = [

@@ -43,7 +43,7 @@ impl Teleop {
         Self { ends, work }
     }
 
-    /// Stops the server: a job of a client is cancelled, and every client is told.
+    /// Stops the server: cancels the job of a client, and informs every client.
     pub(crate) async fn stop(self) {
         self.ends.send_replace(true);
         drop(timeout(STOP_TIME, self.work).await);

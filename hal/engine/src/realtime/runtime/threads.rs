@@ -44,7 +44,7 @@ impl Runtime {
         let round = self.shared.threads.load().first().map_or(0, |t| t.period_ns);
         let limit_ns = self.settle_ns.saturating_add(round);
         self.control().be_patient();
-        let taken = self.shared.wait_within(limit_ns, self.late_ns(), || boundary.is_taken());
+        let taken = self.wait_within(limit_ns, || boundary.is_taken());
         let withdrawn = !taken && boundary.withdraw();
         // A change that cannot be withdrawn is being carried out.
         while !withdrawn && !boundary.is_taken() {
@@ -54,9 +54,23 @@ impl Runtime {
         if withdrawn { Err(self.stuck()) } else { Ok(()) }
     }
 
-    /// Returns the time for which a wait for threads goes on while none gets a processor.
-    const fn late_ns(&self) -> i64 {
-        if self.settle_ns < TIMEOUT_NS { 0 } else { LATE_NS }
+    /// Waits for the threads until `done`, for at most `limit_ns`, and longer while no thread gets a
+    /// processor. Returns whether it was done.
+    fn wait_within(&self, limit_ns: i64, done: impl Fn() -> bool) -> bool {
+        let late_ns = if self.settle_ns < TIMEOUT_NS { 0 } else { LATE_NS };
+        let limit = os::monotonic_ns().saturating_add(limit_ns);
+        let threads = self.shared.threads.load();
+        let turns: Vec<_> = threads.iter().map(|t| (t.clone(), t.turn())).collect();
+        while !done() {
+            let past = os::monotonic_ns().saturating_sub(limit);
+            if past > late_ns
+                || past > 0 && turns.iter().any(|(t, turn)| t.gate.is_inside() && !turn.is_denied())
+            {
+                return false;
+            }
+            os::sleep_until(os::monotonic_ns() + 20_000);
+        }
+        true
     }
 
     /// Returns whether lists or threads can be freed.
@@ -79,7 +93,7 @@ impl Runtime {
         }
         self.control().be_patient();
         let quiet = || !self.shared.is_inside();
-        self.quiet = self.shared.wait_within(self.settle_ns, self.late_ns(), quiet);
+        self.quiet = self.wait_within(self.settle_ns, quiet);
         self.control().have_waited();
         if self.quiet { Ok(()) } else { Err(self.stuck()) }
     }

@@ -99,7 +99,7 @@ fn an_operator_configures_and_starts_again() {
     let mut mill = Mill::start("ON_LOSS = hold\n", &[]);
     let mut people = People::default();
     assert_eq!(people.ask(&mill, "A", "INGRESAR ana:TOKEN"), "ACEPTADO");
-    // The engine ends with the machine; everybody is told.
+    // The engine ends with the machine; every client is informed.
     mill.end_machine();
     assert_eq!(people.hear(&mill, "A"), "DESCONEXION");
     assert_eq!(people.hear(&mill, "A"), "(closed)");
