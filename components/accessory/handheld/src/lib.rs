@@ -2,12 +2,12 @@
 //!
 //! | module | subject |
 //! |---|---|
-//! | [`keys`] | sets of keys, and the names of the NK105's keys |
-//! | [`frame`] | frames of keys with their check byte, and their reader |
-//! | [`keypad`] | physical and virtual keys together |
-//! | [`line`] | lines of text that press keys |
+//! | `keys` | sets of keys, and the names of the NK105's keys |
+//! | `frame` | frames of keys with their check byte, and their reader |
+//! | `keypad` | physical and virtual keys together |
+//! | `line` | lines of text that press keys |
 //! | [`st7920`] | the serial protocol of the ST7920, decoded and written |
-//! | [`screen`] | whole screens after a quiet time, and their readers |
+//! | `screen` | whole screens after a quiet time, and their readers |
 #![forbid(unsafe_code)]
 
 pub mod frame;

@@ -3,11 +3,11 @@
 //!
 //! | module | subject |
 //! |---|---|
-//! | [`controller`] | one cycle: keys, mode, motion |
-//! | [`keys`] | the effect of each key |
-//! | [`motion`] | motion along straight lines at constant speeds |
-//! | [`panel`] | the text of the display, and the bytes that draw it |
-//! | [`job`] | a G-code program as steps of a job |
+//! | `controller` | one cycle: keys, mode, motion |
+//! | `keys` | the effect of each key |
+//! | `motion` | motion along straight lines at constant speeds |
+//! | `panel` | the text of the display, and the bytes that draw it |
+//! | `job` | a G-code program as steps of a job |
 #![forbid(unsafe_code)]
 
 pub mod controller;

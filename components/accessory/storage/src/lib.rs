@@ -3,14 +3,14 @@
 //!
 //! | module | subject |
 //! |---|---|
-//! | [`storage`] | the states, from a waiting job to the image that has it |
+//! | `storage` | the states, from a waiting job to the image that has it |
 //! | [`plan`], `prepare` | the contents of the next image, and its making |
-//! | [`image`] | FAT32 images: made, listed, read, written, compared |
+//! | `image` | FAT32 images: made, listed, read, written, compared |
 //! | [`bay`], [`folder`] | the place of images, state and waiting jobs; such a place in a folder |
-//! | [`gadget`] | the USB device that presents an image; configfs |
-//! | [`ledger`] | the file that says which image is presented, and the ages of its jobs |
-//! | [`name`] | names of jobs that every medium can hold |
-//! | [`error`] | every error |
+//! | `gadget` | the USB device that presents an image; configfs |
+//! | `ledger` | the file that says which image is presented, and the ages of its jobs |
+//! | `name` | names of jobs that every medium can hold |
+//! | `error` | every error |
 #![forbid(unsafe_code)]
 
 pub mod bay;

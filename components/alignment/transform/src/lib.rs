@@ -5,7 +5,7 @@
 //! | [`Transform`] | from points of the file to points of the machine, with its parts: turn, scales, squareness, shift |
 //! | [`fit`](fit()) | the transform that brings marks of the file nearest to measured marks |
 //! | [`Alignment`] | marks, model and tolerances as an INI file |
-//! | [`rewrite`] | G-code in machine coordinates, with everything else byte for byte |
+//! | `rewrite` | G-code in machine coordinates, with everything else byte for byte |
 #![forbid(unsafe_code)]
 
 mod file;
