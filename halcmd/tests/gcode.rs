@@ -172,10 +172,10 @@ fn check_tells_the_time_of_the_planner() {
     assert_eq!(time(ini(fast, fast), "time.ngc"), Some(format!("3.6 {rest}")));
     assert_eq!(time(ini("MAX_VELOCITY = 300", "MIN_LIMIT = 0"), "time.ngc"), None);
     // Two half circles of 157.08 mm in inches at 100 mm/s, one of them clockwise, each from rest to rest: 1.67 s, and a
-    // little for the acceleration that the curvature needs.
+    // little for the acceleration that the curvature needs; the second leaves the stop at once.
     let arcs = "g20 g90 f236.2204724\ng61.1\ng3 x3.937007874 i1.968503937\ng2 x7.874015748 i1.968503937\nm2\n";
     std::fs::write(at.join("arcs.ngc"), arcs).unwrap();
-    assert_eq!(time(ini(slow, slow), "arcs.ngc"), Some(format!("3.4 {rest}")));
+    assert_eq!(time(ini(slow, slow), "arcs.ngc"), Some(format!("3.3 {rest}")));
     std::fs::remove_dir_all(&at).unwrap();
 }
 
