@@ -169,9 +169,9 @@ impl Socket {
         drop(self.stream.read_to_end(&mut Vec::new()));
     }
 
-    /// Makes the system keep as little as it can of what the server sends and nobody reads.
+    /// Makes the system keep only a few messages that the server has sent and nobody has read.
     pub fn narrow(&self) {
-        rustix::net::sockopt::set_socket_recv_buffer_size(&self.stream, 1024).unwrap();
+        rustix::net::sockopt::set_socket_recv_buffer_size(&self.stream, 4 << 10).unwrap();
     }
 
     /// Sends a message.

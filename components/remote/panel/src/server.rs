@@ -22,6 +22,7 @@ use hyper_util::{
     rt::{TokioIo, TokioTimer},
     service::TowerToHyperService,
 };
+use rustix::net::sockopt;
 use serde_json::{Map, Value as Json};
 use std::{
     net::SocketAddr,
@@ -45,6 +46,8 @@ const MAX_CONNECTIONS: usize = 1024;
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Longest head of a request in bytes.
 const MAX_HEAD: usize = 32 << 10;
+/// Bytes that the system keeps of what a client has not received yet: what it sees next is then never old.
+const SEND_BUFFER: usize = 32 << 10;
 /// Wait after the system has refused a connection.
 const REFUSED: Duration = Duration::from_millis(100);
 
@@ -210,6 +213,7 @@ async fn serve(
                     tokio::spawn(async move {
                         // Without it, small messages wait for the answer to the one before.
                         drop(stream.set_nodelay(true));
+                        drop(sockopt::set_socket_send_buffer_size(&stream, SEND_BUFFER));
                         match tls {
                             None => connection(stream, router).await,
                             Some(tls) => {

@@ -1,8 +1,9 @@
-//! Many viewers.
+//! Many viewers, and one that does not read.
 
 use super::printer::Printer;
 use hal_protocol::{Client, Kind, Link as _, Place, Reply, Request, ThreadInfo};
 use hal_tests::scratch::until;
+use serde_json::Value;
 use std::{
     fs,
     sync::{
@@ -20,6 +21,32 @@ const ROUNDS: usize = 6;
 const ROUND_MS: f64 = 5000.0;
 /// Clock ticks of a process's time in a second.
 const TICKS: f64 = 100.0;
+
+#[test]
+fn a_viewer_that_does_not_read_slows_nobody() {
+    let printer = Printer::start("viewer");
+    let mut fast = printer.sign_in().socket();
+    let mut slow = printer.sign_in().socket();
+    slow.narrow();
+    let clients = |m: &Value| m["panel"]["clients"].as_array().map(Vec::len);
+    fast.wait(|m| clients(m) == Some(2)).unwrap();
+    // A message to a client takes 10 s at most: then its connection ends, and the others are told.
+    let mut got = 0;
+    loop {
+        let message = fast.wait(|m| m["type"] == "status").unwrap();
+        got += 1;
+        if clients(&message) == Some(1) {
+            break;
+        }
+    }
+    let mut had = 0;
+    while let Some(message) = slow.receive() {
+        had += usize::from(message["type"] == "status");
+    }
+    // Each gets at most one in 50 ms, so 10 s are 200 messages; a busy computer makes fewer.
+    println!("the slow viewer had {had} messages, the other {got}");
+    assert!(had < got, "the slow viewer had {had} messages, the other {got}");
+}
 
 /// Returns the ticks of processor time that a process has used, and its memory in bytes.
 fn usage(pid: u32) -> (f64, u64) {

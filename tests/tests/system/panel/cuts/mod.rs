@@ -93,12 +93,11 @@ fn ready(printer: &Printer) {
 }
 
 impl Stage {
-    /// Starts the printer; its lease lasts so many seconds without a beat.
-    fn set(seed: u64, lease: u32) -> Self {
+    /// Starts the printer; its lease lasts so many seconds without a beat, and its link, if any, can be cut.
+    fn set(seed: u64, lease: u32, net: Option<Net>) -> Self {
         let entries = format!("LEASE_TIMEOUT = {lease}\n");
         let printer = Printer::with("integrator", &["--simulate"], &entries);
         ready(&printer);
-        let net = Net::make();
         let local = IpAddr::from(Ipv4Addr::LOCALHOST);
         let proxy = Proxy::start(local, printer.port);
         let near = net.as_ref().map(|net| Proxy::start(net.address, printer.port));
@@ -225,7 +224,7 @@ fn unmoved(way: &str, rest: Seen, seen: &[Seen]) {
 
 /// Cuts each way so many times, in a random order.
 fn cuts(seed: u64, counts: [(Way, usize); 5]) -> Stage {
-    let mut stage = Stage::set(seed, LEASE);
+    let mut stage = Stage::set(seed, LEASE, Net::make());
     let all = counts.iter().flat_map(|&(way, n)| std::iter::repeat_n(way, n));
     let mut all: Vec<_> = all.filter(|way| *way != Way::Link || stage.net.is_some()).collect();
     stage.random.shuffle(&mut all);
@@ -248,7 +247,7 @@ fn a_cut_connection_ends_a_held_jog() {
 fn two_hundred_cuts() {
     let ways = [Way::Client, Way::Link, Way::Delay, Way::Stopped, Way::Killed];
     let mut stage = cuts(18, ways.map(|way| (way, 32)));
-    let mut pages = Stage::set(19, PAGE_LEASE);
+    let mut pages = Stage::set(19, PAGE_LEASE, None);
     pages.tabs(40);
     stage.rows.append(&mut pages.rows);
     stage.repeated += pages.repeated;

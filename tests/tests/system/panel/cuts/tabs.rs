@@ -30,6 +30,10 @@ impl Stage {
         for _ in 0..REPEATS {
             browser.go(&self.printer.address());
             browser.until("document.querySelector('#machine-state')?.textContent");
+            // A page that went gives up its lease when the panel sees it.
+            browser.until(
+                "document.querySelector('#lease-holder')?.textContent === 'nobody has control'",
+            );
             browser.click("#lease");
             browser
                 .until("document.querySelector('#lease').getAttribute('aria-pressed') === 'true'");
@@ -106,7 +110,7 @@ fn a_page_that_goes_ends_its_jog() {
     if !Browser::is_there() {
         return;
     }
-    let mut stage = Stage::set(2, PAGE_LEASE);
+    let mut stage = Stage::set(2, PAGE_LEASE, None);
     stage.tabs(5);
     assert!(!stage.rows.is_empty());
     stage.end("cuts-tabs.md");
