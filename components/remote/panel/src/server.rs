@@ -213,7 +213,7 @@ async fn serve(
                     tokio::spawn(async move {
                         // Without it, small messages wait for the answer to the one before.
                         drop(stream.set_nodelay(true));
-                        drop(sockopt::set_socket_send_buffer_size(&stream, SEND_BUFFER));
+                        sockopt::set_socket_send_buffer_size(&stream, SEND_BUFFER).unwrap_or_default();
                         match tls {
                             None => connection(stream, router).await,
                             Some(tls) => {
