@@ -243,7 +243,7 @@ fn a_cut_connection_ends_a_held_jog() {
 }
 
 #[test]
-#[ignore = "it takes 20 minutes: cargo test -p hal-tests --test system panel::cuts::two_hundred -- --ignored"]
+#[ignore = "it takes five minutes: cargo test -p hal-tests --test system panel::cuts::two_hundred -- --ignored"]
 fn two_hundred_cuts() {
     let ways = [Way::Client, Way::Link, Way::Delay, Way::Stopped, Way::Killed];
     let mut stage = cuts(18, ways.map(|way| (way, 32)));

@@ -105,7 +105,6 @@ impl Stage {
 }
 
 #[test]
-#[ignore = "minutes of a browser on the real clock: cargo test -p hal-tests --test system panel::cuts::tabs -- --ignored"]
 fn a_page_that_goes_ends_its_jog() {
     if !Browser::is_there() {
         return;
