@@ -40,6 +40,39 @@ fn a_pin_is_watched_and_set() {
 }
 
 #[test]
+fn the_order_of_functions_and_the_flight_recorder_are_shown() {
+    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let b = &stand.browser;
+    stand.ready();
+    b.run("document.querySelector('[data-page=integrate]').click()");
+    b.until("document.querySelector('#order')");
+    b.run("document.querySelector('#order').scrollIntoView()");
+    // In a thread the functions stand as addf put them; a path says how long a value takes.
+    b.until("document.querySelectorAll('#order ol li').length > 6");
+    let functs = b.run("return [...document.querySelectorAll('#order > .answer > details')].map((d) => [...d.querySelector('ol').children].map((l) => l.firstChild.textContent).join(' ')).join('; ')");
+    assert_eq!(
+        functs,
+        "viagpio.read stepgen.make-pulses viagpio.write; \
+         stepgen.capture-position motion-command-handler remote motion-controller stepgen.update-freq"
+    );
+    b.until("document.querySelector('#order').textContent.includes('motion-controller → viagpio.write 100 µs')");
+    stand.picture("order");
+    // An e-stop is an event that the flight recorder keeps.
+    stand.printer.halcmd("flight on size=1M");
+    stand.printer.halcmd("task.estop");
+    b.run("document.querySelector('#flight').scrollIntoView()");
+    // The card may have been seen, and have asked, before the recorder was on.
+    b.until(
+        "document.querySelector('#flight button').click() || \
+         document.querySelector('#flight li')?.textContent.includes('in memory')",
+    );
+    assert_eq!(b.run("return document.querySelectorAll('#flight td').length"), 4);
+    assert_ne!(b.text("#flight td"), "0");
+    stand.picture("flight");
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
 fn a_pin_is_scoped_with_a_trigger_and_the_wiring_lives() {
     let pin = "axis.0.motor-pos-cmd";
     let Some(stand) = Stand::start(DESKTOP) else { return };

@@ -47,6 +47,13 @@ export function duration(seconds) {
   return h > 0 ? `${h}:${two(m)}:${two(s)}` : `${m}:${two(s)}`;
 }
 
+/** Returns a time that is given in nanoseconds, with the unit that leaves few digits. */
+export function time(ns) {
+  const all = Number(ns);
+  const [size, unit] = [[1e9, "s"], [1e6, "ms"], [1e3, "µs"]].find(([size]) => size <= Math.abs(all)) ?? [1, "ns"];
+  return `${Number((all / size).toPrecision(4))} ${unit}`;
+}
+
 /** Returns a number of bytes. */
 export function bytes(n) {
   if (n < 1000) return `${n} B`;

@@ -3,9 +3,10 @@
 import { ask, el, enable, mark, setText, show } from "./dom.js";
 import { releaseAll } from "./hold.js";
 import { signOut } from "./http.js";
-import { findingsCard, flightCard, orderCard, threadsCard } from "./integrator/diagnose.js";
+import { findingsCard, flightCard, threadsCard } from "./integrator/diagnose.js";
 import { latencyCard } from "./integrator/latency.js";
 import { graphCard } from "./integrator/graph.js";
+import { orderCard } from "./integrator/order.js";
 import { scopeCard } from "./integrator/scope.js";
 import { treeCard, watchCard } from "./integrator/tree.js";
 import { jogCard } from "./operator/jog.js";

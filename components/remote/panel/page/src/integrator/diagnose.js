@@ -1,6 +1,7 @@
-// Findings of check, the order of functions, the flight recorder, and times of threads.
+// Findings of check, the flight recorder, and times of threads.
 
 import { card, el, setText } from "../dom.js";
+import { bytes, time } from "../format.js";
 import { getJson, listPath } from "../http.js";
 
 /** Makes a card that asks the server when its button is pressed, and when it is first seen. */
@@ -39,12 +40,6 @@ export function findingsCard(ctx) {
   }).box;
 }
 
-/** Makes the card of the order of functions. */
-export function orderCard(ctx) {
-  const { t, signal } = ctx;
-  return asked(ctx, "order", t("order"), async () => [tree(await getJson("/order", { signal }))]).box;
-}
-
 /** Shows any answer of the server as nested lists. */
 function tree(value) {
   if (value === null || typeof value !== "object") return el("span", { class: "code" }, String(value));
@@ -56,10 +51,23 @@ function tree(value) {
   }));
 }
 
-/** Makes the card of the flight recorder. */
+/** Makes the card of the flight recorder: its memory, the time that it covers, and what it has kept. */
 export function flightCard(ctx) {
   const { t, signal } = ctx;
-  return asked(ctx, "flight", t("flight"), async () => [tree(await getJson("/flight", { signal }))]).box;
+  return asked(ctx, "flight", t("flight"), async () => {
+    const flight = await getJson("/flight", { signal });
+    const rows = [
+      ["flight.values", flight.values], ["flight.memory", `${bytes(flight.used)} / ${bytes(flight.bytes)}`],
+      ["flight.covers", `${time(flight.to - flight.from)} (${time(flight.from)} – ${time(flight.to)})`], ["flight.lost", flight.lost],
+    ];
+    const kept = flight.kept.map(({ number, time: at, why, file, state }) => el("li", {}, el("b", {}, `${number}. ${time(at)}`), ` ${why}`,
+      el("p", { class: "note" }, typeof state === "string" ? t(`flight.${state}`) : state.failed, file ? ` ${file}` : "")));
+    return [
+      el("table", { class: "grid", "aria-label": t("flight") }, el("tbody", {}, ...rows.map(([key, value]) =>
+        el("tr", {}, el("th", { scope: "row" }, t(key)), el("td", { class: "number" }, String(value)))))),
+      kept.length === 0 ? el("p", { class: "note" }, t("flight.none")) : el("ul", { class: "findings" }, ...kept),
+    ];
+  }).box;
 }
 
 /** Makes the card of threads: their times, those of their functions, overruns, and the histogram of wake-ups. */
@@ -78,11 +86,10 @@ export function threadsCard(ctx) {
 }
 
 function threadPart(thread, most, t) {
-  const us = (ns) => `${(Number(ns) / 1000).toFixed(1)} µs`;
   const rows = [
-    ["threads.period", us(thread.period)], ["threads.time", us(thread.time)], ["threads.tmax", us(thread.tmax)],
+    ["threads.period", time(thread.period)], ["threads.time", time(thread.time)], ["threads.tmax", time(thread.tmax)],
     ["threads.cycles", thread.cycles], ["threads.overruns", `${thread.overruns}${thread.overrun_by ? ` (${thread.overrun_by})` : ""}`],
-    ["threads.missed", thread.missed], ["threads.late", us(thread.latency_max)],
+    ["threads.missed", thread.missed], ["threads.late", time(thread.latency_max)],
   ];
   const row = (name, value) => el("tr", {}, el("th", { scope: "row" }, name), el("td", { class: "number" }, String(value)));
   const all = thread.latency.reduce((sum, n) => sum + n, 0);
@@ -93,5 +100,5 @@ function threadPart(thread, most, t) {
       el("tbody", {}, ...wakes.filter((w) => w.n > 0).map((w) =>
         el("tr", {}, el("th", { scope: "row" }, w.name), el("td", {}, el("meter", { min: 0, max: Math.max(1, all), value: w.n, "aria-label": w.name })), el("td", { class: "number" }, String(w.n)))))),
     el("table", { class: "grid", "aria-label": t("tree.functs") }, el("caption", {}, t("threads.functs")),
-      el("tbody", {}, ...thread.functs.map((name) => row(name, most.has(name) ? us(most.get(name)) : "—")))));
+      el("tbody", {}, ...thread.functs.map((name) => row(name, most.has(name) ? time(most.get(name)) : "—")))));
 }
