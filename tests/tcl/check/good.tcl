@@ -14,4 +14,10 @@ set file [open made w]
 puts $file "text"
 close $file
 if {![file exists made] || [file exists never]} { error "files" }
+# Nothing is changed outside, whichever word would do it.
+set before [file mtime part.tcl]
+file mtime part.tcl 0
+file mkd folder
+file delete part.tcl
+if {![file exi part.tcl] || [file exists folder] || [file mtime part.tcl] != $before} { error "changed" }
 start

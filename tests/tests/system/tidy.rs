@@ -191,6 +191,24 @@ fn files_have_one_subject() {
     }
 }
 
+/// A test that writes where it runs leaves such files beside its `Cargo.toml`.
+#[test]
+fn crates_hold_no_files_without_an_ending() {
+    let mut seen = 0;
+    for folder in ["hal", "components", "halcmd", "tests"] {
+        for manifest in files_below(&root().join(folder), "Cargo.toml") {
+            seen += 1;
+            for entry in std::fs::read_dir(manifest.parent().unwrap()).unwrap() {
+                let path = entry.unwrap().path();
+                let name = path.file_name().unwrap().to_string_lossy().into_owned();
+                let is_good = path.is_dir() || name.contains('.');
+                assert!(is_good, "{}: no file of a crate has such a name", short(&path));
+            }
+        }
+    }
+    assert!(40 < seen, "{seen} crates");
+}
+
 #[test]
 fn realtime_files_do_nothing_that_realtime_must_not() {
     let mut seen = 0;

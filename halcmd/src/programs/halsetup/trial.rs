@@ -60,9 +60,9 @@ pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<
         engine.set("stepper.0.max-accel", &(acceleration * SURE).to_string())?;
     }
     engine.set("steptest.0.amplitude", &settings.amplitude.to_string())?;
-    engine.script("axis test", "start")?;
     // Drives are switched off before the program ends.
     let ending = ending_flag();
+    engine.script("axis test", "start")?;
     let unit = if answers.units == Units::Mm { "mm" } else { "inch" };
     let mut returns = |trial: Trial| {
         let shown = format!(
@@ -76,7 +76,11 @@ pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<
             // A person puts the axis back on its mark; the next trial begins where this one ended.
             return Ok(off.abs() * joint.scale().abs() < 1.0);
         }
-        answer(ask, &format!("{shown}: mark where it stands, then Enter (q ends) "), &["", "q"])?;
+        let question = format!(
+            "{shown}, {} {unit} to each side: mark where it stands, then Enter (q ends) ",
+            settings.amplitude
+        );
+        answer(ask, &question, &["", "q"])?;
         run(&mut engine, trial, &ending)?;
         let said = answer(ask, "does it stand on its mark again? [y/n/q] ", &["y", "n", "q"])?;
         Ok(said == "y")
@@ -118,19 +122,16 @@ fn settings(joint: &Joint, timing: &Timing, wish: &Wish) -> Settings {
 fn run(engine: &mut Alone, trial: Trial, ending: &AtomicBool) -> Result<(), String> {
     engine.set("stepgen.0.maxvel", &trial.velocity.to_string())?;
     engine.set("stepgen.0.maxaccel", &trial.acceleration.to_string())?;
+    // The latch opens at the edge, if the e-stop and the switch permit it.
+    engine.set("latch.reset", "TRUE")?;
+    engine.pass(LOOK_NS)?;
+    engine.set("latch.reset", "FALSE")?;
+    go_on(engine, ending)?;
     engine.set("steptest.0.run", "TRUE")?;
     let (mut target, mut ends) = (None, 0);
     for _ in 0..MAX_LOOKS {
         engine.pass(LOOK_NS)?;
-        if ending.load(Ordering::Relaxed) {
-            return Err("the search was ended: nothing is told of the axis".to_owned());
-        }
-        if engine.number("stepgen.0.enable")? == 0.0 {
-            engine.set("steptest.0.run", "FALSE")?;
-            return Err(
-                "the e-stop or a switch has ended the run: nothing moves any more".to_owned()
-            );
-        }
+        go_on(engine, ending)?;
         let now = engine.number("steptest.0.position-cmd")?.to_bits();
         if target.replace(now).is_some_and(|before| before != now) {
             ends += 1;
@@ -143,6 +144,18 @@ fn run(engine: &mut Alone, trial: Trial, ending: &AtomicBool) -> Result<(), Stri
         }
     }
     Err("the axis has not come back to its start within an hour".to_owned())
+}
+
+/// Ends the run if a signal ends the program, or if the e-stop or a switch has stopped the axis.
+fn go_on(engine: &mut Alone, ending: &AtomicBool) -> Result<(), String> {
+    if ending.load(Ordering::Relaxed) {
+        return Err("the search was ended: nothing is told of the axis".to_owned());
+    }
+    if engine.number("stepgen.0.enable")? == 0.0 {
+        engine.set("steptest.0.run", "FALSE")?;
+        return Err("the e-stop or a switch has ended the run: nothing moves any more".to_owned());
+    }
+    Ok(())
 }
 
 /// Asks until one of the answers comes; `q` and the end of the input end the search.
@@ -173,7 +186,26 @@ pub(super) fn positive(text: &str) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{answer, pair, positive};
+    use super::{answer, pair, positive, timing, write};
+    use crate::programs::halsetup::answers;
+
+    #[test]
+    fn only_a_latch_switches_the_drive_on() {
+        let text = include_str!("../../../../configs/printer/printer.setup");
+        let answers = answers::read(text).unwrap();
+        let timing = timing(&answers).unwrap();
+        for is_simulated in [false, true] {
+            let joint = answers.joint[0].get_ref();
+            let script = write::axis(&answers, &timing, joint, is_simulated);
+            let of = |word: &str| script.lines().filter(|l| l.contains(word)).collect::<Vec<_>>();
+            assert_eq!(of("stepgen.0.enable"), ["net enable latch.ok-out => stepgen.0.enable"]);
+            assert_eq!(of("latch.ok-in"), ["net may-move may-move.out => latch.ok-in"]);
+            // The chain is judged before the latch, and both before the steps.
+            let order = of("addf").into_iter().filter(|l| l.ends_with("servo-thread"));
+            let order: Vec<_> = order.map(|l| l.split(' ').nth(1).unwrap()).collect();
+            assert_eq!(order[..2], ["may-move", "latch"], "{order:?}");
+        }
+    }
 
     #[test]
     fn numbers_are_above_0() {

@@ -227,6 +227,7 @@ pub(super) fn axis(
     put!(to, "loadrt threads name1=base-thread period1={base} name2=servo-thread period2=1000000");
     driver(&mut to, answers);
     put!(to, "loadrt stepgen step_type=0\nloadrt steptest\nloadrt and2 names=may-move");
+    put!(to, "loadrt estop_latch names=latch");
     let boards = boards(answers);
     for board in &boards {
         put!(to, "addf {board}.read base-thread");
@@ -248,7 +249,8 @@ pub(super) fn axis(
             reset(&mut to, answers, step);
         }
     }
-    put!(to, "addf may-move servo-thread\naddf stepgen.capture-position servo-thread");
+    put!(to, "addf may-move servo-thread\naddf latch servo-thread");
+    put!(to, "addf stepgen.capture-position servo-thread");
     put!(to, "addf steptest.0 servo-thread\naddf stepgen.update-freq servo-thread");
     put!(to, "setp stepgen.0.position-scale {}", number(joint.scale()));
     put!(to, "setp stepgen.0.steplen 1\nsetp stepgen.0.stepspace {}", timing.space);
@@ -257,9 +259,10 @@ pub(super) fn axis(
     put!(to, "net fb stepgen.0.position-fb => steptest.0.position-fb");
     give(&mut to, answers, "step", joint.step.as_ref());
     give(&mut to, answers, "dir", joint.direction.as_ref());
-    // The e-stop chain and the switch at the ends keep the motor from moving.
-    put!(to, "net may-move may-move.out => stepgen.0.enable");
-    give(&mut to, answers, "may-move", answers.pins.enable.as_ref());
+    // What the e-stop chain or the switch at the ends has stopped, however shortly, only a new run switches on again.
+    put!(to, "net may-move may-move.out => latch.ok-in");
+    put!(to, "net enable latch.ok-out => stepgen.0.enable");
+    give(&mut to, answers, "enable", answers.pins.enable.as_ref());
     let chain = answers.pins.estop.as_ref().and_then(|text| line(text));
     let free = joint.switch.as_ref().and_then(|text| line(text));
     let free = free.map(|switch| Line { is_inverted: !switch.is_inverted, ..switch });

@@ -80,7 +80,7 @@ const COMMANDS: &str = "loadrt unloadrt loadusr waitusr unloadusr unload newsig 
 const SOURCES: &[&str] = &[
     "halcmd/src/error.rs",
     "hal/ini/src/error.rs",
-    "hal/engine/src/error.rs",
+    "hal/engine/src/error/text.rs",
     "hal/engine/src/error/hint.rs",
     "hal/engine/src/error/watch.rs",
     "hal/protocol/src/folder.rs",
@@ -175,7 +175,9 @@ fn every_message_is_shown_by_a_case() {
     let mut messages = reference();
     for source in SOURCES {
         let subject = source.split('/').next().unwrap().to_owned();
-        for sentence in sentences(source) {
+        let sentences = sentences(source);
+        assert!(!sentences.is_empty(), "{source} has no sentences: where have they gone?");
+        for sentence in sentences {
             // A pattern with hardly any text of its own would match anything.
             if sentence.chars().filter(|c| c.is_alphabetic()).count() > 3 {
                 messages.push((subject.clone(), sentence));
@@ -186,7 +188,11 @@ fn every_message_is_shown_by_a_case() {
         "# Messages\n\nWhich case shows which message; `*` stands for what varies. Written and \
          checked by `tests/tests/system/language/messages.rs`.\n\n| about | message | shown by |\n|---|---|---|\n",
     );
-    let mut missing = Vec::new();
+    let mut missing: Vec<String> = ELSEWHERE
+        .iter()
+        .filter(|(m, _)| messages.iter().all(|(_, message)| message != m))
+        .map(|(m, _)| format!("ELSEWHERE has a message that no file defines: {m}"))
+        .collect();
     for (about, message) in messages {
         let shows = |case: &str| {
             printed.get(case).is_some_and(|lines| lines.iter().any(|line| says(line, &message)))

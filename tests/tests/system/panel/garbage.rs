@@ -125,13 +125,15 @@ struct Victim {
     socket: Option<Socket>,
     random: Random,
     sent: u32,
+    /// Messages behind which the connection still served.
+    served: u32,
 }
 
 impl Victim {
     fn new(role: &str, seed: u64) -> Self {
         let printer = Printer::start(role);
         let session = printer.sign_in();
-        Self { printer, session, socket: None, random: Random::new(seed), sent: 0 }
+        Self { printer, session, socket: None, random: Random::new(seed), sent: 0, served: 0 }
     }
 
     /// Sends a request, a message and a frame.
@@ -150,16 +152,25 @@ impl Victim {
         // The connection has ended with a reason, or it serves.
         let id = OWN + u64::from(self.sent);
         socket.send(&json!({ "type": "command", "id": id, "name": "no-such-command" }));
-        let reply = socket.wait(|m| m["type"] == "reply" && m["id"] == id).unwrap_or_default();
-        if !reply.is_null() {
-            let code = &reply["error"]["code"];
-            assert!(code == "not-found", "{}: {reply}", String::from_utf8_lossy(&text));
-            if self.sent.is_multiple_of(MESSAGES) {
-                let frame = mutated(&mut self.random, &[web::frame(1, &text)]);
-                socket.cut(&frame);
-            } else {
-                self.socket = Some(socket);
+        let reply = |m: &Value| m["type"] == "reply" && m["id"] == id;
+        let shown = String::from_utf8_lossy(&text);
+        match socket.wait(|m| m["type"] == "error" || reply(m)) {
+            // A frame of a text that is none.
+            None => assert!(
+                std::str::from_utf8(&text).is_err(),
+                "the connection ended without a reason: {shown}"
+            ),
+            Some(answer) if reply(&answer) => {
+                assert!(answer["error"]["code"] == "not-found", "{shown}: {answer}");
+                self.served += 1;
+                if self.sent.is_multiple_of(MESSAGES) {
+                    let frame = mutated(&mut self.random, &[web::frame(1, &text)]);
+                    socket.cut(&frame);
+                } else {
+                    self.socket = Some(socket);
+                }
             }
+            Some(error) => assert!(error["error"]["code"].is_string(), "{shown}: {error}"),
         }
     }
 
@@ -174,6 +185,8 @@ impl Victim {
 
     /// Checks that the panel and the machine live.
     fn lives(&self) {
+        // Most random messages are malformed, which ends a connection.
+        assert!(self.sent < 25 * self.served, "{} of {} served", self.served, self.sent);
         let session = self.printer.sign_in();
         let info = self.printer.request("GET", "/api/v1/info", &session.headers(), b"");
         assert_eq!(info.status, 200, "{info:?}");

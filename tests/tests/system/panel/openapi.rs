@@ -87,10 +87,25 @@ fn the_document_has_the_commands_codes_and_paths_of_the_texts() {
     let (_, table) = source.split_once("const ROWS").unwrap();
     let rows = table.split_once("\n];").unwrap().0.matches("row(").count();
     assert_eq!(rows, names.len(), "rows of commands.rs");
-    for code in document.schema("Refusal")["properties"]["code"]["enum"].as_array().unwrap() {
-        let code = code.as_str().unwrap();
-        assert!(api.contains(&format!("| `{code}` |")), "API.md has no code {code}");
-    }
+    // Codes: those of the document, of the table in API.md and of the source are the same.
+    let codes = document.schema("Refusal")["properties"]["code"]["enum"].as_array().unwrap();
+    let codes: BTreeSet<_> = codes.iter().map(|c| c.as_str().unwrap().to_owned()).collect();
+    let source = text("src/error.rs");
+    let (_, variants) = source.split_once("pub(crate) enum Code {").unwrap();
+    let variants = variants.split_once("\n}").unwrap().0.lines().map(str::trim);
+    let variants = variants.filter(|l| l.starts_with(char::is_uppercase));
+    let kebab = |name: &str| {
+        let words = name.trim_end_matches(',').chars().map(|c| match c {
+            'A'..='Z' => format!("-{}", c.to_ascii_lowercase()),
+            c => c.to_string(),
+        });
+        words.collect::<String>().trim_start_matches('-').to_owned()
+    };
+    assert_eq!(codes, variants.map(kebab).collect(), "codes of openapi.json and error.rs");
+    let (_, table) = api.split_once("| code |").unwrap();
+    let rows = table.lines().skip(2).take_while(|l| l.starts_with('|'));
+    let listed = rows.flat_map(|l| l.split('|').nth(1).unwrap().split('`').skip(1).step_by(2));
+    assert_eq!(codes, listed.map(str::to_owned).collect(), "codes of openapi.json and API.md");
     for path in paths(&document).keys().filter(|path| **path != "/{kind}") {
         let path = path.replace("{name}", "NAME");
         assert!(api.contains(&path), "API.md has no {path}");

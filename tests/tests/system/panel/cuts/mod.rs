@@ -11,6 +11,7 @@ use super::printer::Printer;
 use eye::{Eye, Seen};
 use hal_bench::Random;
 use hal_tests::{
+    browser::Browser,
     proxy::Proxy,
     scratch::{Running, until},
 };
@@ -251,5 +252,8 @@ fn two_hundred_cuts() {
     pages.tabs(40);
     stage.rows.append(&mut pages.rows);
     stage.repeated += pages.repeated;
+    let without_browser = if stage.net.is_some() { 160 } else { 128 };
+    let in_browser = if Browser::is_there() { 40 } else { 0 };
+    assert_eq!(stage.rows.len(), without_browser + in_browser);
     stage.end("cuts.md");
 }
