@@ -19,7 +19,7 @@ with Machine("machine.hal") as machine:
     print(picture.startswith("<svg"), picture.count("<path"), "and2.0.out" in picture)
     for wrong in (lambda: machine.nothing, lambda: machine["nothing"], lambda: setattr(machine, "and2_0_in0", 3.5),
                   lambda: machine.run("3 weeks"), lambda: capture["nothing"], lambda: capture.compare("none.txt"),
-                  lambda: machine.command("task.nothing")):
+                  lambda: machine.command("task.nothing"), lambda: machine.a_b, lambda: setattr(machine, "run", 1)):
         try:
             wrong()
         except (AttributeError, Refused, ValueError, KeyError, AssertionError) as why:

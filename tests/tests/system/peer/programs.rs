@@ -77,6 +77,8 @@ ValueError '3 weeks' is no time: use seconds, or a text such as '20ms' (ns, us, 
 KeyError \"'nothing' was not recorded: there are and2.0.in0, and2.0.in1, and2.0.out, sum, wave\"
 AssertionError none.txt: there is no such file
 Refused command 'task.nothing' not found
+AttributeError 'a_b' is a method, or the name of several: write machine[\"NAME\"]
+AttributeError 'run' is a method, or the name of several: write machine[\"NAME\"]
 FileNotFoundError bad.hal: there is no such file
 Refused :1: nothing_here: no plugin library offers this component
 ";

@@ -44,15 +44,22 @@ impl Handle {
         }
     }
 
+    /// Sets what `value` reads: a pin or parameter, or the signal of this name where there is none.
     fn set(&mut self, name: &str, value: &str) -> Result<(), Failure> {
         let (name, value) = (name.to_owned(), value.to_owned());
-        let signal = Request::GetSignal { name: name.clone() };
-        let is_signal = self.client.call(signal).is_ok();
-        let request = match is_signal {
-            true => Request::SetSignal { name, value },
-            false => Request::Set { name, value },
+        let request = match self.client.call(Request::Get { name: name.clone() }) {
+            Err(_) if self.client.call(Request::GetSignal { name: name.clone() }).is_ok() => {
+                Request::SetSignal { name, value }
+            }
+            _ => Request::Set { name, value },
         };
         self.client.call(request).map(|_| ())
+    }
+
+    /// Keeps the reason of a text that is null or not UTF-8, and returns its number.
+    fn no_text(&mut self) -> c_int {
+        self.why = c_text("the name or the value is not a text in UTF-8");
+        EINVAL
     }
 }
 
@@ -158,7 +165,8 @@ pub(crate) unsafe extern "C" fn ferrule_get(
     let handle = unsafe { handle.as_mut() };
     // SAFETY: guaranteed by the caller.
     let name = unsafe { text(name) };
-    let (Some(handle), Some(name)) = (handle, name) else { return EINVAL };
+    let Some(handle) = handle else { return EINVAL };
+    let Some(name) = name else { return handle.no_text() };
     match handle.value(name) {
         Ok(found) if !value.is_null() => {
             // SAFETY: guaranteed by the caller.
@@ -186,7 +194,8 @@ pub(crate) unsafe extern "C" fn ferrule_set(
     let name = unsafe { text(name) };
     // SAFETY: guaranteed by the caller.
     let value = unsafe { text(value) };
-    let (Some(handle), Some(name), Some(value)) = (handle, name, value) else { return EINVAL };
+    let Some(handle) = handle else { return EINVAL };
+    let (Some(name), Some(value)) = (name, value) else { return handle.no_text() };
     handle.set(name, value).map_or_else(|failure| handle.failed(&failure), |()| 0)
 }
 

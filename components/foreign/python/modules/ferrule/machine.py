@@ -125,7 +125,12 @@ class Machine:
             for item in next(iter(answer.values())):
                 names.setdefault(item["name"], kind)
         self.__dict__["_names"] = names
-        self.__dict__["_plain"] = {re.sub(r"[-.]", "_", name): name for name in names}
+        plain = {}
+        for name in names:
+            # A name that two have, or that a method has, must be written as machine["name"].
+            word = re.sub(r"[-.]", "_", name)
+            plain[word] = None if word in plain or hasattr(type(self), word) else name
+        self.__dict__["_plain"] = plain
 
     def names(self):
         """Returns the names of all pins, parameters and signals."""
@@ -140,19 +145,22 @@ class Machine:
         self.ask({kind: {"name": name, "value": _text(value)}})
 
     def __getattr__(self, plain):
-        name = self.__dict__.get("_plain", {}).get(plain)
-        if name is None:
-            raise AttributeError("the machine has no pin, parameter or signal '%s'" % plain)
-        return self[name]
+        return self[self._named(plain)]
 
     def __setattr__(self, plain, value):
-        name = self.__dict__.get("_plain", {}).get(plain)
-        if name is not None:
-            self[name] = value
-        elif plain.startswith("_"):
+        if plain.startswith("_") and plain not in self.__dict__.get("_plain", {}):
             self.__dict__[plain] = value
         else:
+            self[self._named(plain)] = value
+
+    def _named(self, plain):
+        """Returns the name of the pin, parameter or signal that an attribute means."""
+        names = self.__dict__.get("_plain", {})
+        if plain not in names:
             raise AttributeError("the machine has no pin, parameter or signal '%s'" % plain)
+        if names[plain] is None:
+            raise AttributeError("'%s' is a method, or the name of several: write machine[\"NAME\"]" % plain)
+        return names[plain]
 
     def run(self, time):
         """Lets machine time pass: a number of seconds, or a text such as "20ms"."""
