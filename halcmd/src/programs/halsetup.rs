@@ -102,8 +102,8 @@ fn run(words: &[String]) -> Result<(), String> {
         _ => return Err("one file of answers at most".to_owned()),
     };
     let answers = answers::read(&text).map_err(|list| places(&name, &text, &list))?;
-    if let Some(wish) = wish(&given)? {
-        Stdio.out(&trial::test(&answers, &wish, &mut line)?)?;
+    if let Some(search) = asked_search(&given)? {
+        Stdio.out(&trial::test(&answers, &search, &mut line)?)?;
         return Ok(());
     }
     let written = make(&answers, &text, &folder)?;
@@ -112,7 +112,7 @@ fn run(words: &[String]) -> Result<(), String> {
 }
 
 /// Returns the search that the options ask for.
-fn wish(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Wish>, String> {
+fn asked_search(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Search>, String> {
     let value = |flag| given.iter().rev().find(|(id, _)| *id == flag).map(|(_, v)| v.clone());
     let text = |flag| value(flag).flatten();
     let number = |flag, name: &str| match text(flag) {
@@ -121,7 +121,7 @@ fn wish(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Wish>, String>
             .map(Some)
             .ok_or_else(|| format!("--{name} '{text}': a number above 0")),
     };
-    let wish = trial::Wish {
+    let search = trial::Search {
         axis: text(Flag::Test).unwrap_or_default(),
         amplitude: number(Flag::Amplitude, "amplitude")?,
         velocity_step: number(Flag::VelocityStep, "velocity-step")?,
@@ -135,9 +135,9 @@ fn wish(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Wish>, String>
         is_virtual: value(Flag::Virtual).is_some(),
     };
     if value(Flag::Test).is_some() {
-        return Ok(Some(wish));
+        return Ok(Some(search));
     }
-    if wish == trial::Wish::default() {
+    if search == trial::Search::default() {
         return Ok(None);
     }
     Err("--amplitude, the increments, --simulate and --virtual are for --test".to_owned())

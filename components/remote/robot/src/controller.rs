@@ -60,7 +60,7 @@ pub struct Controller {
     waiting: VecDeque<Result<Command, Refusal>>,
     motion: Option<Motion>,
     /// True if the motion under way is that of a line, which must be answered.
-    poll_due: bool,
+    awaits_done: bool,
     at: [f64; 3],
     speed: f64,
     last_byte: f64,
@@ -85,7 +85,7 @@ impl Controller {
             framer: Framer::default(),
             waiting: VecDeque::new(),
             motion: None,
-            poll_due: false,
+            awaits_done: false,
             at: [0.0; 3],
             speed: CUTTING,
             last_byte: 0.0,
@@ -218,7 +218,7 @@ impl Controller {
                     return;
                 }
                 (self.at, self.motion) = (motion.to, None);
-                if core::mem::take(&mut self.poll_due) {
+                if core::mem::take(&mut self.awaits_done) {
                     self.moves.push(motion.to);
                     self.answer(Answer::Done, motion.end);
                 } else {
@@ -231,7 +231,7 @@ impl Controller {
             let answer = command.and_then(|c| self.execute(&c, now));
             match answer {
                 Ok(true) => self.answer(Answer::Done, now),
-                Ok(false) => self.poll_due = true,
+                Ok(false) => self.awaits_done = true,
                 Err(why) => self.answer(Answer::Refused(why), now),
             }
         }
@@ -272,7 +272,7 @@ impl Controller {
     fn halt(&mut self, now: f64) {
         self.at = self.place(now);
         self.motion = None;
-        self.poll_due = false;
+        self.awaits_done = false;
     }
 
     /// Sends an answer, which keeps its place among the others.

@@ -171,7 +171,11 @@ fn the_handle_of_a_refused_command_stays_valid() {
     let held = service.fake.refused.lock().unwrap();
     held.iter().for_each(|end| end.fail_with("late {}", &[1.0]));
     let id = push(motion_kind::ENABLE).unwrap();
-    assert_eq!(service.motion.poll(id), MotionEnd::Pending, "a ticket used again begins again");
+    assert_eq!(
+        service.motion.poll(id),
+        MotionEnd::Pending,
+        "a ticket that is used again is pending"
+    );
     let own = service.fake.got.lock().unwrap()[0].2;
     let address = |end: &TicketHandle| core::ptr::from_ref(end.0);
     let again = held.iter().filter(|end| address(end) == address(&own)).count();

@@ -45,7 +45,7 @@ pub(crate) struct Runtime {
     shared: Arc<Shared>,
     /// The data that a report of the end of the process uses.
     instance: Arc<Instance>,
-    /// True in a trial: nothing runs.
+    /// True in a dry run: nothing runs.
     dry_run: bool,
     /// Longest wait for threads, in nanoseconds of wall-clock time.
     settle_ns: i64,
@@ -84,12 +84,12 @@ impl Runtime {
         }
     }
 
-    /// Makes this the runtime of a trial, in which nothing runs.
+    /// Makes this the runtime of a dry run, in which nothing runs.
     pub(crate) const fn set_dry_run(&mut self) {
         self.dry_run = true;
     }
 
-    /// Returns whether this is a trial.
+    /// Returns whether this is a dry run.
     pub(crate) const fn is_dry_run(&self) -> bool {
         self.dry_run
     }

@@ -26,7 +26,7 @@ const TRAVEL: f64 = 0.45;
 
 /// Options of a search, as the command line states them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Wish {
+pub(super) struct Search {
     /// Letter of the axis, or number of the joint.
     pub(super) axis: String,
     pub(super) amplitude: Option<f64>,
@@ -42,20 +42,20 @@ pub(super) struct Wish {
 pub(super) type Ask<'a> = dyn FnMut(&str) -> Result<Option<String>, String> + 'a;
 
 /// Searches what an axis bears; returns the report.
-pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<String, String> {
-    let (number, joint) = find(answers, &wish.axis)?;
+pub(super) fn test(answers: &Answers, asked: &Search, ask: &mut Ask<'_>) -> Result<String, String> {
+    let (number, joint) = find(answers, &asked.axis)?;
     let timing = timing(answers).map_err(|(joint, possible)| {
         format!("joint {joint}: too fast for this computer's jitter; a velocity of {possible:.3} is possible")
     })?;
-    let settings = settings(joint, &timing, wish);
-    let simulated = wish.stall.is_some() || wish.is_virtual;
+    let settings = settings(joint, &timing, asked);
+    let simulated = asked.stall.is_some() || asked.is_virtual;
     if !simulated && joint.step.is_none() {
-        return Err(format!("axis {}: the answers have no step and direction for it", wish.axis));
+        return Err(format!("axis {}: the answers have no step and direction for it", asked.axis));
     }
     let clock = if simulated { ClockKind::Virtual } else { ClockKind::Real };
     let mut engine = Alone::new(clock, None)?;
-    engine.script("axis test", &write::axis(answers, &timing, joint, wish.stall.is_some()))?;
-    if let Some((velocity, acceleration)) = wish.stall {
+    engine.script("axis test", &write::axis(answers, &timing, joint, asked.stall.is_some()))?;
+    if let Some((velocity, acceleration)) = asked.stall {
         engine.set("stepper.0.max-vel", &(velocity * SURE).to_string())?;
         engine.set("stepper.0.max-accel", &(acceleration * SURE).to_string())?;
     }
@@ -67,9 +67,9 @@ pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<
     let mut returns = |trial: Trial| {
         let shown = format!(
             "axis {}: {} {unit}/s, {} {unit}/s^2",
-            wish.axis, trial.velocity, trial.acceleration
+            asked.axis, trial.velocity, trial.acceleration
         );
-        if wish.stall.is_some() {
+        if asked.stall.is_some() {
             let from = engine.number("stepper.0.position")?;
             run(&mut engine, trial, &ending)?;
             let off = engine.number("stepper.0.position")? - from;
@@ -86,7 +86,7 @@ pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<
         Ok(said == "y")
     };
     let borne = search(&settings, &mut returns)?;
-    Ok(told(&wish.axis, unit, number, &borne))
+    Ok(told(&asked.axis, unit, number, &borne))
 }
 
 /// Finds the joint of an axis, by its letter or number.
@@ -106,13 +106,13 @@ fn find<'a>(answers: &'a Answers, axis: &str) -> Result<(usize, &'a Joint), Stri
 }
 
 /// Returns the settings of a search; what is not given follows from the answers.
-fn settings(joint: &Joint, timing: &Timing, wish: &Wish) -> Settings {
+fn settings(joint: &Joint, timing: &Timing, asked: &Search) -> Settings {
     let periods = if timing.resets { 1.0 } else { 2.0 };
     let highest = 1e9 / (periods * timing.base);
     Settings {
-        amplitude: wish.amplitude.unwrap_or((joint.max - joint.min) * TRAVEL),
-        velocity_step: wish.velocity_step.unwrap_or(joint.velocity / 10.0),
-        acceleration_step: wish.acceleration_step.unwrap_or(joint.acceleration / 10.0),
+        amplitude: asked.amplitude.unwrap_or((joint.max - joint.min) * TRAVEL),
+        velocity_step: asked.velocity_step.unwrap_or(joint.velocity / 10.0),
+        acceleration_step: asked.acceleration_step.unwrap_or(joint.acceleration / 10.0),
         gentle: joint.acceleration / 2.0,
         fastest: joint.velocity * highest / rate(joint),
     }
