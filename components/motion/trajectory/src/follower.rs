@@ -13,6 +13,7 @@
 mod event;
 
 use crate::{
+    curve::Curve,
     pose::Pose,
     speed::MAX_SAMPLES,
     track::{Cell, Path},
@@ -66,6 +67,8 @@ pub struct Follower {
     skip: f64,
     /// True if the input brakes for what is ahead.
     brakes: bool,
+    /// Curve at the output, and its number.
+    curve: Option<(u64, Curve)>,
 }
 
 /// A place on the track.
@@ -124,6 +127,7 @@ impl Follower {
             top: f64::INFINITY,
             skip: 0.0,
             brakes: false,
+            curve: None,
         }
     }
 
@@ -159,9 +163,9 @@ impl Follower {
 
     /// Returns true if the follower rests at the end of the track and the filter is flat.
     pub fn is_done(&self, track: &impl Path) -> bool {
-        let last = track.cell(self.cell);
-        let after = track.cell(self.cell + 1).is_none();
-        after && self.is_flat() && last.is_none_or(|c| self.place(&c).x >= c.length)
+        self.is_flat()
+            && !track.has(self.cell + 1)
+            && track.cell(self.cell).is_none_or(|c| self.place(&c).x >= c.length)
     }
 
     /// Returns the largest number of events in a period so far.
@@ -352,6 +356,7 @@ impl Follower {
             if let Some(cell) = track.cell(self.cell) {
                 self.output = self.place(&cell);
                 self.carry = 0.0;
+                return self.show(track, &cell);
             }
         } else {
             // Compensated summation: a crawl of hours must end where the input does.
@@ -361,7 +366,7 @@ impl Follower {
             self.output.x = x;
             while let Some(cell) = track.cell(self.output.cell) {
                 if self.output.x > cell.length {
-                    if track.cell(self.output.cell + 1).is_none() {
+                    if !track.has(self.output.cell + 1) {
                         self.output.x = cell.length;
                         break;
                     }
@@ -380,14 +385,22 @@ impl Follower {
                 }
             }
         }
-        if let Some(cell) = track.cell(self.output.cell)
-            && let Some(pose) = track.pose(cell.curve, cell.from + self.output.x)
-        {
-            self.position = pose;
-            self.line = cell.line;
-            self.feed = cell.feed;
-            self.highest = cell.speed;
+        if let Some(cell) = track.cell(self.output.cell) {
+            self.show(track, &cell);
         }
+    }
+
+    /// Finds the pose of the output, which is in this cell.
+    fn show(&mut self, track: &impl Path, cell: &Cell) {
+        if self.curve.as_ref().is_none_or(|(number, _)| *number != cell.curve) {
+            let Some(curve) = track.curve(cell.curve) else { return };
+            self.curve = Some((cell.curve, curve));
+        }
+        let Some((_, curve)) = &self.curve else { return };
+        self.position = curve.pose(cell.from + self.output.x);
+        self.line = cell.line;
+        self.feed = cell.feed;
+        self.highest = cell.speed;
     }
 }
 
