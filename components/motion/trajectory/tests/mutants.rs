@@ -34,7 +34,7 @@ const MUTANTS: [Mutant; 23] = [
     },
     Mutant {
         mistake: "rounding of the travel is lost",
-        file: "follower.rs",
+        file: "follower/output.rs",
         right: "let more = travel - self.carry;",
         wrong: "let more = travel;",
         fails: PAST,

@@ -333,8 +333,8 @@ fn time(machine: &Machine, push: impl FnOnce(&mut Planner<Trivial>)) -> (f64, us
     (cycles as f64 * machine.period, planner.track().len())
 }
 
-/// What a curve of G5 or G5.2 loses as lines within a tenth of its tolerance, beside itself as one move: the reason why the
-/// motion controller has no splines among its moves.
+/// Compares curves of G5 and G5.2 as lines within a tenth of the tolerance with the same curves as single moves. The motion
+/// controller has no splines among its moves, because they take longer.
 #[test]
 fn curves_as_lines_take_no_longer_than_as_splines() {
     for jerk in [f64::INFINITY, 1e5] {
