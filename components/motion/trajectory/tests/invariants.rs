@@ -356,12 +356,13 @@ fn exact_stops_pass_their_point_and_rest_there() {
 fn without_a_limit_of_jerk_every_corner_is_a_sample_at_rest() {
     let kinds = [Kind::Lines, Kind::Arcs, Kind::Reversals, Kind::Tiny, Kind::Mixed];
     let (mut stops, mut longer) = (0, 0);
-    for (kind, seed) in kinds.into_iter().flat_map(|kind| (0..6).map(move |seed| (kind, seed))) {
+    for (kind, n) in kinds.into_iter().flat_map(|kind| (0..6).map(move |n| (kind, n))) {
+        let seed = n as u64;
         let machine = machine(f64::INFINITY);
         let mode = Mode::ExactStop;
         let options = Options { count: 40, axes: 9, mode, feed: 250.0, stops: 0.0, area: 60.0 };
         let program = random(kind, 70 + seed, &options);
-        let change = [0.0, 0.002, 0.05, 0.3][seed as usize % 4];
+        let change = [0.0, 0.002, 0.05, 0.3][n % 4];
         let out = run(&program, &machine, &Trivial, &Conduct { seed, change, ..PLAIN });
         assert_eq!((out.violations, out.rejected, out.refused), (0, 0, 0), "{}", out.place);
 
