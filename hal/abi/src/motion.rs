@@ -33,7 +33,7 @@ pub struct MotionCommand {
     pub speed_kind: u32,
     /// Extent of a jog: 0 until it is stopped, 1 by the distance `value`, 2 to the position `value`.
     pub extent: u32,
-    /// Additional full turns of an arc; order of a spline.
+    /// Additional full turns of an arc.
     pub count: u32,
     /// Setting that [`motion_kind::CONFIGURE`] changes: its place in
     /// [`motion_setting::NAMES`], from 0.
@@ -44,10 +44,6 @@ pub struct MotionCommand {
     pub center: [f64; 3],
     /// Direction of an arc's axis; zero means z.
     pub normal: [f64; 3],
-    /// Control point of a spline in x y z.
-    pub control: [f64; 3],
-    /// Weight of the control point.
-    pub weight: f64,
     /// Velocity or duration of a move, as `speed_kind` says; velocity of a jog; turns per minute of
     /// a spindle.
     pub speed: f64,
@@ -84,8 +80,6 @@ impl MotionCommand {
             pose: [0.0; 9],
             center: [0.0; 3],
             normal: [0.0; 3],
-            control: [0.0; 3],
-            weight: 0.0,
             speed: 0.0,
             acceleration: 0.0,
             tolerance: 0.0,
@@ -132,8 +126,6 @@ pub mod motion_kind {
         "analog-out",
         "configure",
         "tap",
-        "spline-point",
-        "spline",
     ];
     /// Switches the machine on.
     pub const ENABLE: u32 = 1;
@@ -185,10 +177,6 @@ pub mod motion_kind {
     pub const CONFIGURE: u32 = 24;
     /// Taps rigidly to `pose` and back, with the spindle `index` and its `pitch`.
     pub const TAP: u32 = 25;
-    /// Adds a control point to the spline that [`SPLINE`] ends.
-    pub const SPLINE_POINT: u32 = 26;
-    /// Moves along a rational B-spline of order `count` over the control points so far.
-    pub const SPLINE: u32 = 27;
 }
 
 /// Bits of [`MotionCommand::flags`].

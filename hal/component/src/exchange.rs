@@ -28,6 +28,16 @@ pub(crate) fn fill<T: Plain>(words: &[AtomicU64], value: &T) {
     });
 }
 
+pub(crate) fn fill_some<const FIELDS: u128, T: Plain>(words: &[AtomicU64], value: &T) {
+    // The compiler knows this length, as in `fill`.
+    let Some(words) = words.get(..T::WORDS) else { return };
+    value.store_some::<FIELDS>(&mut |n, bits| {
+        if let Some(word) = words.get(n) {
+            word.store(bits, Ordering::Relaxed);
+        }
+    });
+}
+
 fn read<T: Plain>(words: &[AtomicU64]) -> T {
     let mut words = words.iter();
     T::load(&mut || words.next().map_or(0, |word| word.load(Ordering::Relaxed)))

@@ -91,7 +91,7 @@ pub use operator::{Operator, OperatorRef, OperatorRequest};
 pub use pins::{pin_doc, pin_name};
 #[doc(hidden)]
 pub use plain::field as plain_field;
-pub use plain::{Plain, PlainField};
+pub use plain::{Plain, PlainField, fields};
 pub use port::Port;
 pub use share::{Gives, Receiver, Sender, Takes, Touch, Uses};
 #[doc(hidden)]

@@ -18,8 +18,13 @@ pub trait Plain: Copy + Send + 'static {
     const WORDS: usize;
     /// Names, types and descriptions of the fields.
     const FIELDS: &'static [&'static FieldSpec];
+    /// Names of the fields.
+    const NAMES: &'static [&'static str];
     /// Passes the words of the record to `put`, in order.
     fn store(&self, put: &mut impl FnMut(u64));
+    /// Passes words with their places in the record to `put`: those of the fields that [`fields`] has made the number
+    /// `FIELDS` of, and of fields beyond the 128th.
+    fn store_some<const FIELDS: u128>(&self, put: &mut impl FnMut(usize, u64));
     /// Makes a record from the words that `take` returns, in order.
     fn load(take: &mut impl FnMut() -> u64) -> Self;
 }
@@ -64,6 +69,34 @@ impl<V: Value, const N: usize> PlainField for [V; N] {
     fn load(take: &mut impl FnMut() -> u64) -> Self {
         core::array::from_fn(|_| V::from_bits(take()))
     }
+}
+
+/// Returns the number that stands for some fields of a record, for
+/// [`Snapshot::set_some`](crate::Snapshot::set_some): a bit for each of the first 128. A name of no field is an error
+/// of the compiler where the number is a constant.
+#[must_use]
+#[expect(clippy::indexing_slicing, reason = "for constants: an index out of range ends the build")]
+pub const fn fields<T: Plain>(names: &[&str]) -> u128 {
+    let (mut all, mut name) = (0, 0);
+    while name < names.len() {
+        let mut field = 0;
+        while !is_same(names[name], T::NAMES[field]) {
+            field += 1;
+        }
+        all |= 1 << field;
+        name += 1;
+    }
+    all
+}
+
+#[expect(clippy::indexing_slicing, reason = "below both lengths")]
+const fn is_same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut n = 0;
+    while n < a.len() && n < b.len() && a[n] == b[n] {
+        n += 1;
+    }
+    n == a.len() && n == b.len()
 }
 
 /// Returns the declaration of a field, for `#[derive(Plain)]`.

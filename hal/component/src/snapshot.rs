@@ -4,7 +4,7 @@ use crate::{
     Builder, Error, Plain, Touch, Uses,
     abi::{self, PageReader, PageWriter, SnapshotRef, SnapshotSpec, Status, Str},
     builder::check,
-    exchange::fill,
+    exchange::{fill, fill_some},
 };
 use core::marker::PhantomData;
 
@@ -24,6 +24,13 @@ impl<T: Plain> Snapshot<T> {
     #[inline]
     pub fn set(&mut self, value: &T) {
         self.page.put(|words| fill(words, value));
+    }
+
+    /// Realtime. Publishes a record of which only the fields in `FIELDS`, made by [`fields`](crate::fields), may differ
+    /// from the last one: the words of all others stay.
+    #[inline]
+    pub fn set_some<const FIELDS: u128>(&mut self, value: &T) {
+        self.page.put(|words| fill_some::<FIELDS, T>(words, value));
     }
 
     /// Returns a reading end of the same snapshot.

@@ -4,7 +4,7 @@ use crate::{
     commands::config::AxisConfig,
     jogger::{By, Jogger, WheelPins},
     offset::{Offset, OffsetPins},
-    pins::{AxisPins, Shown, packed},
+    pins::{AxisPins, Shown},
 };
 
 /// State of one axis.
@@ -27,7 +27,7 @@ impl Axis {
         let [request, now] = self.offset.values();
         pins.pos_cmd.set(pos);
         let changed = self.shown.changes([
-            packed([tp.enable, by == By::Command, by == By::Wheel]),
+            u64::from(tp.enable) << 8 | u64::from(by as u8),
             tp.target.to_bits(),
             tp.vel.to_bits(),
             tp.max_vel.to_bits(),

@@ -7,11 +7,9 @@ use crate::{
     path::order::HandOver,
     pins::Pins,
     state::State,
-    status,
+    status::{Cycle, Status},
 };
-use hal_component::{
-    Clock, Gives, KinematicsRef, MotionStatus, Period, Receiver, Sender, Snapshot, Touch, Update,
-};
+use hal_component::{Clock, Gives, KinematicsRef, Period, Receiver, Sender, Touch, Update};
 use libm::sqrt;
 
 /// Maximum number of commands executed in a cycle, because planning a move takes time.
@@ -58,10 +56,7 @@ pub(crate) struct Controller {
     /// Number of cycles so far.
     #[state]
     pub(crate) cycle: u64,
-    pub(crate) status: Snapshot<MotionStatus>,
-    /// Last record of the snapshot.
-    #[state]
-    pub(crate) record: MotionStatus,
+    pub(crate) status: Status,
     #[state]
     pub(crate) outputs: Outputs,
     /// Declares that the path passes orders to the planner.
@@ -110,13 +105,13 @@ impl Controller {
         let changed = joints.fold(0, |changed, (n, (joint, pins))| {
             changed | u32::from(joint.write_pins(pins, enabled)) << n
         });
-        let record = &mut self.record;
-        record.cycle = self.cycle;
-        record.time_ns = self.last_ns.unwrap_or_default();
-        record.velocity = velocity(s);
-        status::update(record, s, &self.pins.lists, changed);
-        self.outputs.write_pins(s, &self.pins, record);
-        self.status.set(record);
+        let cycle = Cycle {
+            number: self.cycle,
+            time_ns: self.last_ns.unwrap_or_default(),
+            velocity: velocity(s),
+        };
+        self.status.publish(s, &self.pins.lists, cycle, changed);
+        self.outputs.write_pins(s, &self.pins, self.status.record());
     }
 }
 

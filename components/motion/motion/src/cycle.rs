@@ -131,7 +131,9 @@ impl State {
         }
         for joint in &mut self.joints {
             joint.correct(&self.tables, dt, self.enabled);
-            joint.work_lock(self.enabled);
+        }
+        if self.has_locks {
+            self.joints.iter_mut().for_each(|joint| joint.work_lock(self.enabled));
         }
         self.tell_spindles();
         self.end_override();
@@ -246,17 +248,20 @@ impl State {
     /// Moves the joints to the pose with the offsets.
     pub(crate) fn place(&mut self, before: &Pose, dt: f64) -> Result<(), Refusal> {
         let places = self.paced(before, dt)?;
-        let moved = || self.joints.iter().zip(&places).filter(|(j, _)| j.active && !j.extra);
-        if let Some(n) = self.joints.iter().zip(&places).position(|(j, place)| j.is_held(*place)) {
+        if self.has_locks
+            && let Some(n) =
+                self.joints.iter().zip(&places).position(|(j, place)| j.is_held(*place))
+        {
             return Err(Refusal::joint(
                 "a joint that would move is locked",
                 "joint {} would move, and is locked",
                 n,
             ));
         }
-        self.on_soft_limit = moved().any(|(joint, place)| joint.is_beyond(*place));
+        self.on_soft_limit = false;
         for (joint, place) in self.joints.iter_mut().zip(&places) {
             if joint.active && !joint.extra {
+                self.on_soft_limit |= joint.is_beyond(*place);
                 joint.place(*place, dt);
             }
         }

@@ -9,6 +9,7 @@ use crate::{
     jogger::{By, Jogger, TravelLimits, WheelPins},
     lock::Lock,
     pins::{JointPins, Shown, packed},
+    setup::is_zero,
     simple_tp::SimpleTp,
 };
 use libm::fabs;
@@ -28,6 +29,11 @@ pub(crate) struct JointInputs {
 #[derive(Debug, Default)]
 pub(crate) struct Joint {
     pub(crate) config: JointConfig,
+    /// Share of the limits that the correction has, and the velocity that it leaves to moves.
+    share: f64,
+    pub(crate) move_velocity: f64,
+    /// Lowest and highest position that is not at a soft limit.
+    inside: [f64; 2],
     /// True if the joint is configured and takes part.
     pub(crate) active: bool,
     /// True if the joint follows posthome-cmd once homed, instead of the kinematics.
@@ -42,7 +48,7 @@ pub(crate) struct Joint {
     ferror: f64,
     ferror_limit: f64,
     /// Value of the pin f-errored: the following error exceeded its limit when measured, before the reaction reset it.
-    was_ferrored: bool,
+    pub(crate) was_ferrored: bool,
     /// True if the joint switched the machine off.
     pub(crate) error: bool,
     pub(crate) homing: Homing,
@@ -62,7 +68,10 @@ pub(crate) struct Joint {
 
 impl Joint {
     pub(crate) fn new(extra: bool, has_lock: bool) -> Self {
-        Self { extra, lock: Lock::new(has_lock), free: Jogger::new(), ..Self::default() }
+        let mut joint =
+            Self { extra, lock: Lock::new(has_lock), free: Jogger::new(), ..Self::default() };
+        joint.set_config(JointConfig::default());
+        joint
     }
 
     /// Reads the pins, and computes the following error of the last command.
@@ -80,7 +89,7 @@ impl Joint {
 
     /// Applies a configuration; returns true if the joint takes part from now on.
     pub(crate) fn configure(&mut self, config: JointConfig) -> bool {
-        self.config = config;
+        self.set_config(config);
         self.watch.configure(&config);
         let joins = !self.active;
         if joins {
@@ -89,6 +98,13 @@ impl Joint {
             self.track_feedback("the joint was configured");
         }
         joins
+    }
+
+    fn set_config(&mut self, config: JointConfig) {
+        self.share = config.correction_share();
+        self.move_velocity = config.move_velocity();
+        self.inside = [config.min_limit + SLACK, config.max_limit - SLACK];
+        self.config = config;
     }
 
     fn measure(&mut self) {
@@ -167,9 +183,9 @@ impl Joint {
 
     /// Returns whether the joint is at or beyond its lower and its upper soft limit.
     pub(crate) fn at_soft_limits(&self) -> (bool, bool) {
-        let c = &self.config;
-        let (low, high) = (c.min_limit + SLACK, c.max_limit - SLACK);
-        (self.homing.homed && self.pos_cmd <= low, self.homing.homed && self.pos_cmd >= high)
+        let [low, high] = self.inside;
+        let homed = self.homing.homed;
+        (homed & (self.pos_cmd <= low), homed & (high <= self.pos_cmd))
     }
 
     /// Sets the position of this cycle.
@@ -182,7 +198,7 @@ impl Joint {
     /// Sets position and velocity of this cycle from the joint's own planner. A velocity limit that was lowered during
     /// the motion applies: the joint brakes.
     pub(crate) fn place_free(&mut self, dt: f64) {
-        self.free.slow_to(self.config.move_velocity());
+        self.free.slow_to(self.move_velocity);
         self.free.step(dt);
         self.pos_cmd = self.free.tp.pos;
         self.moving(self.free.tp.vel, dt);
@@ -206,10 +222,7 @@ impl Joint {
         } else if self.forward.is_some_and(|forward| forward == (by > 0.0)) {
             self.farthest = self.pos_cmd;
         }
-        if self.config.correction_share() == 0.0
-            && self.backlash_want == 0.0
-            && !self.is_corrected()
-        {
+        if is_zero([self.share, self.backlash_want, self.backlash.pos, self.backlash.vel]) {
             return;
         }
         let homed = self.homing.homed;
@@ -219,20 +232,12 @@ impl Joint {
             return;
         }
         self.backlash.target = self.backlash_want;
-        let share = match self.config.correction_share() {
-            // A correction that was switched off leaves softly.
-            0.0 => DEFAULT_SHARE,
-            share => share,
-        };
+        // A correction that was switched off leaves softly.
+        let share = if self.share == 0.0 { DEFAULT_SHARE } else { self.share };
         self.backlash.max_vel = share * self.config.max_velocity;
         self.backlash.max_acc = share * self.config.max_acceleration;
         self.backlash.enable = true;
         self.backlash.step_exactly(dt);
-    }
-
-    /// Returns whether a correction is applied.
-    fn is_corrected(&self) -> bool {
-        self.backlash.pos != 0.0 || self.backlash.vel != 0.0
     }
 
     /// Returns whether a closed lock keeps the joint from a position.
@@ -322,14 +327,13 @@ impl Joint {
             self.homing.homed,
             tp.active,
             tp.enable,
-            self.free.by == By::Command,
-            self.free.by == By::Wheel,
             below,
             above,
         ]);
+        let by = u64::from(self.free.by as u8) << 16;
         let code = if self.homing.is_under_way() { self.homing.code() } else { 0 };
         let changed = self.shown.changes([
-            state | u64::from(code.cast_unsigned()) << 32,
+            state | by | u64::from(code.cast_unsigned()) << 32,
             self.motor_offset.to_bits(),
             self.backlash_want.to_bits(),
             self.backlash.pos.to_bits(),

@@ -168,7 +168,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         kinematics,
         cache: Arc::new(Mutex::new(cache)),
     };
-    let status = status::open(b)?;
+    let status = status::Status::open(b)?;
     let service = Service {
         interface: interface.clone(),
         handled: to_controller.clone(),
@@ -186,7 +186,6 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         clock: b.clock(),
         last_ns: None,
         cycle: 0,
-        record: status::blank(),
         outputs: outputs::Outputs::default(),
         status,
         hand,

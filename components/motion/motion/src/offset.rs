@@ -1,6 +1,6 @@
 //! Realtime. External offset of one axis, added by pins to its position within a fraction of its limits.
 
-use crate::{jogger::TravelLimits, simple_tp::SimpleTp};
+use crate::{jogger::TravelLimits, setup::is_zero, simple_tp::SimpleTp};
 use hal_component::In;
 
 /// External offset of one axis.
@@ -86,7 +86,7 @@ impl Offset {
 
     /// Returns whether an offset is applied.
     pub(crate) fn is_there(&self) -> bool {
-        self.tp.pos != 0.0 || self.tp.vel != 0.0
+        !is_zero([self.tp.pos, self.tp.vel])
     }
 
     /// Returns whether there is no offset, and none is requested.
@@ -96,8 +96,8 @@ impl Offset {
 
     /// Returns whether nothing has changed: no offset is there or was there, none is requested, and the counts are the same.
     pub(crate) fn rests_at_zero(&self, counts: In<i32>) -> bool {
-        let is_zero = self.is_unused() && self.last == 0.0 && !self.is_limited && !self.tp.enable;
-        is_zero && self.counts == Some(counts.get())
+        let is_at_zero = is_zero([self.request, self.tp.pos, self.tp.vel, self.last]);
+        is_at_zero & !self.is_limited & !self.tp.enable && self.counts == Some(counts.get())
     }
 
     /// Returns whether a limit keeps the offset from its request.

@@ -1,8 +1,8 @@
 //! Realtime. External offsets of all axes: their limits, and the limits that they leave to moves.
 
 use crate::{
-    axis, commands::command::Mode, commands::refusal::Refusal, jogger::TravelLimits,
-    offset::Offset, pins::Pins, setup::MAX_JOINTS, state::State,
+    axis, commands::command::Mode, commands::refusal::Refusal, jogger::TravelLimits, pins::Pins,
+    setup::MAX_JOINTS, state::State,
 };
 use hal_component::{KinematicsKind, Pose};
 use libm::fabs;
@@ -10,6 +10,13 @@ use libm::fabs;
 impl State {
     /// Reads the requests from the pins, and moves the offsets.
     pub(crate) fn offsets(&mut self, pins: &Pins, dt: f64) {
+        let mut all = self.axes.iter().zip(&pins.axes);
+        if all.all(|(axis, pins)| {
+            let has_share = axis.config.offset_fraction > 0.0;
+            !has_share && axis.offset.rests_at_zero(pins.eoffset_counts)
+        }) {
+            return;
+        }
         let in_axes = self.enabled && self.mode != Mode::Free;
         let allowed = in_axes && self.is_all_homed();
         for n in 0..self.axes.len() {
@@ -64,8 +71,10 @@ impl State {
 
     /// Returns whether any offset is applied, and whether a limit keeps one from its request.
     pub(crate) fn is_offset(&self) -> (bool, bool) {
-        let any = |is: fn(&Offset) -> bool| self.axes.iter().any(|a| is(&a.offset));
-        (any(Offset::is_there), any(Offset::is_limited))
+        self.axes.iter().fold((false, false), |(is_there, is_limited), axis| {
+            let offset = &axis.offset;
+            (is_there | offset.is_there(), is_limited | offset.is_limited())
+        })
     }
 
     /// Computes the fraction of each joint's velocity and acceleration that corrections and offsets leave to moves.

@@ -13,7 +13,7 @@ pub(crate) struct Outputs {
     state: Shown<1>,
     segment: Shown<6>,
     feed: Shown<3>,
-    tool: Shown<9>,
+    tool: Shown<1>,
     digital: Shown<1>,
     /// Velocity along the current move.
     along: f64,
@@ -125,7 +125,7 @@ impl Outputs {
     }
 
     fn write_tool(&mut self, s: &State, g: &GeneralPins) {
-        if !self.tool.changes(s.tool_offset.map(f64::to_bits)) {
+        if !self.tool.changes([s.tool_offsets.into()]) {
             return;
         }
         let tool = [

@@ -125,6 +125,12 @@ pub(crate) fn put<T>(list: &mut [T], n: usize, value: T) {
     }
 }
 
+/// Returns whether all values are zero, without a branch for each.
+pub(crate) fn is_zero<const N: usize>(values: [f64; N]) -> bool {
+    // Both zeros have no other bit than the sign.
+    values.iter().fold(0, |bits, value| bits | value.to_bits()) << 1 == 0
+}
+
 /// Returns the multiple of the base period that is nearest to the servo period.
 fn servo_period(servo: i64, base: i64) -> Result<i64, Error> {
     if servo <= 0 || servo < base {

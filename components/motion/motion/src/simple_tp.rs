@@ -66,6 +66,10 @@ impl SimpleTp {
 
     fn run(&mut self, dt: f64, exactly: bool) {
         let has_jerk = 0.0 < self.max_jerk && self.max_jerk < f64::INFINITY;
+        if !has_jerk && self.is_off() {
+            self.active = false;
+            return;
+        }
         if self.smooth.is_flat() {
             let samples = if has_jerk { self.max_acc / (self.max_jerk * dt) } else { 0.0 };
             // An acceleration that may change its sign in a cycle needs no average.
@@ -98,6 +102,16 @@ impl SimpleTp {
             self.vel = mean / dt;
             self.active = true;
         }
+    }
+
+    /// Returns whether a cycle without a jerk limit would leave everything as it is: at rest, at the very target.
+    fn is_off(&self) -> bool {
+        let at = self.pos.to_bits();
+        let is_there = at == self.target.to_bits() && at == self.x.to_bits();
+        // A cycle adds zero, which changes the negative one.
+        let is_still =
+            (self.v.to_bits() | self.vel.to_bits()) == 0 && (self.pos + 0.0).to_bits() == at;
+        is_there && is_still && self.smooth.is_off()
     }
 
     /// Moves for a cycle, without the jerk limit.

@@ -38,6 +38,8 @@ pub(crate) struct Inputs {
 /// Result of the last probe move.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ProbeResult {
+    /// Number of poses so far.
+    pub(crate) number: u32,
     /// True if the probe has changed.
     pub(crate) found: bool,
     /// Pose in that cycle, as measured.
@@ -69,6 +71,8 @@ pub(crate) struct State {
     pub(crate) switch: Switch,
     pub(crate) say: Messages,
     pub(crate) joints: Vec<Joint>,
+    /// True if a joint has a lock.
+    pub(crate) has_locks: bool,
     /// Screw errors of all joints.
     pub(crate) tables: Tables,
     pub(crate) axes: Vec<Axis>,
@@ -84,6 +88,8 @@ pub(crate) struct State {
     pub(crate) path: Path,
     pub(crate) probe: ProbeResult,
     pub(crate) tool_offset: Pose,
+    /// Number of tool offsets so far.
+    pub(crate) tool_offsets: u32,
     pub(crate) origin: Origin,
     pub(crate) mode: Mode,
     pub(crate) enabled: bool,
@@ -128,6 +134,7 @@ impl State {
             switch: Switch::default(),
             say,
             joints: (0..setup.joints).map(joint).collect(),
+            has_locks: setup.unlock_mask != 0,
             tables: Tables::default(),
             axes: (0..9).map(|_| Axis::new()).collect(),
             planning_fractions: [1.0; MAX_JOINTS],
@@ -148,6 +155,7 @@ impl State {
             path,
             probe: ProbeResult::default(),
             tool_offset: [0.0; 9],
+            tool_offsets: 0,
             origin: Origin::default(),
             mode: Mode::Free,
             enabled: false,
@@ -248,7 +256,7 @@ impl State {
 
     /// Computes the pose that the encoders report. Where the kinematics have none, it is the commanded pose.
     pub(crate) fn find_feedback(&mut self) {
-        let mut places = self.places();
+        let mut places = [0.0; MAX_JOINTS];
         for (place, joint) in places.iter_mut().zip(&self.joints) {
             *place = joint.pos_fb;
         }

@@ -11,8 +11,10 @@
 //! speeds.
 
 mod event;
+mod output;
 
 use crate::{
+    curve::Curve,
     pose::Pose,
     speed::MAX_SAMPLES,
     track::{Cell, Path},
@@ -66,6 +68,8 @@ pub struct Follower {
     skip: f64,
     /// True if the input brakes for what is ahead.
     brakes: bool,
+    /// Curve at the output, and its number.
+    curve: Option<(u64, Curve)>,
 }
 
 /// A place on the track.
@@ -124,6 +128,7 @@ impl Follower {
             top: f64::INFINITY,
             skip: 0.0,
             brakes: false,
+            curve: None,
         }
     }
 
@@ -159,9 +164,9 @@ impl Follower {
 
     /// Returns true if the follower rests at the end of the track and the filter is flat.
     pub fn is_done(&self, track: &impl Path) -> bool {
-        let last = track.cell(self.cell);
-        let after = track.cell(self.cell + 1).is_none();
-        after && self.is_flat() && last.is_none_or(|c| self.place(&c).x >= c.length)
+        self.is_flat()
+            && !track.has(self.cell + 1)
+            && track.cell(self.cell).is_none_or(|c| self.place(&c).x >= c.length)
     }
 
     /// Returns the largest number of events in a period so far.
@@ -343,51 +348,6 @@ impl Follower {
         #[expect(clippy::cast_precision_loss, reason = "at most 2000")]
         let mean = self.sum / n as f64;
         mean
-    }
-
-    /// Moves the output along the track.
-    fn advance(&mut self, track: &impl Path, travel: f64) {
-        if self.is_flat() || self.samples == 1 {
-            // Input and output agree but for rounding.
-            if let Some(cell) = track.cell(self.cell) {
-                self.output = self.place(&cell);
-                self.carry = 0.0;
-            }
-        } else {
-            // Compensated summation: a crawl of hours must end where the input does.
-            let more = travel - self.carry;
-            let x = self.output.x + more;
-            self.carry = (x - self.output.x) - more;
-            self.output.x = x;
-            while let Some(cell) = track.cell(self.output.cell) {
-                if self.output.x > cell.length {
-                    if track.cell(self.output.cell + 1).is_none() {
-                        self.output.x = cell.length;
-                        break;
-                    }
-                    self.output.x -= cell.length;
-                    self.output.cell += 1;
-                } else if self.output.x < 0.0 {
-                    let before = self.output.cell.checked_sub(1);
-                    let Some((k, before)) = before.and_then(|k| Some((k, track.cell(k)?))) else {
-                        self.output.x = 0.0;
-                        break;
-                    };
-                    self.output.x += before.length;
-                    self.output.cell = k;
-                } else {
-                    break;
-                }
-            }
-        }
-        if let Some(cell) = track.cell(self.output.cell)
-            && let Some(pose) = track.pose(cell.curve, cell.from + self.output.x)
-        {
-            self.position = pose;
-            self.line = cell.line;
-            self.feed = cell.feed;
-            self.highest = cell.speed;
-        }
     }
 }
 

@@ -179,21 +179,20 @@ impl Publisher {
 
 impl Path for Reader {
     fn cell(&self, number: u64) -> Option<Cell> {
-        let Shared { order, cells, .. } = &*self.0;
-        if number >= order.count() || number < order.first() {
+        if !self.has(number) {
             return None;
         }
         // The end first: a reader that sees it raised sees the cells that it needs.
-        let end = f64::from_bits(cells.get(number, END));
-        let mut words = cells.read(number);
-        if let Some(word) = words.get_mut(END) {
-            *word = end.to_bits();
-        }
-        Some(cell_from(&words))
+        Some(cell_from(&self.0.cells.read::<END>(number)?))
     }
 
-    fn pose(&self, curve: u64, s: f64) -> Option<Pose> {
-        Some(curve_from(self.0.curves.words(curve)).pose(s))
+    fn has(&self, number: u64) -> bool {
+        let order = &self.0.order;
+        number < order.count() && order.first() <= number
+    }
+
+    fn curve(&self, number: u64) -> Option<Curve> {
+        Some(curve_from(self.0.curves.words(number)))
     }
 
     fn may_turn(&self, reverse: bool) -> bool {

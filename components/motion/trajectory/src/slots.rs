@@ -126,16 +126,17 @@ impl<const N: usize> Slots<N> {
         }
     }
 
-    /// Reader: returns a word of a published slot.
-    pub(crate) fn get(&self, number: u64, word: usize) -> u64 {
-        let slot = self.slot(number).and_then(|s| s.get(word));
-        slot.map_or(0, |w| w.load(Ordering::Acquire)) // Pairs with Release in `set`.
-    }
-
-    /// Reader: returns the words of a published slot.
-    pub(crate) fn read(&self, number: u64) -> [u64; N] {
-        let mut words = self.words(number);
-        [0; N].map(|_: u64| words.next().unwrap_or(0))
+    /// Reader: returns the words of a published slot; the word `FIRST`, which the writer may raise, is loaded before all
+    /// others.
+    #[inline]
+    pub(crate) fn read<const FIRST: usize>(&self, number: u64) -> Option<[u64; N]> {
+        let slot = self.slot(number)?;
+        // Pairs with Release in `set`.
+        let first = slot.get(FIRST)?.load(Ordering::Acquire);
+        // Ordered by `Order::count`.
+        let mut words = slot.each_ref().map(|word| word.load(Ordering::Relaxed));
+        *words.get_mut(FIRST)? = first;
+        Some(words)
     }
 
     /// Reader: returns the words of a published slot, each loaded when it is taken.

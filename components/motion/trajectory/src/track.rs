@@ -8,15 +8,18 @@
 
 use std::collections::VecDeque;
 
-use crate::{curve::Curve, pose::Pose};
+use crate::curve::Curve;
 
 /// Path of a follower: the [`Track`] itself, or the [`Reader`](crate::Reader) of a planner in another thread.
 pub trait Path {
     /// Returns a cell by its number.
     fn cell(&self, number: u64) -> Option<Cell>;
 
-    /// Returns the pose on a curve at a path coordinate.
-    fn pose(&self, curve: u64, s: f64) -> Option<Pose>;
+    /// Returns true if there is a cell with this number.
+    fn has(&self, number: u64) -> bool;
+
+    /// Returns a curve by its number. It never changes.
+    fn curve(&self, number: u64) -> Option<Curve>;
 
     /// Returns true if the motion, which rests, may begin in this direction.
     fn may_turn(&self, _reverse: bool) -> bool {
@@ -101,8 +104,12 @@ impl Path for Track {
         Self::cell(self, number).copied()
     }
 
-    fn pose(&self, curve: u64, s: f64) -> Option<Pose> {
-        self.curve(curve).map(|c| c.pose(s))
+    fn has(&self, number: u64) -> bool {
+        Self::cell(self, number).is_some()
+    }
+
+    fn curve(&self, number: u64) -> Option<Curve> {
+        Self::curve(self, number).copied()
     }
 }
 

@@ -349,6 +349,72 @@ fn exact_stops_pass_their_point_and_rest_there() {
     }
 }
 
+/// Without a limit of jerk, too, and at any override: the limits hold as differences of the samples, each exact stop is a
+/// sample at the very corner, and the speed is 0 there, because the samples beside it are no farther than an acceleration
+/// from rest goes in a period.
+#[test]
+fn without_a_limit_of_jerk_every_corner_is_a_sample_at_rest() {
+    let kinds = [Kind::Lines, Kind::Arcs, Kind::Reversals, Kind::Tiny, Kind::Mixed];
+    let (mut stops, mut longer) = (0, 0);
+    for (kind, n) in kinds.into_iter().flat_map(|kind| (0..6).map(move |n| (kind, n))) {
+        let seed = n as u64;
+        let machine = machine(f64::INFINITY);
+        let mode = Mode::ExactStop;
+        let options = Options { count: 40, axes: 9, mode, feed: 250.0, stops: 0.0, area: 60.0 };
+        let program = random(kind, 70 + seed, &options);
+        let change = [0.0, 0.002, 0.05, 0.3][n % 4];
+        let out = run(&program, &machine, &Trivial, &Conduct { seed, change, ..PLAIN });
+        assert_eq!((out.violations, out.rejected, out.refused), (0, 0, 0), "{}", out.place);
+
+        let planner = planned(&program, &machine);
+        let mut follower = Follower::new(machine.period, Pose(program.start));
+        let mut rng = Rng::new(seed);
+        let mut seen = vec![(Pose(program.start), 0, true)];
+        let mut scale = 1.0;
+        while !follower.is_done(planner.track()) {
+            if rng.chance(change) {
+                scale = rng.pick(&[0.0, 0.05, 0.4, 1.0, 1.5], 1.0);
+            }
+            scale = if seen.len() > 30_000 { 1.0 } else { scale };
+            let step = follower.step(planner.track(), scale, false);
+            seen.push((step.pose, step.line as usize, step.rests));
+        }
+        let corners = program.poses();
+        let reached: Vec<bool> = corners.iter().map(|c| at_rest(&seen, c, &machine)).collect();
+        for (before, after) in seen.iter().zip(&seen[1..]).map(|(a, b)| (a.1, b.1)) {
+            for k in before..after {
+                // The corner between two lines; the lines of specks may be part of the next ones.
+                assert!(reached[k + 1] || after - before > 1, "{kind:?} {seed}: corner {}", k + 1);
+                stops += 1;
+            }
+        }
+        longer += usize::from(change > 0.0);
+    }
+    assert!(stops > 900 && longer > 10, "{stops} stops");
+}
+
+/// Returns whether a sample is at a corner, at rest as the samples beside it show.
+fn at_rest(seen: &[(Pose, usize, bool)], corner: &[f64; 9], machine: &Machine) -> bool {
+    let at = seen.iter().enumerate().filter(|(_, (pose, _, rests))| {
+        let by = *pose - Pose(*corner);
+        *rests && by.dot_all(&by).sqrt() < 1e-9
+    });
+    let mut beside = at.flat_map(|(k, here)| {
+        [k.checked_sub(1), Some(k + 1)].into_iter().flatten().map(move |n| (n, here.0))
+    });
+    let reached = beside.clone().next().is_some();
+    reached
+        && beside.all(|(n, here)| {
+            let Some((there, ..)) = seen.get(n) else { return true };
+            let steps = (*there - here).0.into_iter().zip(machine.axes);
+            let near = |(by, limits): (f64, Limits)| {
+                by.abs()
+                    <= 0.5 * limits.acceleration * machine.period.powi(2) * (1.0 + 1e-6) + 1e-12
+            };
+            steps.into_iter().all(near)
+        })
+}
+
 /// From any state, a hold is at rest within the time that braking, the filter and the pause before it take.
 #[test]
 fn a_hold_stops_in_time() {

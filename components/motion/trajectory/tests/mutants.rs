@@ -24,7 +24,7 @@ const BOUNDS: [&str; 2] = ["times", "times_are_near"];
 
 const LIB: &str = "lib";
 
-const MUTANTS: [Mutant; 22] = [
+const MUTANTS: [Mutant; 23] = [
     Mutant {
         mistake: "a search takes the end of its bracket that has not passed the test",
         file: "follower/event.rs",
@@ -34,7 +34,7 @@ const MUTANTS: [Mutant; 22] = [
     },
     Mutant {
         mistake: "rounding of the travel is lost",
-        file: "follower.rs",
+        file: "follower/output.rs",
         right: "let more = travel - self.carry;",
         wrong: "let more = travel;",
         fails: PAST,
@@ -122,6 +122,13 @@ const MUTANTS: [Mutant; 22] = [
         right: "if self.samples == 1 { still } else { rests.is_ok_and(|f| f >= self.samples) }",
         wrong: "self.flat < u32::MAX || still || rests.is_err()",
         fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "without a filter, motion leaves an exact stop in the period in which it arrives",
+        file: "follower.rs",
+        right: "if self.samples == 1 { still }",
+        wrong: "if self.samples == 1 { still || self.flat < u32::MAX }",
+        fails: ["invariants", "every_corner_is_a_sample"],
     },
     Mutant {
         mistake: "a cell has the acceleration of a straight one",

@@ -9,7 +9,8 @@
 
 use hal_corpus::Rng;
 use hal_trajectory::{
-    Error, Follower, Limits, Machine, Mode, Planner, Pose, Spline, SplineFault, Trivial,
+    Error, Follower, Limits, Machine, Mode, Move, Planner, Pose, Shape, Spline, SplineFault,
+    Trivial,
 };
 use hal_watchman::{
     AXES, Limits as WatchLimits, PathWatch, Shape as WatchShape, Tolerance, Watchman,
@@ -293,4 +294,82 @@ fn splines_that_cannot_be_are_refused() {
     let none = refused(&mut planner, &four.map(|_| four[0]));
     assert_eq!(none, Error::Spline { line: 9, fault: SplineFault::Short });
     assert!(planner.track().is_empty());
+}
+
+/// Ends of lines within this distance of a curve, as G-code's curves become them.
+fn lines(data: &Data, tolerance: f64) -> Vec<Pose> {
+    let last = data.knots[data.points.len()];
+    let at = |n: usize, of: usize| {
+        let share = n as f64 / of as f64;
+        if n == of { data.points[data.points.len() - 1].0 } else { data.at(share * last) }
+    };
+    let mut count = 8;
+    loop {
+        let off = |n: usize| {
+            let [a, b, c] = [2 * n, 2 * n + 1, 2 * n + 2].map(|k| at(k, 2 * count));
+            let (by, along) = (b - a, c - a);
+            let share = by.dot_all(&along) / along.dot_all(&along);
+            let off = by - along * share;
+            off.dot_all(&off).sqrt()
+        };
+        if count >= 4096 || (0..count).all(|n| off(n) <= tolerance) {
+            return (1..=count).map(|n| at(n, count)).collect();
+        }
+        count *= 2;
+    }
+}
+
+/// Plans and follows; returns the time in seconds and the number of cells.
+fn time(machine: &Machine, push: impl FnOnce(&mut Planner<Trivial>)) -> (f64, usize) {
+    let mut planner = Planner::new(*machine, Trivial, Pose::ZERO).unwrap();
+    push(&mut planner);
+    planner.finish();
+    let mut follower = Follower::new(machine.period, Pose::ZERO);
+    let mut cycles = 0;
+    while !follower.is_done(planner.track()) {
+        let _ = follower.step(planner.track(), 1.0, false);
+        cycles += 1;
+    }
+    (cycles as f64 * machine.period, planner.track().len())
+}
+
+/// Compares curves of G5 and G5.2 as lines within a tenth of the tolerance with the same curves as single moves. The motion
+/// controller has no splines among its moves, because they take longer.
+#[test]
+fn curves_as_lines_take_no_longer_than_as_splines() {
+    for jerk in [f64::INFINITY, 1e5] {
+        for tolerance in [0.1, 0.01, 0.001] {
+            let machine = machine(jerk);
+            let (mut of_lines, mut of_splines, mut slowest) = (0.0, 0.0, 0.0_f64);
+            let [mut pieces, mut cells, mut spline_cells] = [0; 3];
+            for seed in 1..40 {
+                let mut data = random(seed);
+                for (point, _) in &mut data.points {
+                    *point = Pose([point.0[0], point.0[1], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+                }
+                let (spline, more) = time(&machine, |planner| {
+                    let mode = Mode::Blend(tolerance);
+                    planner.push_spline(&data.spline(), 80.0, mode, 0).unwrap();
+                });
+                spline_cells += more;
+                let ends = lines(&data, 0.1 * tolerance);
+                pieces += ends.len();
+                let (lines, more) = time(&machine, |planner| {
+                    for end in ends {
+                        let (shape, mode) = (Shape::Line { end }, Mode::Blend(0.9 * tolerance));
+                        planner.push(&Move { shape, feed: 80.0, mode, line: 0 }).unwrap();
+                    }
+                });
+                cells += more;
+                of_lines += lines;
+                of_splines += spline;
+                slowest = slowest.max(lines / spline);
+            }
+            println!(
+                "J {jerk} P {tolerance}: lines {of_lines:.2} s in {pieces} lines and {cells} cells, splines \
+                 {of_splines:.2} s in {spline_cells} cells, at worst {slowest:.3} times"
+            );
+            assert!(of_lines < of_splines, "{of_lines} s, {of_splines} s");
+        }
+    }
 }

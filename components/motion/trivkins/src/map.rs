@@ -11,21 +11,25 @@ const MAX_JOINTS: usize = 16;
 #[derive(Clone, Debug)]
 pub(crate) struct Map {
     letters: Vec<usize>,
-    first: [Option<usize>; 9],
+    /// First joint of each letter, or [`NONE`].
+    first: [u8; 9],
 }
+
+/// Number of no joint.
+const NONE: u8 = u8::MAX;
 
 impl Map {
     /// Parses text such as `XYYZ`.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let mut letters = Vec::new();
-        let mut first = [None; 9];
+        let mut first = [NONE; 9];
         for c in text.chars().filter(|c| *c != ' ') {
             let letter = LETTERS.chars().position(|l| l == c.to_ascii_uppercase());
             let Some(letter) = letter else {
                 return Err(format!("coordinates '{text}': '{c}' is none of X Y Z A B C U V W"));
             };
-            if let Some(place) = first.get_mut(letter) {
-                place.get_or_insert(letters.len());
+            if let Some(place) = first.get_mut(letter).filter(|place| **place == NONE) {
+                *place = u8::try_from(letters.len()).unwrap_or(NONE);
             }
             letters.push(letter);
         }
@@ -43,13 +47,14 @@ impl Map {
     }
 
     pub(crate) fn joint_of(&self, letter: usize) -> Option<usize> {
-        self.first.get(letter).copied().flatten()
+        self.first.get(letter).filter(|joint| **joint != NONE).map(|joint| usize::from(*joint))
     }
 
     /// Copies joints to the pose; letters that no joint drives keep their values.
     pub(crate) fn forward(&self, joints: &[f64], pose: &mut Pose) {
-        for (place, joint) in pose.iter_mut().zip(self.first) {
-            if let Some(value) = joint.and_then(|j| joints.get(j)) {
+        for (place, joint) in pose.iter_mut().zip(&self.first) {
+            // There are at most sixteen joints, so that none has the number of no joint.
+            if let Some(value) = joints.get(usize::from(*joint)) {
                 *place = *value;
             }
         }

@@ -139,13 +139,8 @@ impl<const J: usize> Watchman<J> {
                 (good, is_calm) = (false, false);
                 continue;
             }
-            let known = past.known;
-            let since = |order: u8, value: f64| if known >= order { value } else { 0.0 };
-            let first = since(1, position - past.position);
-            let second = since(2, first - past.first);
-            let third = since(3, second - past.second);
             let before = past.position;
-            *past = Past { position: *position, first, second, known: 3.min(known + 1) };
+            let [first, second, third] = past.step(*position);
             let [v, a, j] = *calm;
             if first.abs() <= v && second.abs() <= a && third.abs() <= j {
                 continue;
@@ -188,6 +183,24 @@ impl Limits {
 }
 
 impl Past {
+    /// Takes the next position; returns the differences of first, second and third order, 0 for those that are not known.
+    #[inline]
+    fn step(&mut self, position: f64) -> [f64; 3] {
+        let known = self.known;
+        let since = |order: u8, value: f64| if known >= order { value } else { 0.0 };
+        let mut first = position - self.position;
+        let mut second = first - self.first;
+        let mut third = second - self.second;
+        if known < 3 {
+            first = since(1, first);
+            second = since(2, first - self.first);
+            third = since(3, second - self.second);
+            self.known = known + 1;
+        }
+        (self.position, self.first, self.second) = (position, first, second);
+        [first, second, third]
+    }
+
     const fn at_rest(position: f64) -> Self {
         Self { position, first: 0.0, second: 0.0, known: 3 }
     }

@@ -357,7 +357,10 @@ impl State {
     pub(crate) fn set_output(&mut self, output: Output) {
         match output {
             Output::Digital(n, value) => put(&mut self.digital_out, n, value),
-            Output::ToolOffset(offset) => self.tool_offset = offset,
+            Output::ToolOffset(offset) => {
+                self.tool_offset = offset;
+                self.tool_offsets = self.tool_offsets.wrapping_add(1);
+            }
             Output::Analog(n, value) => put(&mut self.analog_out, n, value),
         }
     }

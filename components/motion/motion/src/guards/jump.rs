@@ -5,13 +5,32 @@ use crate::{
     commands::command::Mode,
     commands::refusal::rounded,
     guards::last_jump::{Mover, words},
+    guards::step::Steps,
     jogger::By,
+    setup::MAX_JOINTS,
     state::State,
 };
 
 impl State {
     /// Writes the commands of this cycle, or none of them if one would jump.
     pub(crate) fn put_out(&mut self, dt: f64) {
+        let enabled = self.enabled;
+        let mut steps = [Steps::default(); MAX_JOINTS];
+        for (joint, steps) in self.joints.iter().zip(&mut steps) {
+            match joint.step_guard.judge(&joint.command(enabled), dt) {
+                Ok(passed) => *steps = passed,
+                Err(_) => return self.hold_back(dt),
+            }
+        }
+        for (joint, steps) in self.joints.iter_mut().zip(steps) {
+            let command = joint.command(enabled);
+            joint.step_guard.put_out(&command, steps);
+        }
+    }
+
+    /// Switches off and keeps the last commands, because some would jump.
+    #[cold]
+    fn hold_back(&mut self, dt: f64) {
         let mut cause = None;
         for n in 0..self.joints.len() {
             let Some(joint) = self.joints.get(n) else { continue };
@@ -34,12 +53,6 @@ impl State {
             self.stop_for(cause);
             self.joints.iter_mut().for_each(crate::joint::Joint::hold);
             self.sync(cause);
-        } else {
-            let enabled = self.enabled;
-            for joint in &mut self.joints {
-                let command = joint.command(enabled);
-                joint.step_guard.put_out(&command, dt);
-            }
         }
     }
 

@@ -49,11 +49,15 @@ impl State {
             if !joint.active || joint.extra {
                 continue;
             }
-            let (limit, now) = (joint.config.move_velocity(), fabs(joint.vel_cmd));
+            let (limit, step) = (joint.move_velocity, fabs(place - joint.pos_cmd));
+            if step <= limit * dt {
+                continue;
+            }
+            let now = fabs(joint.vel_cmd);
             // Slightly less, so that rounding does not accumulate.
             let braking = now * (1.0 - ROUNDING);
             let velocity = if braking > limit * (1.0 + ROUNDING) { braking } else { limit };
-            let (step, allowed) = (fabs(place - joint.pos_cmd), velocity * dt);
+            let allowed = velocity * dt;
             if step > most * allowed {
                 most = step / allowed;
             }

@@ -59,9 +59,12 @@ pub(crate) struct Jump {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StepGuard {
     last: MotorCommand,
-    /// Lengths of the last steps of command and correction, clamped to the lengths permitted at that time.
-    last_steps: [f64; 2],
+    last_steps: Steps,
 }
+
+/// Lengths of the steps of command and correction, clamped to the lengths permitted at that time.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Steps([f64; 2]);
 
 impl StepGuard {
     /// Returns the command that was written last.
@@ -74,53 +77,51 @@ impl StepGuard {
         &self.last
     }
 
-    /// Checks a command; changes nothing.
-    pub(crate) fn judge(&self, c: &MotorCommand, dt: f64) -> Result<(), Jump> {
-        if !c.is_on {
-            return Ok(());
-        }
+    /// Checks a command; changes nothing. Returns the lengths of its steps for [`Self::put_out`].
+    #[inline]
+    pub(crate) fn judge(&self, c: &MotorCommand, dt: f64) -> Result<Steps, Jump> {
         let from = self.start(c);
-        let (step, corrected) = self.steps(c, from);
+        let (mut step, corrected) = self.steps(c, from);
         let [of_step, of_correction] = self.allowed(c, dt);
-        let size = fabs(from) + fabs(c.position) + fabs(c.offset) + fabs(c.correction);
-        // NaN fails the comparison.
-        let is_within =
-            |step: f64, allowed: f64| fabs(step) <= allowed * (1.0 + MARGIN) + ROUNDING * size;
-        if c.position.is_finite() && !is_within(corrected, of_correction)
-            || !c.correction.is_finite()
-        {
-            return Err(Jump {
-                from: self.last.correction,
-                to: c.correction,
-                allowed: of_correction,
-                is_of_correction: true,
-            });
+        if c.is_on {
+            let size = fabs(from) + fabs(c.position) + fabs(c.offset) + fabs(c.correction);
+            // NaN fails the comparison.
+            let is_within =
+                |step: f64, allowed: f64| fabs(step) <= allowed * (1.0 + MARGIN) + ROUNDING * size;
+            if c.position.is_finite() && !is_within(corrected, of_correction)
+                || !c.correction.is_finite()
+            {
+                return Err(Jump {
+                    from: self.last.correction,
+                    to: c.correction,
+                    allowed: of_correction,
+                    is_of_correction: true,
+                });
+            }
+            let goes_to_feedback =
+                || self.is_renamed(c) && is_within(self.steps(c, c.feedback).0, of_step);
+            if !c.position.is_finite() || !is_within(step, of_step) && !goes_to_feedback() {
+                return Err(Jump {
+                    from: from - self.last.correction - c.offset,
+                    to: c.position - c.correction - c.offset,
+                    allowed: of_step,
+                    is_of_correction: false,
+                });
+            }
         }
-        let goes_to_feedback =
-            || self.is_renamed(c) && is_within(self.steps(c, c.feedback).0, of_step);
-        if c.position.is_finite() && (is_within(step, of_step) || goes_to_feedback()) {
-            return Ok(());
-        }
-        Err(Jump {
-            from: from - self.last.correction - c.offset,
-            to: c.position - c.correction - c.offset,
-            allowed: of_step,
-            is_of_correction: false,
-        })
-    }
-
-    /// Accepts a command that passed the check, or one for a motor whose amplifier is off.
-    pub(crate) fn put_out(&mut self, c: &MotorCommand, dt: f64) {
-        if !c.position.is_finite() {
-            return self.hold();
-        }
-        let (mut step, corrected) = self.steps(c, self.start(c));
         if self.is_renamed(c) {
             let other = self.steps(c, c.feedback).0;
             step = if fabs(other) < fabs(step) { other } else { step };
         }
-        let [of_step, of_correction] = self.allowed(c, dt);
-        self.last_steps = [less(fabs(step), of_step), less(fabs(corrected), of_correction)];
+        Ok(Steps([less(fabs(step), of_step), less(fabs(corrected), of_correction)]))
+    }
+
+    /// Accepts a command that passed the check, or one for a motor whose amplifier is off.
+    pub(crate) fn put_out(&mut self, c: &MotorCommand, steps: Steps) {
+        if !c.position.is_finite() {
+            return self.hold();
+        }
+        self.last_steps = steps;
         self.last = *c;
     }
 
@@ -133,7 +134,7 @@ impl StepGuard {
     /// the length of the last step if that is longer.
     fn allowed(&self, c: &MotorCommand, dt: f64) -> [f64; 2] {
         let limit = c.max_velocity * dt;
-        self.last_steps.map(|last| if self.last.is_on && last > limit { last } else { limit })
+        self.last_steps.0.map(|last| if self.last.is_on && last > limit { last } else { limit })
     }
 
     /// Returns the command from which a step is measured.
@@ -173,11 +174,11 @@ mod tests {
     };
 
     fn passes(guard: &mut StepGuard, c: MotorCommand) -> bool {
-        let passes = guard.judge(&c, DT).is_ok();
-        if passes {
-            guard.put_out(&c, DT);
+        let steps = guard.judge(&c, DT);
+        if let Ok(steps) = steps {
+            guard.put_out(&c, steps);
         }
-        passes
+        steps.is_ok()
     }
 
     #[test]
@@ -278,10 +279,11 @@ mod tests {
                 let nearest = if renamed { step.min(beside) } else { step };
                 let legal = !c.is_on
                     || nearest < allowed * 1.0005 && corrected.abs() < allowed_correction * 1.0005;
-                assert_eq!(guard.judge(&c, DT).is_ok(), legal, "{before:?} {c:?}");
+                let steps = guard.judge(&c, DT);
+                assert_eq!(steps.is_ok(), legal, "{before:?} {c:?}");
                 let out = guard.last();
-                if legal {
-                    guard.put_out(&c, DT);
+                if let Ok(steps) = steps {
+                    guard.put_out(&c, steps);
                     assert_eq!(guard.last(), c.position);
                     way = nearest.min(allowed);
                     correction_way = corrected.abs().min(allowed_correction);

@@ -1,6 +1,6 @@
 //! Realtime. Causes that switch the machine off.
 
-use crate::{commands::refusal::Refusal, pins::Pins, state::State};
+use crate::{commands::refusal::Refusal, joint::Joint, pins::Pins, state::State};
 
 impl State {
     /// Checks every cause to switch off; completes the ticket of the enable command.
@@ -29,6 +29,22 @@ impl State {
             self.say.error("spindle {} amplifier fault", &[n as f64]);
             cause.get_or_insert("spindle amplifier fault");
         }
+        let troubled = |j: &Joint| {
+            let inputs = &j.inputs;
+            inputs.at_max | inputs.at_min | inputs.amp_fault | j.was_ferrored
+        };
+        if self.joints.iter().any(troubled) {
+            self.judge_joints(&mut cause);
+        }
+        for (n, _) in pins.lists.misc_errors.iter().enumerate().filter(|(_, e)| e.get()) {
+            self.say.error("Motion Stopped by misc error {}", &[n as f64]);
+            cause.get_or_insert("motion stopped by misc error");
+        }
+        cause
+    }
+
+    /// Reports joints on switches, with faults, or with following errors.
+    fn judge_joints(&mut self, cause: &mut Option<&'static str>) {
         for (n, joint) in self.joints.iter_mut().enumerate().filter(|(_, j)| j.active) {
             let on_switch = joint.inputs.at_max || joint.inputs.at_min;
             let mut trip = |text, why| {
@@ -48,11 +64,6 @@ impl State {
             joint.error = true;
             cause.get_or_insert("joint following error");
         }
-        for (n, _) in pins.lists.misc_errors.iter().enumerate().filter(|(_, e)| e.get()) {
-            self.say.error("Motion Stopped by misc error {}", &[n as f64]);
-            cause.get_or_insert("motion stopped by misc error");
-        }
-        cause
     }
 
     /// Switches the machine off for a cause that is kept.

@@ -67,7 +67,8 @@ impl State {
         let mut measured = *commanded;
         // Without an answer, the commanded pose stands for both.
         let _solved = self.kinematics.forward(&places, &mut measured);
-        self.probe = ProbeResult { found: true, measured, commanded: *commanded };
+        let number = self.probe.number.wrapping_add(1);
+        self.probe = ProbeResult { number, found: true, measured, commanded: *commanded };
     }
 
     /// Sends the axes back to a path that they have left, or ends the pause of one that they follow.

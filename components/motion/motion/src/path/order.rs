@@ -7,7 +7,7 @@ use crate::{
 };
 use crossbeam::queue::ArrayQueue;
 use hal_component::{Plain, Pose};
-use hal_trajectory::{Cell, Follower, Mode, Path as TrajectoryPath, Reader, Shape, Track};
+use hal_trajectory::{Cell, Curve, Follower, Mode, Path as TrajectoryPath, Reader, Shape, Track};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Capacity of the queue of orders to the planner.
@@ -118,10 +118,17 @@ impl TrajectoryPath for Way {
         }
     }
 
-    fn pose(&self, curve: u64, s: f64) -> Option<hal_trajectory::Pose> {
+    fn has(&self, number: u64) -> bool {
         match self {
-            Self::Shared(reader) => reader.pose(curve, s),
-            Self::Own(track) => track.pose(curve, s),
+            Self::Shared(reader) => reader.has(number),
+            Self::Own(track) => track.has(number),
+        }
+    }
+
+    fn curve(&self, number: u64) -> Option<Curve> {
+        match self {
+            Self::Shared(reader) => reader.curve(number),
+            Self::Own(track) => track.curve(number).copied(),
         }
     }
 
