@@ -112,7 +112,7 @@ fn run(words: &[String]) -> Result<(), String> {
 }
 
 /// Returns the search that the options ask for.
-fn wish(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Wish>, String> {
+fn wish(given: &[(Flag, Option<String>)]) -> Result<Option<trial::TrialRequest>, String> {
     let value = |flag| given.iter().rev().find(|(id, _)| *id == flag).map(|(_, v)| v.clone());
     let text = |flag| value(flag).flatten();
     let number = |flag, name: &str| match text(flag) {
@@ -121,7 +121,7 @@ fn wish(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Wish>, String>
             .map(Some)
             .ok_or_else(|| format!("--{name} '{text}': a number above 0")),
     };
-    let wish = trial::Wish {
+    let wish = trial::TrialRequest {
         axis: text(Flag::Test).unwrap_or_default(),
         amplitude: number(Flag::Amplitude, "amplitude")?,
         velocity_step: number(Flag::VelocityStep, "velocity-step")?,
@@ -137,7 +137,7 @@ fn wish(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Wish>, String>
     if value(Flag::Test).is_some() {
         return Ok(Some(wish));
     }
-    if wish == trial::Wish::default() {
+    if wish == trial::TrialRequest::default() {
         return Ok(None);
     }
     Err("--amplitude, the increments, --simulate and --virtual are for --test".to_owned())

@@ -26,7 +26,7 @@ const TRAVEL: f64 = 0.45;
 
 /// Options of a search, as the command line states them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Wish {
+pub(super) struct TrialRequest {
     /// Letter of the axis, or number of the joint.
     pub(super) axis: String,
     pub(super) amplitude: Option<f64>,
@@ -39,10 +39,14 @@ pub(super) struct Wish {
 }
 
 /// A person who is asked, and who answers with a line.
-pub(super) type Ask<'a> = dyn FnMut(&str) -> Result<Option<String>, String> + 'a;
+pub(super) type AskUser<'a> = dyn FnMut(&str) -> Result<Option<String>, String> + 'a;
 
 /// Searches what an axis bears; returns the report.
-pub(super) fn test(answers: &Answers, wish: &Wish, ask: &mut Ask<'_>) -> Result<String, String> {
+pub(super) fn test(
+    answers: &Answers,
+    wish: &TrialRequest,
+    ask: &mut AskUser<'_>,
+) -> Result<String, String> {
     let (number, joint) = find(answers, &wish.axis)?;
     let timing = timing(answers).map_err(|(joint, possible)| {
         format!("joint {joint}: too fast for this computer's jitter; a velocity of {possible:.3} is possible")
@@ -102,7 +106,7 @@ fn find<'a>(answers: &'a Answers, axis: &str) -> Result<(usize, &'a Joint), Stri
 }
 
 /// Returns the settings of a search; what is not given follows from the answers.
-fn settings(joint: &Joint, timing: &Timing, wish: &Wish) -> Settings {
+fn settings(joint: &Joint, timing: &Timing, wish: &TrialRequest) -> Settings {
     let periods = if timing.resets { 1.0 } else { 2.0 };
     let highest = 1e9 / (periods * timing.base);
     Settings {
@@ -146,7 +150,7 @@ fn run(engine: &mut Alone, trial: Trial, ending: &AtomicBool) -> Result<(), Stri
 }
 
 /// Asks until one of the answers comes; `q` and the end of the input end the search.
-fn answer(ask: &mut Ask<'_>, question: &str, answers: &[&str]) -> Result<String, String> {
+fn answer(ask: &mut AskUser<'_>, question: &str, answers: &[&str]) -> Result<String, String> {
     loop {
         let line =
             ask(question)?.ok_or("the search was not finished: nothing is told of the axis")?;
