@@ -40,7 +40,7 @@ impl Session<'_> {
                     None => return Ok(Some(command)),
                 }
             }
-            Command::Ask(Request::Load { module, args }, _) => {
+            Command::Send(Request::Load { module, args }, _) => {
                 match NAMES.iter().find(|name| **name == module.as_str()) {
                     Some(name) => (*name, args.clone()),
                     None => return Ok(Some(command)),
@@ -53,7 +53,7 @@ impl Session<'_> {
             return Ok(None);
         }
         let note = Some(format!("Realtime module '{module}' loaded"));
-        Ok(Some(Command::Ask(Request::Load { module: module.to_owned(), args }, note)))
+        Ok(Some(Command::Send(Request::Load { module: module.to_owned(), args }, note)))
     }
 
     /// Turns `loadusr halui` into `loadrt halui` with the arguments that the INI file has for it. Before `motmod` it waits
@@ -70,12 +70,12 @@ impl Session<'_> {
             return Ok(None);
         }
         let note = Some(format!("Realtime module '{OPERATOR}' loaded"));
-        Ok(Some(Command::Ask(Request::Load { module: OPERATOR.to_owned(), args }, note)))
+        Ok(Some(Command::Send(Request::Load { module: OPERATOR.to_owned(), args }, note)))
     }
 
     /// Returns whether a command loads `motmod`, for which `halui` waits.
     pub(crate) fn awaits_operator(&self, command: &Command) -> bool {
-        let Command::Ask(Request::Load { module, .. }, _) = command else { return false };
+        let Command::Send(Request::Load { module, .. }, _) = command else { return false };
         self.operator.is_some() && module == "motmod"
     }
 

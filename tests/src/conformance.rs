@@ -21,7 +21,7 @@ use case::Case;
 use hal_protocol::{Direction, Kind, Link, Request, Value};
 use history::History;
 use inputs::Driven;
-use plan::{Plan, Round, with_names};
+use plan::{LoadPlan, Plan, with_names};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Prefix of the names of LinuxCNC's component.
@@ -75,7 +75,7 @@ impl Pair<'_> {
     }
 
     /// Loads both, drives them, and unloads them.
-    fn round(&mut self, round: &Round) -> Result<(), String> {
+    fn round(&mut self, round: &LoadPlan) -> Result<(), String> {
         let (ours, theirs) = self.load(round)?;
         for (name, (_, first)) in ours.iter().filter(|(_, (direction, _))| is_given(*direction)) {
             self.case.suits(self.module, name, *first)?;
@@ -97,7 +97,7 @@ impl Pair<'_> {
     }
 
     /// Loads both, and adds their functions to the same threads in the same order.
-    fn load(&mut self, round: &Round) -> Result<(Items, Items), String> {
+    fn load(&mut self, round: &LoadPlan) -> Result<(Items, Items), String> {
         let (module, args, b) = (self.module, &round.args, &mut self.bench);
         let words = args.split(' ').filter(|w| !w.is_empty()).map(str::to_owned).collect();
         b.call(Request::Load { module: module.to_owned(), args: words })
@@ -183,7 +183,7 @@ impl Pair<'_> {
 
     /// Compares all items after a cycle.
     #[expect(clippy::print_stdout, reason = "asked for")]
-    fn compare(&mut self, round: &Round, names: &[(String, String)]) {
+    fn compare(&mut self, round: &LoadPlan, names: &[(String, String)]) {
         let b = &mut self.bench;
         let values: Vec<_> =
             names.iter().map(|(our, their)| (get(b, our), get(b, their))).collect();

@@ -89,7 +89,7 @@ fn stays_inside(text: &str, ini: &Ini) -> bool {
             | Command::Meter(_),
         ) => false,
         Ok(Command::Save(_, file)) => file.is_none(),
-        Ok(Command::Ask(request, _)) => is_harmless(&request),
+        Ok(Command::Send(request, _)) => is_harmless(&request),
         _ => true,
     }
 }

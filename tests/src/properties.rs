@@ -89,7 +89,7 @@ fn examined(offer: &Offer, case: &Case, ways: &[String]) -> Result<Report, Strin
     for number in 0..rounds {
         let way = &ways[number % ways.len()];
         let style = styles[number % styles.len()];
-        let mut round = Round {
+        let mut round = Lifetime {
             said: format!("loadrt {} {way}, round {number}", offer.component),
             bench: &mut bench,
             case,
@@ -128,7 +128,7 @@ impl Item {
 }
 
 /// A component from its load to its unload.
-struct Round<'r> {
+struct Lifetime<'r> {
     said: String,
     bench: &'r mut Bench,
     case: &'r Case,
@@ -145,7 +145,7 @@ struct Round<'r> {
     ends: BTreeSet<usize>,
 }
 
-impl Round<'_> {
+impl Lifetime<'_> {
     fn load(&mut self, offer: &Offer, way: &str) -> Result<(), String> {
         let line = format!("loadrt {} {way}", offer.component);
         for line in self.case.before.iter().chain([&line]).chain(&self.case.after) {

@@ -106,6 +106,8 @@ pub mod dir {
 
 /// Message levels (the values LinuxCNC uses).
 pub mod level {
+    /// Text for the operator, logged at every message level.
+    pub const NOTICE: u8 = 0;
     /// An error.
     pub const ERR: u8 = 1;
     /// A warning.

@@ -14,6 +14,11 @@ use crate::{
 pub struct Messages(pub(crate) &'static CallHost);
 
 impl Messages {
+    /// Logs text for the operator, whatever the message level is. Otherwise as [`Self::error`].
+    pub fn notice(&self, text: &'static str, numbers: &[f64]) {
+        self.say(level::NOTICE, text, numbers);
+    }
+
     /// Logs an error. Each `{}` of `text` is replaced by the next of `numbers`. A pin named as
     /// `{NAME}` is shown with its wiring.
     pub fn error(&self, text: &'static str, numbers: &[f64]) {

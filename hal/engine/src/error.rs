@@ -167,6 +167,10 @@ pub enum Error {
         name: Box<str>,
         most: u32,
     },
+    TooManyComponents {
+        name: Box<str>,
+        most: usize,
+    },
     MissingArgument {
         name: Box<str>,
         doc: Box<str>,

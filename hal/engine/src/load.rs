@@ -147,7 +147,9 @@ impl Engine {
             return Ok(());
         }
         // From here on, stop actions cover everything that opening drives.
-        self.renew_remains();
+        if self.model.graph().component(component).is_some_and(|c| !c.stops.is_empty()) {
+            self.renew_remains();
+        }
         for open in &opens {
             if let Err(e) = open.call(Args::default()) {
                 let why = e.to_string().into();

@@ -2,7 +2,8 @@
 //!
 //! The format is LinuxCNC's: `[SECTION]` headers, `NAME = value` entries, comment lines that begin
 //! with `#` or `;`, lines continued with a backslash at their end, and `#INCLUDE FILE`, whose path
-//! is relative to the file that contains it. Names may repeat: a look-up returns the first one,
+//! is relative to the file that contains it. A line that is neither is ignored with a warning, as is a file to include
+//! that is not there; a text without any section is an error. Names may repeat: a look-up returns the first one,
 //! [`Ini::all`] returns all of them.
 //!
 //! ```
@@ -27,6 +28,9 @@ pub const MAX_DEPTH: u32 = 16;
 pub const MAX_FILES: u32 = 1000;
 /// Maximum size of an INI file in bytes, including all included files.
 pub const MAX_BYTES: u64 = 64 << 20;
+
+/// Maximum number of warnings about one INI file.
+pub const MAX_WARNINGS: usize = 100;
 
 /// A `NAME = value` entry.
 #[derive(Clone, Debug, PartialEq, Eq)]

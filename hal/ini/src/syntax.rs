@@ -4,8 +4,8 @@ use nom::{
     IResult, Parser,
     bytes::complete::{take_while, take_while_m_n},
     character::complete::{anychar, char, satisfy, space0},
-    combinator::{all_consuming, opt, recognize, rest},
-    sequence::{delimited, separated_pair},
+    combinator::{recognize, rest},
+    sequence::{delimited, separated_pair, terminated},
 };
 
 /// Splits a text into lines and joins each continued line with the next. Returns each line with the
@@ -30,13 +30,9 @@ pub(crate) fn joined(text: &[u8]) -> Vec<(u32, Option<String>)> {
     out
 }
 
-/// Parses `[NAME]`, with or without a comment after it.
+/// Parses `[NAME]`. Returns the text after it, without the whitespace before that.
 pub(crate) fn header(text: &str) -> IResult<&str, &str> {
-    let comment = recognize((space0, opt((satisfy(|c| c == '#' || c == ';'), rest))));
-    let (left, (name, _)) =
-        all_consuming((delimited((char('['), space0), identifier, (space0, char(']'))), comment))
-            .parse(text)?;
-    Ok((left, name))
+    terminated(delimited((char('['), space0), identifier, (space0, char(']'))), space0).parse(text)
 }
 
 /// Parses `NAME = value`. The value is the rest of the line.

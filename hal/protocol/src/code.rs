@@ -131,6 +131,7 @@ codes! {
     EntryMissing = "H709" Warning "an INI entry that is missing";
     EntryMisplaced = "H710" Warning "an INI entry that is misspelt or in the wrong section";
     EntriesDisagree = "H711" Warning "INI entries that contradict each other or the wiring";
+    IniIgnored = "H712" Warning "a line of an INI file that is ignored";
 }
 
 impl Code {

@@ -307,9 +307,12 @@ impl Lines {
         relate(finding, at, "it is made here".to_owned());
     }
 
-    /// Combines refused lines that need one missing component or thread: the first stays.
+    /// Combines refused lines that need one missing component or thread, or that are too many: the first stays.
     fn combine(&self, findings: &mut Vec<Finding>) {
         let cause = |f: &Finding| -> Option<String> {
+            if f.code == Code::LoadRefused && f.text.contains("components already") {
+                return Some("room for a component".to_owned());
+            }
             if f.code != Code::NoSuchName {
                 return None;
             }

@@ -11,7 +11,7 @@ use crate::{
 use hal_protocol::{Link, Reply, Request};
 
 /// Sends a request to the machine that is examined.
-type Ask<'a> = dyn FnMut(Request) -> Result<Reply, Error> + 'a;
+type SendRequest<'a> = dyn FnMut(Request) -> Result<Reply, Error> + 'a;
 
 impl Session<'_> {
     /// Executes `order`.
@@ -58,7 +58,7 @@ impl Session<'_> {
     fn examine<T>(
         &mut self,
         subject: &Subject,
-        look: &mut dyn FnMut(&mut Ask<'_>) -> Result<T, Error>,
+        look: &mut dyn FnMut(&mut SendRequest<'_>) -> Result<T, Error>,
     ) -> Result<(T, bool), Error> {
         if subject.files.is_empty() {
             return Ok((look(&mut |request| self.ask(request))?, false));

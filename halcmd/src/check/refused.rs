@@ -55,11 +55,14 @@ pub(super) fn notice(notice: &Notice) -> Finding {
         Code::DosLines
     } else if text.contains("is repeated") {
         Code::SectionRepeated
+    } else if text.contains("is ignored") {
+        Code::IniIgnored
     } else {
         Code::Refused
     };
     let remedy = match code {
         Code::NoPostgui => "make the file, or take the entry out",
+        Code::IniIgnored => "correct the line, or make it a comment with # at its beginning",
         Code::DosLines => "save the file with lines that end in a line feed alone",
         _ => "",
     };

@@ -7,7 +7,7 @@ use hal_protocol::{Kind, Lock, Request, Type};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// A request, and the lines that `-v` prints after it.
-    Ask(Request, Option<String>),
+    Send(Request, Option<String>),
     /// A request whose value is printed.
     Value(Request),
     /// A request, of which the type of the value is printed.

@@ -11,8 +11,8 @@ pub(crate) fn parse(words: &[String]) -> Result<Command, Error> {
     let rest = words.get(1..).unwrap_or_default();
     Ok(match (words.first().map(String::as_str), rest) {
         (None, _) => Command::Flight(Flight::State),
-        (Some("on"), rest) => Command::Ask(Request::Flight(spec(rest)?), None),
-        (Some("off"), []) => Command::Ask(Request::EndFlight, None),
+        (Some("on"), rest) => Command::Send(Request::Flight(spec(rest)?), None),
+        (Some("off"), []) => Command::Send(Request::EndFlight, None),
         (Some("save"), [file]) => save(file, false),
         (Some("save"), [file, last]) if last == "last" => save(file, true),
         _ => return Err(bad(&format!("flight: what is '{}'", words.join(" ")))),

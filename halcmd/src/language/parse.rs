@@ -44,21 +44,21 @@ pub(crate) fn loadrt(words: &[String]) -> Result<Command, Error> {
     } else {
         Request::LoadForeign { module, args, prefix: prefix.unwrap_or_default() }
     };
-    Ok(Command::Ask(request, Some(note)))
+    Ok(Command::Send(request, Some(note)))
 }
 
 pub(crate) fn unloadrt(words: &[String]) -> Result<Command, Error> {
     let name = first(words);
     if name == "all" {
-        return Ok(Command::Ask(Request::UnloadAll, None));
+        return Ok(Command::Send(Request::UnloadAll, None));
     }
     let note = format!("Realtime module '{name}' unloaded");
-    Ok(Command::Ask(Request::Unload { name }, Some(note)))
+    Ok(Command::Send(Request::Unload { name }, Some(note)))
 }
 
 pub(crate) fn unloadusr(words: &[String]) -> Result<Command, Error> {
     let name = Some(first(words)).filter(|n| n != "all");
-    Ok(Command::Ask(Request::EndProgram { name }, None))
+    Ok(Command::Send(Request::EndProgram { name }, None))
 }
 
 const LAUNCH: &[Opt<char>] = &[
@@ -92,13 +92,13 @@ pub(crate) fn net(words: &[String]) -> Result<Command, Error> {
     let notes: Vec<String> =
         pins.iter().map(|pin| format!("Pin '{pin}' linked to signal '{signal}'")).collect();
     let request = Request::Net { signal: signal.clone(), pins: pins.to_vec() };
-    Ok(Command::Ask(request, Some(notes.join("\n"))))
+    Ok(Command::Send(request, Some(notes.join("\n"))))
 }
 
 pub(crate) fn linkps(words: &[String]) -> Result<Command, Error> {
     let [pin, signal] = words else { return Err(Error::Unexpected) };
     let note = format!("Pin '{pin}' linked to signal '{signal}'");
-    Ok(Command::Ask(Request::Link { pin: pin.clone(), signal: signal.clone() }, Some(note)))
+    Ok(Command::Send(Request::Link { pin: pin.clone(), signal: signal.clone() }, Some(note)))
 }
 
 pub(crate) fn linksp(words: &[String]) -> Result<Command, Error> {
@@ -109,29 +109,29 @@ pub(crate) fn linksp(words: &[String]) -> Result<Command, Error> {
 pub(crate) fn unlinkp(words: &[String]) -> Result<Command, Error> {
     let pin = first(words);
     let note = format!("Pin '{pin}' unlinked");
-    Ok(Command::Ask(Request::Unlink { pin }, Some(note)))
+    Ok(Command::Send(Request::Unlink { pin }, Some(note)))
 }
 
 pub(crate) fn newsig(words: &[String]) -> Result<Command, Error> {
     let [name, ty] = words else { return Err(Error::Unexpected) };
     let ty = Type::parse(ty).ok_or_else(|| Error::SignalType { word: ty.as_str().into() })?;
-    Ok(Command::Ask(Request::NewSignal { name: name.clone(), ty }, None))
+    Ok(Command::Send(Request::NewSignal { name: name.clone(), ty }, None))
 }
 
 pub(crate) fn delsig(words: &[String]) -> Result<Command, Error> {
     let name = Some(first(words)).filter(|n| n != "all");
     let note = name.as_ref().map(|n| format!("Signal '{n}' deleted'"));
-    Ok(Command::Ask(Request::DeleteSignal { name }, note))
+    Ok(Command::Send(Request::DeleteSignal { name }, note))
 }
 
 pub(crate) fn setp(words: &[String]) -> Result<Command, Error> {
     let [name, value] = words else { return Err(Error::Unexpected) };
-    Ok(Command::Ask(Request::Set { name: name.clone(), value: value.clone() }, None))
+    Ok(Command::Send(Request::Set { name: name.clone(), value: value.clone() }, None))
 }
 
 pub(crate) fn sets(words: &[String]) -> Result<Command, Error> {
     let [name, value] = words else { return Err(Error::Unexpected) };
-    Ok(Command::Ask(Request::SetSignal { name: name.clone(), value: value.clone() }, None))
+    Ok(Command::Send(Request::SetSignal { name: name.clone(), value: value.clone() }, None))
 }
 
 pub(crate) fn addf(words: &[String], init: bool) -> Result<Command, Error> {
@@ -144,14 +144,14 @@ pub(crate) fn addf(words: &[String], init: bool) -> Result<Command, Error> {
         format!("Function '{funct}' added to thread '{thread}'")
     };
     let (funct, thread) = (funct.clone(), thread.clone());
-    Ok(Command::Ask(Request::AddFunct { funct, thread, position, init }, Some(note)))
+    Ok(Command::Send(Request::AddFunct { funct, thread, position, init }, Some(note)))
 }
 
 pub(crate) fn delf(words: &[String]) -> Result<Command, Error> {
     let funct = words.first().ok_or(Error::NoFunct)?.clone();
     let thread = words.get(1).ok_or(Error::NoThread)?.clone();
     let note = format!("Function '{funct}' removed from thread '{thread}'");
-    Ok(Command::Ask(Request::RemoveFunct { funct, thread: Some(thread) }, Some(note)))
+    Ok(Command::Send(Request::RemoveFunct { funct, thread: Some(thread) }, Some(note)))
 }
 
 const APPLY: &[Opt<char>] =
@@ -225,35 +225,35 @@ pub(crate) fn alias(words: &[String]) -> Result<Command, Error> {
     let param = is_param("alias", kind)?;
     let note = format!("{kind} '{name}' aliased to '{alias}'");
     let (name, alias) = (name.clone(), alias.clone());
-    Ok(Command::Ask(Request::Alias { param, name, alias }, Some(note)))
+    Ok(Command::Send(Request::Alias { param, name, alias }, Some(note)))
 }
 
 pub(crate) fn unalias(words: &[String]) -> Result<Command, Error> {
     let [kind, name] = words else { return Err(Error::Unexpected) };
     let param = is_param("unalias", kind)?;
     let note = format!("{kind} '{name}' unaliased");
-    Ok(Command::Ask(Request::Unalias { param, name: name.clone() }, Some(note)))
+    Ok(Command::Send(Request::Unalias { param, name: name.clone() }, Some(note)))
 }
 
 pub(crate) fn run(words: &[String]) -> Result<Command, Error> {
     let word = first(words);
     let ns = nanoseconds(&word).map_err(|_| Error::Time { word: word.into() })?;
-    Ok(Command::Ask(Request::Run { ns }, None))
+    Ok(Command::Send(Request::Run { ns }, None))
 }
 
 pub(crate) fn record(words: &[String]) -> Result<Command, Error> {
     let (file, patterns) = words.split_first().ok_or(Error::Unexpected)?;
     if file == "off" && patterns.is_empty() {
-        return Ok(Command::Ask(Request::EndRecord, None));
+        return Ok(Command::Send(Request::EndRecord, None));
     }
     let file = path(file.trim_matches('"'));
     let whole = std::path::absolute(&file).map_or(file, |p| p.display().to_string());
-    Ok(Command::Ask(Request::Record { path: whole, patterns: patterns.to_vec() }, None))
+    Ok(Command::Send(Request::Record { path: whole, patterns: patterns.to_vec() }, None))
 }
 
 pub(crate) fn debug(words: &[String]) -> Result<Command, Error> {
     let level = u8::try_from(leading_number(&first(words))).ok().filter(|l| *l <= 5);
-    Ok(Command::Ask(Request::MessageLevel { level: level.ok_or(Error::Level)? }, None))
+    Ok(Command::Send(Request::MessageLevel { level: level.ok_or(Error::Level)? }, None))
 }
 
 pub(crate) fn timing(words: &[String]) -> Result<Command, Error> {
@@ -262,7 +262,7 @@ pub(crate) fn timing(words: &[String]) -> Result<Command, Error> {
         "off" => false,
         _ => return Err(Error::Switch { word: first(words).into() }),
     };
-    Ok(Command::Ask(Request::Timing { thread: words.get(1).cloned(), on }, None))
+    Ok(Command::Send(Request::Timing { thread: words.get(1).cloned(), on }, None))
 }
 
 fn filter(word: &str) -> Result<Type, Error> {

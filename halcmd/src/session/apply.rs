@@ -202,7 +202,7 @@ impl Session<'_> {
     pub(crate) fn plan(&mut self, statement: &Statement, command: Command) -> Result<(), Error> {
         let trailer = Trailer::of(&command);
         let request = match command {
-            Command::Ask(request, _) if request.class() == Class::Edit => request,
+            Command::Send(request, _) if request.class() == Class::Edit => request,
             Command::Unload(name) => Request::Unload { name },
             Command::Lock(Some(LockChange::To(level))) => Request::SetLock { level },
             Command::Lock(Some(LockChange::Without(bits))) => Request::ClearLock { bits },
@@ -244,7 +244,7 @@ const fn why_not(command: &Command) -> &'static str {
         Command::UnloadAll => "ending programs cannot be undone; 'unloadrt all' unloads the rest",
         Command::Component { .. } => "a command to a component cannot be undone",
         Command::Apply(_) => "'source' takes another file in",
-        Command::Ask(request, _) => match request {
+        Command::Send(request, _) => match request {
             Request::EndProgram { .. } => "ending a program cannot be undone",
             Request::Stop => "threads that stop lose cycles, and this is to lose none",
             Request::Run { .. } => "it moves the clock, and all of this is one moment",

@@ -47,7 +47,7 @@ const SECTIONS: &[(Kind, &str)] = &[
 impl Session<'_> {
     pub(crate) fn execute(&mut self, command: Command) -> Result<(), Error> {
         match command {
-            Command::Ask(request, note) => {
+            Command::Send(request, note) => {
                 let told = self.style.verbose || self.returned.is_some();
                 let set = if told { self.set_note(&request)? } else { None };
                 self.ask(request)?;

@@ -20,7 +20,7 @@ pub(crate) enum Trailer {
 
 impl Trailer {
     pub(crate) fn of(command: &Command) -> Self {
-        let Command::Ask(request, _) = command else { return Self::Nothing };
+        let Command::Send(request, _) = command else { return Self::Nothing };
         match request {
             Request::Load { module, .. } | Request::LoadForeign { module, .. } => {
                 Self::Load(module.clone())

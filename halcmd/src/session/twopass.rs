@@ -5,6 +5,7 @@ use crate::{
     Command, Error, Fault, Outcome, Session, language::joined::Pass, language::syntax::Statement,
 };
 use hal_protocol::Request;
+use std::borrow::Cow;
 
 impl Session<'_> {
     /// Begins the first pass.
@@ -45,6 +46,22 @@ impl Session<'_> {
         self.pass.as_ref().map(|pass| u32::from(pass.is_second))
     }
 
+    /// Returns the words of a line of a Tcl script. In a start with two passes, a module with arguments may be one word, such as
+    /// the list with the one value of `[KINS]KINEMATICS`; LinuxCNC splits it there, and only there.
+    pub(super) fn words_in_pass<'w>(&self, words: &'w [String]) -> Cow<'w, [String]> {
+        match words {
+            [load, module, rest @ ..]
+                if self.pass.is_some() && load == "loadrt" && module.contains(' ') =>
+            {
+                let list = module.strip_prefix('{').and_then(|m| m.strip_suffix('}'));
+                let parts = list.unwrap_or(module).split_whitespace().map(str::to_owned);
+                let load = core::iter::once(load.clone());
+                Cow::Owned(load.chain(parts).chain(rest.iter().cloned()).collect())
+            }
+            _ => Cow::Borrowed(words),
+        }
+    }
+
     /// Returns the command that the pass executes for a line, if it does not leave it to the other pass.
     pub(super) fn in_pass(
         &mut self,
@@ -56,7 +73,7 @@ impl Session<'_> {
         let Some(pass) = &mut self.pass else { return Ok(Some(command)) };
         let is_second = pass.is_second;
         let runs = match &command {
-            Ok(Command::Ask(Request::Load { module, args }, _)) if !is_second => {
+            Ok(Command::Send(Request::Load { module, args }, _)) if !is_second => {
                 pass.collect(module, args, &at)?;
                 pass.met.insert(statement.words().to_vec());
                 false
@@ -65,7 +82,7 @@ impl Session<'_> {
                 pass.met.insert(statement.words().to_vec());
                 true
             }
-            Ok(Command::Ask(Request::Load { .. }, _) | Command::Launch(_)) => {
+            Ok(Command::Send(Request::Load { .. }, _) | Command::Launch(_)) => {
                 !pass.met.contains(statement.words())
             }
             Ok(Command::Source(_)) | Err(_) => true,

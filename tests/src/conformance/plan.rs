@@ -24,7 +24,7 @@ pub(super) struct Plan {
 
 /// A round, for which both components are loaded once.
 #[derive(Clone, Debug)]
-pub(super) struct Round {
+pub(super) struct LoadPlan {
     /// Stimulus of the inputs.
     pub(super) style: Style,
     /// Arguments of `loadrt`.
@@ -51,13 +51,13 @@ impl Plan {
     }
 
     /// Returns the rounds: each load meets each style at several periods.
-    pub(super) fn rounds(&self) -> impl Iterator<Item = Round> {
+    pub(super) fn rounds(&self) -> impl Iterator<Item = LoadPlan> {
         let (loads, styles) = (self.loads.len(), Style::ALL.len());
         let groups = PERIODS.len().max(self.least.div_ceil(styles));
         let groups = loads * groups.div_ceil(loads);
         (0..groups * styles).map(move |i| {
             let group = i / styles;
-            Round {
+            LoadPlan {
                 style: Style::ALL[i % styles],
                 args: self.loads[group % loads].clone(),
                 period: self.periods[group % self.periods.len()],
@@ -82,7 +82,7 @@ pub(super) fn with_names(args: &str, names: &[&str]) -> String {
     format!("{words}names={}", names.join(","))
 }
 
-impl Round {
+impl LoadPlan {
     /// Returns the lines that create its threads.
     pub(super) fn threads(&self, slow: bool) -> String {
         let (fast, slow) = (self.period, if slow { self.period * self.slower } else { 0 });
@@ -102,7 +102,7 @@ impl Round {
     }
 }
 
-impl fmt::Display for Round {
+impl fmt::Display for LoadPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?} at {} ns, `{}`", self.style, self.period, self.args)
     }

@@ -2,7 +2,7 @@
 
 use super::{
     case::{Case, named},
-    plan::Round,
+    plan::LoadPlan,
 };
 use hal_protocol::{Direction, Value};
 use std::{
@@ -55,7 +55,7 @@ impl Verdict {
     pub(super) fn begin<'n>(
         &mut self,
         module: &str,
-        round: &Round,
+        round: &LoadPlan,
         items: impl Iterator<Item = (&'n str, (Direction, Value))>,
     ) {
         self.still.clear();

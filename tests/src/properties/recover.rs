@@ -1,6 +1,6 @@
 //! Checks that the effects of exceptional inputs pass when the inputs are sane again.
 
-use super::{HELD, Round};
+use super::{HELD, Lifetime};
 use crate::{
     conformance::case::named,
     machine::{get, script},
@@ -19,7 +19,7 @@ pub(super) fn is_end(value: Value) -> bool {
     }
 }
 
-impl Round<'_> {
+impl Lifetime<'_> {
     /// Checks that the effects of exceptional inputs have passed, or pass with a reset.
     pub(super) fn recover(&mut self, stuck: &BTreeSet<usize>) {
         let mut kept = Vec::new();

@@ -470,6 +470,20 @@ fn atomics_of_the_engine_come_from_one_module() {
 }
 
 #[test]
+fn golden_files_are_accepted_in_one_way() {
+    // The variable in quotes, as code that reads it has it.
+    let variable = format!("{:?}", "UPDATE_EXPECT");
+    let reads = |path: &PathBuf| std::fs::read_to_string(path).unwrap().contains(&variable);
+    let files: Vec<String> = ["hal", "halcmd", "components", "tests"]
+        .iter()
+        .flat_map(|folder| files_below(&root().join(folder), ".rs"))
+        .filter(|path| reads(path) && !path.ends_with("tests/tests/system/tidy.rs"))
+        .map(|path| short(&path))
+        .collect();
+    assert_eq!(files, ["hal/golden/src/lib.rs"]);
+}
+
+#[test]
 fn output_goes_through_one_crate() {
     let words = [
         "fs::write(",

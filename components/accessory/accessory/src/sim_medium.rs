@@ -5,7 +5,7 @@ use hal_component::{
     Touch, Work,
 };
 use hal_nk105::{
-    JobStep, Medium, Trouble, WrongJob, controller::Next, job::read, motion::TRAVEL,
+    JobStep, JobStop, Medium, WrongJob, controller::Next, job::read, motion::TRAVEL,
     panel::ScreenRow,
 };
 use hal_storage::{Side, image, storage::MOST_BYTES};
@@ -145,7 +145,7 @@ impl Medium for SimMedium {
     fn next(&mut self) -> Next {
         self.ask();
         if !self.is_plugged() {
-            return Next::Failed(Trouble::NoMedium);
+            return Next::Failed(JobStop::NoMedium);
         }
         // Steps of a job that was stopped are still on their way.
         for _ in 0..STEPS {
@@ -176,10 +176,10 @@ fn next(record: &StepRecord) -> Next {
         SPINDLE => Next::Step(JobStep::Spindle(x != 0.0)),
         PAUSE => Next::Step(JobStep::Pause),
         END => Next::End,
-        WRONG_LINE => Next::Failed(Trouble::Line(line)),
-        BEYOND => Next::Failed(Trouble::Travel(line)),
-        GONE => Next::Failed(Trouble::NoMedium),
-        _ => Next::Failed(Trouble::Unreadable),
+        WRONG_LINE => Next::Failed(JobStop::Line(line)),
+        BEYOND => Next::Failed(JobStop::Travel(line)),
+        GONE => Next::Failed(JobStop::NoMedium),
+        _ => Next::Failed(JobStop::Unreadable),
     }
 }
 

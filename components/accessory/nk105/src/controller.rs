@@ -43,7 +43,7 @@ impl Mode {
 
 /// Reason why a job does not run on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Trouble {
+pub enum JobStop {
     /// No medium is presented.
     NoMedium,
     /// The medium or the file cannot be read.
@@ -54,7 +54,7 @@ pub enum Trouble {
     Travel(u32),
 }
 
-impl fmt::Display for Trouble {
+impl fmt::Display for JobStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoMedium => f.write_str("NO MEDIUM"),
@@ -75,7 +75,7 @@ pub enum Next {
     /// The job has ended.
     End,
     /// The job cannot go on.
-    Failed(Trouble),
+    Failed(JobStop),
 }
 
 /// USB medium as the controller sees it. No function waits.

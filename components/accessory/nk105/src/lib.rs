@@ -16,5 +16,5 @@ mod keys;
 pub mod motion;
 pub mod panel;
 
-pub use controller::{Controller, Medium, Mode, Trouble};
+pub use controller::{Controller, JobStop, Medium, Mode};
 pub use job::{JobStep, WrongJob};

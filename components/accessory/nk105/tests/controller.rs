@@ -8,7 +8,7 @@ use hal_handheld::{
     screen::{QUIET_NS, row},
 };
 use hal_nk105::{
-    Controller, JobStep, Medium, Mode, Trouble,
+    Controller, JobStep, JobStop, Medium, Mode,
     controller::Next,
     job::{WrongJob, read},
     panel::ScreenRow,
@@ -21,7 +21,7 @@ struct Files {
     files: Vec<(&'static str, &'static str)>,
     is_gone: bool,
     open: Option<VecDeque<JobStep>>,
-    trouble: Option<Trouble>,
+    trouble: Option<JobStop>,
 }
 
 impl Medium for Files {
@@ -35,8 +35,8 @@ impl Medium for Files {
         self.trouble = None;
         match read(self.files[index as usize].1.as_bytes(), origin, 500.0) {
             Ok(steps) => self.open = Some(steps.into()),
-            Err(why @ WrongJob::Travel(_)) => self.trouble = Some(Trouble::Travel(why.line())),
-            Err(why) => self.trouble = Some(Trouble::Line(why.line())),
+            Err(why @ WrongJob::Travel(_)) => self.trouble = Some(JobStop::Travel(why.line())),
+            Err(why) => self.trouble = Some(JobStop::Line(why.line())),
         }
     }
     fn next(&mut self) -> Next {
@@ -44,7 +44,7 @@ impl Medium for Files {
             return Next::Failed(why);
         }
         if self.is_gone {
-            return Next::Failed(Trouble::NoMedium);
+            return Next::Failed(JobStop::NoMedium);
         }
         self.open.as_mut().unwrap().pop_front().map_or(Next::End, Next::Step)
     }

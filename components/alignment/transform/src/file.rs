@@ -23,11 +23,11 @@ pub struct Alignment {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileProblem {
     place: String,
-    what: What,
+    what: Problem,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum What {
+enum Problem {
     Ini(hal_ini::Error),
     Unknown(Box<str>),
     Model(Box<str>),
@@ -42,23 +42,25 @@ impl fmt::Display for FileProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = &self.place;
         match &self.what {
-            What::Ini(error) => write!(f, "{error}"),
-            What::Unknown(name) => write!(
+            Problem::Ini(error) => write!(f, "{error}"),
+            Problem::Unknown(name) => write!(
                 f,
                 "{place}: [ALIGN]{name} has no meaning: MARK, MATRIX, MODEL, TOLERANCE, MIRROR"
             ),
-            What::Model(name) => write!(
+            Problem::Model(name) => write!(
                 f,
                 "{place}: MODEL is '{name}', must be auto, shift, rigid, similarity, scale-xy or affine"
             ),
-            What::Numbers(name, n) => write!(f, "{place}: {name} takes {n} finite numbers"),
-            What::Range(name, range) => write!(f, "{place}: {name} must be {range}"),
-            What::Both => write!(f, "{place}: [ALIGN] has a MATRIX, and marks that give another"),
-            What::Neither => write!(
+            Problem::Numbers(name, n) => write!(f, "{place}: {name} takes {n} finite numbers"),
+            Problem::Range(name, range) => write!(f, "{place}: {name} must be {range}"),
+            Problem::Both => {
+                write!(f, "{place}: [ALIGN] has a MATRIX, and marks that give another")
+            }
+            Problem::Neither => write!(
                 f,
                 "{place}: [ALIGN] has neither MARK (file X Y, machine X Y) nor MATRIX (m11 m12 m21 m22 X Y)"
             ),
-            What::Fit(misfit) => write!(f, "{place}: {misfit}"),
+            Problem::Fit(misfit) => write!(f, "{place}: {misfit}"),
         }
     }
 }
@@ -70,7 +72,7 @@ impl Alignment {
     /// The file cannot be read, or an entry is wrong.
     pub fn read(path: &Path) -> Result<Self, FileProblem> {
         let name = path.display().to_string();
-        let problem = |e| FileProblem { place: name.clone(), what: What::Ini(e) };
+        let problem = |e| FileProblem { place: name.clone(), what: Problem::Ini(e) };
         Self::of(&Ini::read(path).map_err(problem)?, &name)
     }
 
@@ -79,7 +81,7 @@ impl Alignment {
     /// # Errors
     /// An entry is wrong.
     pub fn parse(name: &str, text: &[u8]) -> Result<Self, FileProblem> {
-        let problem = |e| FileProblem { place: name.to_owned(), what: What::Ini(e) };
+        let problem = |e| FileProblem { place: name.to_owned(), what: Problem::Ini(e) };
         Self::of(&Ini::parse(name, text).map_err(problem)?, name)
     }
 
@@ -90,37 +92,37 @@ impl Alignment {
             out.entry(entry).map_err(|what| FileProblem { place, what })?;
         }
         let what = match (out.given, out.marks.is_empty()) {
-            (Some(_), false) => What::Both,
-            (None, true) => What::Neither,
+            (Some(_), false) => Problem::Both,
+            (None, true) => Problem::Neither,
             _ => return Ok(out),
         };
         Err(FileProblem { place: name.to_owned(), what })
     }
 
-    fn entry(&mut self, entry: &Entry) -> Result<(), What> {
+    fn entry(&mut self, entry: &Entry) -> Result<(), Problem> {
         let value = entry.value.as_str();
         match entry.name.as_str() {
             "MODEL" => {
-                let model = Model::of(value).ok_or_else(|| What::Model(value.into()));
+                let model = Model::of(value).ok_or_else(|| Problem::Model(value.into()));
                 self.options.model = model?;
             }
             "TOLERANCE" => {
                 let [tolerance] = numbers(entry)?;
                 if !(1e-6..=100.0).contains(&tolerance) {
-                    return Err(What::Range("TOLERANCE", "between 0.000001 and 100 mm"));
+                    return Err(Problem::Range("TOLERANCE", "between 0.000001 and 100 mm"));
                 }
                 self.options.tolerance = tolerance;
             }
             "MIRROR" => match value {
                 "0" => self.options.mirror = false,
                 "1" => self.options.mirror = true,
-                _ => return Err(What::Range("MIRROR", "0 or 1")),
+                _ => return Err(Problem::Range("MIRROR", "0 or 1")),
             },
             "MARK" => {
                 let [x, y, to_x, to_y] = numbers(entry)?;
                 let mark = Mark { file: Vector::new(x, y), machine: Vector::new(to_x, to_y) };
                 if self.marks.len() >= MAX_MARKS {
-                    return Err(What::Range("the number of marks", "1000 at most"));
+                    return Err(Problem::Range("the number of marks", "1000 at most"));
                 }
                 self.marks.push(mark);
             }
@@ -128,11 +130,11 @@ impl Alignment {
                 let [m11, m12, m21, m22, x, y] = numbers(entry)?;
                 let linear = Matrix::new(m11, m12, m21, m22);
                 if linear.inverse().is_none() {
-                    return Err(What::Range("MATRIX", "one that has an inverse"));
+                    return Err(Problem::Range("MATRIX", "one that has an inverse"));
                 }
                 self.given = Some(Transform { linear, shift: Vector::new(x, y) });
             }
-            other => return Err(What::Unknown(other.into())),
+            other => return Err(Problem::Unknown(other.into())),
         }
         Ok(())
     }
@@ -146,7 +148,7 @@ impl Alignment {
             return Ok((given, None));
         }
         let fit = fit(&self.marks, &self.options)
-            .map_err(|e| FileProblem { place: name.to_owned(), what: What::Fit(e) })?;
+            .map_err(|e| FileProblem { place: name.to_owned(), what: Problem::Fit(e) })?;
         Ok((fit.transform, Some(fit)))
     }
 
@@ -176,8 +178,8 @@ impl Alignment {
 }
 
 /// Reads numbers separated by blanks.
-fn numbers<const N: usize>(entry: &Entry) -> Result<[f64; N], What> {
-    let wrong = || What::Numbers(entry.name.as_str().into(), N);
+fn numbers<const N: usize>(entry: &Entry) -> Result<[f64; N], Problem> {
+    let wrong = || Problem::Numbers(entry.name.as_str().into(), N);
     let mut out = [0.0; N];
     let mut words = entry.value.split_whitespace();
     for to in &mut out {

@@ -64,12 +64,12 @@ enum Kind {
 /// Values last written to the registers of a port, with their times.
 #[derive(Debug, Default)]
 pub(crate) struct Written {
-    data: Last,
-    control: Last,
+    data: LastWrite,
+    control: LastWrite,
 }
 
 #[derive(Debug, Default)]
-struct Last {
+struct LastWrite {
     levels: Shadow,
     time: AtomicI64,
 }
@@ -168,7 +168,7 @@ impl Drop for Device {
 }
 
 impl Written {
-    fn of(&self, register: Register) -> &Last {
+    fn of(&self, register: Register) -> &LastWrite {
         if register == Register::Data { &self.data } else { &self.control }
     }
 

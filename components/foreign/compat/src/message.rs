@@ -12,7 +12,8 @@ const ALL: c_int = 5;
 extern "C" fn ferrule_say(level: c_int, text: *const c_char) {
     // SAFETY: a C string of the shim's.
     let text = unsafe { CStr::from_ptr(text) }.to_str().unwrap_or("?");
-    let level = if level >= ALL { 0 } else { u8::try_from(level).unwrap_or(level::ERR) };
+    let level =
+        if level >= ALL { level::NOTICE } else { u8::try_from(level).unwrap_or(level::ERR) };
     let Some(module) = running::module() else {
         write_error(&[text]);
         return;

@@ -9,7 +9,7 @@ use hal_gcode::{
     canon::Unit,
     function::Hook,
     parameters::file::{Finding, ParameterFile},
-    remap::Remap,
+    remap::{self, Remap},
     state::modal::MAX_SPINDLES,
     tool::{self, ToolTable},
 };
@@ -188,7 +188,15 @@ impl Machine {
         self.python = Setup::read(ini, &self.folder)?;
         for entry in ini.all("RS274NGC", "REMAP") {
             let at = format!("{}:{}", entry.file, entry.line);
-            let remap = Remap::parse(&entry.value).map_err(|e| format!("{at}: {e}"))?;
+            let remap = match Remap::parse(&entry.value) {
+                Ok(remap) => remap,
+                // LinuxCNC keeps its own meaning of the code, too, and starts.
+                Err(error @ remap::Error::Fixed { .. }) => {
+                    self.remarks.push(format!("{at}: {error}: this line is ignored"));
+                    continue;
+                }
+                Err(error) => return Err(format!("{at}: {error}")),
+            };
             for hook in [Hook::Body, Hook::Prolog, Hook::Epilog] {
                 if let Some(name) = remap.hook(hook).filter(|_| self.python.is_none()) {
                     let (code, option) = (remap.code, hook.option());

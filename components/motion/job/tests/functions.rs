@@ -63,11 +63,20 @@ fn programs_do_with_functions_what_is_expected_and_the_same_twice() {
             assert_eq!(outcome(&world, text), first, "{name}");
         }
     }
-    let path = folder().join("expected.txt");
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(&path, &all).unwrap();
-    }
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), all);
+    hal_golden::check(&folder().join("expected.txt"), &all);
+}
+
+/// LinuxCNC starts, too, and keeps its own meaning of the code.
+#[test]
+fn a_remap_of_a_code_that_has_a_meaning_is_ignored_with_a_remark() {
+    let ini = std::env::temp_dir().join(format!("hal-remap-{}.ini", std::process::id()));
+    std::fs::write(&ini, "[RS274NGC]\nREMAP = G1 ngc=a\nREMAP = M400 ngc=b\n").unwrap();
+    let machine = Machine::read(&Files { ini: Some(&ini), ..Files::default() }).unwrap();
+    std::fs::remove_file(&ini).unwrap();
+    assert_eq!(machine.settings.remaps.len(), 1);
+    let remark = machine.remarks.join("\n");
+    assert!(remark.contains(".ini:2: REMAP G1: the code cannot be remapped"), "{remark}");
+    assert!(remark.ends_with("this line is ignored"), "{remark}");
 }
 
 #[test]

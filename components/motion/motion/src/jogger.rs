@@ -104,7 +104,7 @@ impl Jogger {
     }
 
     /// Moves to a target at a speed; replaces any previous motion.
-    pub(crate) fn go(
+    pub(crate) fn set_target(
         &mut self,
         target: f64,
         speed: f64,
@@ -219,7 +219,7 @@ impl Jogger {
                 target = self.tp.pos + if way > 0.0 { lead } else { -lead };
             }
         }
-        self.go(target, limits.max_vel, &limits, By::Wheel, None);
+        self.set_target(target, limits.max_vel, &limits, By::Wheel, None);
     }
 }
 

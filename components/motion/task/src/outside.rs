@@ -154,6 +154,8 @@ pub(crate) struct MotionState {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Level {
     Error,
+    /// Text of a program for the operator.
+    Notice,
     Info,
 }
 

@@ -110,15 +110,7 @@ fn tables() -> String {
 #[test]
 fn protocol() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("PROTOCOL.md");
-    let page = fs::read_to_string(&path).unwrap();
-    let (head, rest) = page.split_once(BEGIN).unwrap();
-    let (known, tail) = rest.split_once(END).unwrap();
-    let tables = tables();
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        fs::write(&path, format!("{head}{BEGIN}{tables}{END}{tail}")).unwrap();
-        return;
-    }
-    assert_eq!(known, tables, "run UPDATE_EXPECT=1 cargo test -p teleop protocol");
+    hal_golden::check_part(&path, BEGIN, END, &tables());
 }
 
 #[test]

@@ -18,7 +18,7 @@ impl Error {
             | Self::NoSignals => -2,
             Self::Locked { .. } => -1,
             Self::NotWritable { .. } => -13,
-            Self::OutOfMemory => -12,
+            Self::OutOfMemory | Self::TooManyComponents { .. } => -12,
             Self::InUseBy { .. }
             | Self::Stuck { .. }
             | Self::ThreadsLate
@@ -58,6 +58,7 @@ impl Error {
             | Self::ModuleExists { name, .. }
             | Self::NoModule { name, .. }
             | Self::TooManyItems { name, .. }
+            | Self::TooManyComponents { name, .. }
             | Self::InitFailed { name, .. }
             | Self::OpenFailed { name, .. }
             | Self::NotLoaded { name }
@@ -115,9 +116,10 @@ impl Error {
             | Self::TooManyItems { .. }
             | Self::MissingArgument { .. }
             | Self::CountAndNames => Code::BadArgument,
-            Self::InitFailed { .. } | Self::OpenFailed { .. } | Self::ServiceTaken { .. } => {
-                Code::LoadRefused
-            }
+            Self::InitFailed { .. }
+            | Self::OpenFailed { .. }
+            | Self::ServiceTaken { .. }
+            | Self::TooManyComponents { .. } => Code::LoadRefused,
             Self::NoService { .. } => Code::NoService,
             Self::Loading(e) => return e.error.finding(),
             _ => return None,
@@ -137,6 +139,9 @@ impl Error {
             }
             Self::ModuleExists { .. } => {
                 Some("it is loaded once: give all it shall make on one loadrt line".to_owned())
+            }
+            Self::TooManyComponents { .. } => {
+                Some("one loadrt line with names= or count= makes many instances".to_owned())
             }
             Self::UnknownParameter { near: Some(near), .. } => {
                 Some(format!("did you mean {near}?"))

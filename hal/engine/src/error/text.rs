@@ -100,6 +100,12 @@ impl core::fmt::Display for Error {
             Self::TooManyItems { name, most } => {
                 write!(f, "{name}: can only take {most} arguments")
             }
+            Self::TooManyComponents { name, most } => {
+                write!(
+                    f,
+                    "{name}: there are {most} components already, and an instance has no more"
+                )
+            }
             Self::MissingArgument { name, .. } => write!(f, "parameter `{name}' is missing"),
             Self::CountAndNames => f.write_str("count= and names= are mutually exclusive"),
             Self::InitFailed { name, why, .. } | Self::OpenFailed { name, why } => {

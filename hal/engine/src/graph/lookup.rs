@@ -46,14 +46,21 @@ impl Graph {
 
     /// Returns the name for a second or later load of a module that is loaded: `MODULE:2`, `MODULE:3`, …
     pub(crate) fn further_load(&self, module: &str) -> Result<Name, Error> {
-        let mut number = 2_u32;
-        loop {
-            let name = Name::parse("component", &format!("{module}:{number}"))?;
-            if !self.components.contains_key(&name) {
-                return Ok(name);
-            }
-            number += 1;
+        let name = |number: u32| Name::parse("component", &format!("{module}:{number}"));
+        // A search by halves: the lower number is in use, the upper one is free.
+        let (mut used, mut free) = (1_u32, 2);
+        while self.components.contains_key(&name(free)?) {
+            (used, free) = (free, free * 2);
         }
+        while free - used > 1 {
+            let middle = used + (free - used) / 2;
+            if self.components.contains_key(&name(middle)?) {
+                used = middle;
+            } else {
+                free = middle;
+            }
+        }
+        name(free)
     }
 
     /// Returns the names of the second and later loads of a module.

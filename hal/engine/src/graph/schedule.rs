@@ -15,6 +15,9 @@ use petgraph::{
     visit::EdgeRef,
 };
 
+/// Largest number of components. What the end of the process needs is renewed with each load, so that loads become
+/// slower with their number.
+const MAX_COMPONENTS: usize = 4096;
 /// Shortest and longest period, in nanoseconds.
 const PERIODS: core::ops::RangeInclusive<i64> = 1_000..=1_000_000_000_000;
 
@@ -91,6 +94,10 @@ impl Model {
     ) -> Result<Ix, Error> {
         if self.graph.components.contains_key(&name) {
             return Err(Error::Duplicate { what: "component name", name: name.as_str().into() });
+        }
+        if self.graph.components.len() >= MAX_COMPONENTS {
+            let name = name.as_str().into();
+            return Err(Error::TooManyComponents { name, most: MAX_COMPONENTS });
         }
         let component = Component {
             id: self.counters.next_component,

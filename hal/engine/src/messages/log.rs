@@ -139,7 +139,7 @@ impl Log {
             match line.level {
                 level::ERR => tracing::error!(component, "{text}"),
                 level::WARN => tracing::warn!(component, "{text}"),
-                0 | level::INFO => tracing::info!(component, "{text}"),
+                level::NOTICE | level::INFO => tracing::info!(component, "{text}"),
                 _ => tracing::debug!(component, "{text}"),
             }
             self.keep(text);

@@ -106,7 +106,7 @@ pub(super) const ROWS: &[Row] = &[
         help: "Threads stop, outputs go to their safe levels, everything is unloaded.",
         examples: &["shutdown"],
         related: &["stop", "quit"],
-        parse: |_| Ok(Command::Ask(Request::Shutdown, None)),
+        parse: |_| Ok(Command::Send(Request::Shutdown, None)),
         ..PLAIN
     },
     Row {

@@ -80,7 +80,7 @@ pub(super) const ROWS: &[Row] = &[
                 "'status instance' says why; unload the component",
             ),
         ],
-        parse: |_| Ok(Command::Ask(Request::Start, Some("Realtime threads started".to_owned()))),
+        parse: |_| Ok(Command::Send(Request::Start, Some("Realtime threads started".to_owned()))),
     },
     Row {
         name: "stop",
@@ -92,7 +92,7 @@ pub(super) const ROWS: &[Row] = &[
         examples: &["stop"],
         related: &["start", "shutdown"],
         errors: &[LOCKED],
-        parse: |_| Ok(Command::Ask(Request::Stop, Some("Realtime threads stopped".to_owned()))),
+        parse: |_| Ok(Command::Send(Request::Stop, Some("Realtime threads stopped".to_owned()))),
     },
     Row {
         name: "run",

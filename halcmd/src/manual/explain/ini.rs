@@ -37,11 +37,11 @@ const PLAIN: &str = machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n")
 pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: Code::IniUnreadable,
-        means: "The INI file cannot be opened, or a line of it is neither a [SECTION], an entry \
-                NAME = VALUE, nor a comment.",
+        means: "The INI file cannot be opened, or it is no INI file: it has no [SECTION], a section without \
+                an end, or bytes that are no text.",
         matters: "halrun does not start.",
         remedy: "Comments begin with # or ; and have lines of their own.",
-        wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME 0.1\n# <--\n[HAL]\nHALFILE = m.hal\n",
+        wrong: "print ready\n--- m.ini\n[EMCIO\n# <--\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n",
         right: PLAIN,
     },
     Explanation {
@@ -149,5 +149,15 @@ pub(super) const ROWS: &[Explanation] = &[
             "",
             "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMAX_LIMIT = 9\nHOME = 5\n"
         ),
+    },
+    Explanation {
+        code: Code::IniIgnored,
+        means: "A line of the INI file is no entry NAME = VALUE, stands before the first [SECTION], or \
+                includes a file that is not there; or text follows a [SECTION] on its line.",
+        matters: "The machine starts without it, as in LinuxCNC: a default counts in the place of an entry \
+                  that was meant.",
+        remedy: "Correct the line, or make it a comment, with # or ; at its beginning.",
+        wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nHOME 5\n# <--\n"),
+        right: PLAIN,
     },
 ];

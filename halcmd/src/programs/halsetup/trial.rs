@@ -39,10 +39,10 @@ pub(super) struct Search {
 }
 
 /// A person who is asked, and who answers with a line.
-pub(super) type Ask<'a> = dyn FnMut(&str) -> Result<Option<String>, String> + 'a;
+pub(super) type AskUser<'a> = dyn FnMut(&str) -> Result<Option<String>, String> + 'a;
 
 /// Searches what an axis bears; returns the report.
-pub(super) fn test(answers: &Answers, asked: &Search, ask: &mut Ask<'_>) -> Result<String, String> {
+pub(super) fn test(answers: &Answers, asked: &Search, ask: &mut AskUser<'_>) -> Result<String, String> {
     let (number, joint) = find(answers, &asked.axis)?;
     let timing = timing(answers).map_err(|(joint, possible)| {
         format!("joint {joint}: too fast for this computer's jitter; a velocity of {possible:.3} is possible")
@@ -159,7 +159,7 @@ fn go_on(engine: &mut Alone, ending: &AtomicBool) -> Result<(), String> {
 }
 
 /// Asks until one of the answers comes; `q` and the end of the input end the search.
-fn answer(ask: &mut Ask<'_>, question: &str, answers: &[&str]) -> Result<String, String> {
+fn answer(ask: &mut AskUser<'_>, question: &str, answers: &[&str]) -> Result<String, String> {
     loop {
         let line =
             ask(question)?.ok_or("the search was not finished: nothing is told of the axis")?;

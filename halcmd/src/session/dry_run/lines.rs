@@ -61,7 +61,7 @@ impl Session<'_> {
             {
                 self.execute(other)
             }
-            Command::Ask(request, _) | Command::Value(request) | Command::TypeOf(request) => {
+            Command::Send(request, _) | Command::Value(request) | Command::TypeOf(request) => {
                 self.try_request(request)
             }
             Command::Launch(launch) => self.expect_program(&launch),

@@ -79,6 +79,8 @@ impl Session<'_> {
     }
 
     fn answer_line(&mut self, script: &mut Script, at: At, words: &[String]) -> Vec<String> {
+        let split = self.words_in_pass(words);
+        let words: &[String] = &split;
         let (statement, line) = Statement::of_words(words);
         let line = Line { number: at.line, ..line };
         self.stand_at(&at.file, at.line);

@@ -30,13 +30,13 @@ struct Count {
 
 /// Does it when it is dropped.
 #[derive(Debug)]
-struct Last(String);
+struct EndsProcess(String);
 
-impl Last {
+impl EndsProcess {
     const fn keep(&self) {}
 }
 
-impl Drop for Last {
+impl Drop for EndsProcess {
     fn drop(&mut self) {
         quit(&self.0);
     }
@@ -75,7 +75,7 @@ impl Component for Quits {
             })?,
             "stop" => b.on_stop(move || quit(&how))?,
             "drop" => {
-                let last = Last(how);
+                let last = EndsProcess(how);
                 b.on_stop(move || last.keep())?;
             }
             "task" => b.task("quits.task", "Does it.", 1_000_000, Later { how, told })?,

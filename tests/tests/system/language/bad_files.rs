@@ -1,4 +1,4 @@
-//! Files that no editor writes: endless, huge, sourced without end, with a byte order mark. `halrun` and `halcmd check`
+//! Files that no editor writes: endless, huge, sourced without end, with thousands of loads, with a byte order mark. `halrun` and `halcmd check`
 //! end with a message or take the file.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
@@ -135,4 +135,19 @@ fn bad_files_are_refused_or_taken_and_never_endless() {
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// Each load costs more than the one before, so that their number is bounded.
+#[test]
+fn too_many_loads_are_refused() {
+    let scratch = Scratch::new("many-loads");
+    let mut text = String::new();
+    for n in 0..10_000 {
+        writeln!(text, "loadrt and2 names=a{n}").unwrap();
+    }
+    scratch.write("loads.hal", text);
+    let run = scratch.halrun(&["--virtual", "-f", "loads.hal"]);
+    assert_eq!(run.status, Some(1), "{}", run.stderr);
+    let says = "there are 4096 components already, and an instance has no more";
+    assert!(run.stderr.contains(says), "{}", run.stderr);
 }

@@ -1,6 +1,6 @@
 //! Figures of the page: its first picture, and the path of a program of a million lines while somebody works.
 
-use super::stand::Stand;
+use super::fixture::Fixture;
 use hal_tests::browser::DESKTOP;
 use std::fmt::Write as _;
 
@@ -23,13 +23,13 @@ fn waves(lines: u32) -> String {
 #[test]
 #[ignore = "a measurement, of 5 s on an idle computer: cargo test -p hal-tests --test system panel::figures -- --ignored --nocapture"]
 fn a_path_of_a_million_lines() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
     let paint = b
         .run("return performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? null");
     println!("first picture after {paint} ms");
-    stand.ready();
-    stand.printer.scratch.write("programs/waves.ngc", waves(LINES));
+    fixture.ready();
+    fixture.printer.scratch.write("programs/waves.ngc", waves(LINES));
     b.run("[...document.querySelectorAll('#programs button')].at(-1).click()");
     let file = "[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === 'waves.ngc')";
     b.until(file);
@@ -44,7 +44,7 @@ fn a_path_of_a_million_lines() {
     let complete = b.run("return document.querySelector('.view').dataset.complete");
     let points = b.run("return document.querySelector('.view').dataset.points");
     let longest = b.run("return Math.round(Math.max(...window.waits))");
-    stand.picture("million");
+    fixture.picture("million");
     println!(
         "{points} points are complete after {complete} ms; the longest wait of an input was {longest} ms"
     );

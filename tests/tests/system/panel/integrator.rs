@@ -1,6 +1,6 @@
 //! The integrator's page: a pin is found, watched, set and scoped; the wiring shows live values.
 
-use super::stand::Stand;
+use super::fixture::Fixture;
 use hal_tests::{
     browser::{DESKTOP, PHONE},
     scratch::until,
@@ -8,9 +8,9 @@ use hal_tests::{
 
 #[test]
 fn a_pin_is_watched_and_set() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
     b.run("document.querySelector('[data-page=integrate]').click()");
 
     // The search finds a pin, the list watches it, and the dialog sets another.
@@ -19,7 +19,7 @@ fn a_pin_is_watched_and_set() {
     b.click("[data-kind=pins] li button");
     let value = "document.querySelector('[data-name=\"axis.0.motor-pos-cmd\"] td')?.textContent";
     b.until(&format!("{value} === '0'"));
-    stand.printer.halcmd("motion.jog joint=0 velocity=40 position=3 --wait");
+    fixture.printer.halcmd("motion.jog joint=0 velocity=40 position=3 --wait");
     b.until(&format!("Math.abs(Number({value}) - 3) < 1e-6"));
 
     b.run("document.querySelector('#tree-search').value = ''");
@@ -33,9 +33,9 @@ fn a_pin_is_watched_and_set() {
     b.fill("dialog input", "1234");
     b.click("dialog button[type=submit]");
     until("the parameter is set", || {
-        (stand.printer.number("getp stepgen.0.maxaccel") - 1234.0).abs() < 1e-9
+        (fixture.printer.number("getp stepgen.0.maxaccel") - 1234.0).abs() < 1e-9
     });
-    stand.picture("watch");
+    fixture.picture("watch");
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 
@@ -75,9 +75,9 @@ fn the_order_of_functions_and_the_flight_recorder_are_shown() {
 #[test]
 fn a_pin_is_scoped_with_a_trigger_and_the_wiring_lives() {
     let pin = "axis.0.motor-pos-cmd";
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
     b.run("document.querySelector('[data-page=integrate]').click()");
     b.until("document.querySelector('#scope-thread').options.length > 1");
 
@@ -93,7 +93,7 @@ fn a_pin_is_scoped_with_a_trigger_and_the_wiring_lives() {
     b.fill("#scope-trigger", &format!("{pin} rises through 1"));
     b.click("#scope-start");
     b.until("!document.querySelector('#scope-stop').disabled && document.querySelector('.plot').dataset.captures === '0'");
-    stand.printer.halcmd("motion.jog joint=0 velocity=40 position=3 --wait");
+    fixture.printer.halcmd("motion.jog joint=0 velocity=40 position=3 --wait");
     b.until("Number(document.querySelector('.plot').dataset.captures) > 0");
     let cell = |n: u32| {
         let script = format!(
@@ -113,7 +113,7 @@ fn a_pin_is_scoped_with_a_trigger_and_the_wiring_lives() {
     b.key("\u{e008}", false);
     b.until("/\\d s \\(.*Hz\\)/.test(document.querySelector('#scope caption').textContent)");
     assert!(cell(6) < cell(7), "A {} B {}", cell(6), cell(7));
-    stand.picture("scope-desktop");
+    fixture.picture("scope-desktop");
 
     // The capture is exported as it is shown.
     b.run("window.saved = null; URL.createObjectURL = (blob) => { blob.text().then((text) => { window.saved = text; }); return 'blob:none'; }");
@@ -129,22 +129,22 @@ fn a_pin_is_scoped_with_a_trigger_and_the_wiring_lives() {
     b.fill("#graph-pattern", "xpos-*");
     b.run("document.querySelector('#graph').scrollIntoView(); document.querySelector('#graph-pattern').dispatchEvent(new Event('change'))");
     b.until("[...document.querySelectorAll('#graph text.label')].some((x) => / = -?\\d/.test(x.textContent))");
-    stand.picture("wiring-desktop");
+    fixture.picture("wiring-desktop");
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 
 #[test]
 fn a_phone_shows_a_stream_and_the_wiring() {
-    let Some(stand) = Stand::start(PHONE) else { return };
-    let b = &stand.browser;
+    let Some(fixture) = Fixture::start(PHONE) else { return };
+    let b = &fixture.browser;
     b.run("document.querySelector('[data-page=integrate]').click()");
     b.run("document.querySelector('#scope-names').value = 'remote.pulse sig:xpos-cmd'; document.querySelector('#scope-start').click()");
     b.until("Number(document.querySelector('.plot').dataset.captures) > 3");
     b.run("document.querySelector('#scope-start').scrollIntoView()");
-    stand.picture("scope-phone");
+    fixture.picture("scope-phone");
     b.run("document.querySelector('#graph').scrollIntoView()");
     b.until("document.querySelector('#graph text.label')");
-    stand.picture("wiring-phone");
+    fixture.picture("wiring-phone");
     b.run("document.querySelector('#scope-stop').click()");
     b.until("!document.querySelector('#scope-start').disabled");
     let too_wide =

@@ -1,6 +1,6 @@
 //! Looks of the page: languages, themes, screens, and the findings of an automatic check of accessibility.
 
-use super::stand::Stand;
+use super::fixture::Fixture;
 use hal_tests::{
     browser::{Browser, DESKTOP, PHONE},
     programs::root,
@@ -12,8 +12,8 @@ use std::fs;
 #[test]
 fn each_language_theme_and_screen_has_all_cards_and_no_error() {
     for (screen, width) in [(DESKTOP, "desktop"), (PHONE, "phone")] {
-        let Some(stand) = Stand::start(screen) else { return };
-        let b = &stand.browser;
+        let Some(fixture) = Fixture::start(screen) else { return };
+        let b = &fixture.browser;
         for language in ["en", "es"] {
             for theme in ["dark", "light"] {
                 b.run(&format!(
@@ -29,10 +29,10 @@ fn each_language_theme_and_screen_has_all_cards_and_no_error() {
                 assert_eq!(b.run("return document.documentElement.dataset.theme"), theme, "{name}");
                 let too_wide = "return document.documentElement.scrollWidth - document.documentElement.clientWidth";
                 assert_eq!(b.run(too_wide), 0, "{name}: the page is wider than the screen");
-                stand.picture(&name);
+                fixture.picture(&name);
                 b.run("document.querySelector('[data-page=integrate]').click()");
                 b.until("document.querySelectorAll('#tree .names li').length > 10");
-                stand.picture(&format!("{name}-integrate"));
+                fixture.picture(&format!("{name}-integrate"));
                 b.run("document.querySelector('[data-page=operate]').click()");
             }
         }
@@ -60,8 +60,8 @@ fn axe_finds_nothing_serious() {
     let script = root().join("components/remote/panel/node_modules/axe-core/axe.min.js");
     let Some(axe) = AXE.or_skip(fs::read_to_string(script).ok()) else { return };
     for screen in [DESKTOP, PHONE] {
-        let Some(stand) = Stand::start(screen) else { return };
-        let b = &stand.browser;
+        let Some(fixture) = Fixture::start(screen) else { return };
+        let b = &fixture.browser;
         for theme in ["dark", "light"] {
             for page in ["operate", "integrate"] {
                 b.run(&format!("localStorage.setItem('ferrule-panel', JSON.stringify({{ theme: '{theme}', page: '{page}', watch: ['remote.pulse'] }})); location.reload()"));

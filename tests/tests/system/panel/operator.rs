@@ -1,6 +1,6 @@
 //! The operator's page: a whole job by buttons and by keys, and the ends of jogs.
 
-use super::stand::Stand;
+use super::fixture::Fixture;
 use hal_tests::{browser::DESKTOP, scratch::until};
 
 /// A program with two tools and moves of some seconds.
@@ -21,24 +21,24 @@ M2
 ";
 
 /// Uploads a program and opens it.
-fn open(stand: &Stand, name: &str, text: &str) {
-    let b = &stand.browser;
-    stand.printer.scratch.write(name, text);
-    b.fill("#upload", stand.printer.scratch.path().join(name).to_str().unwrap());
+fn open(fixture: &Fixture, name: &str, text: &str) {
+    let b = &fixture.browser;
+    fixture.printer.scratch.write(name, text);
+    b.fill("#upload", fixture.printer.scratch.path().join(name).to_str().unwrap());
     let listed = format!(
         "[...document.querySelectorAll('.files .plain')].some((f) => f.textContent === '{name}')"
     );
     b.until(&listed);
-    assert_eq!(stand.printer.scratch.read(&format!("programs/{name}")), text);
+    assert_eq!(fixture.printer.scratch.read(&format!("programs/{name}")), text);
     b.run(&format!("[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === '{name}').click()"));
     b.until(&format!("document.querySelector('.file').textContent === '{name}'"));
 }
 
 /// Sets the feed override in the page, and waits until the task has it.
-fn override_feed(stand: &Stand, percent: u32) {
+fn override_feed(fixture: &Fixture, percent: u32) {
     // Receives changes only.
-    let mut viewer = stand.printer.sign_in().socket();
-    stand.browser.run(&format!(
+    let mut viewer = fixture.printer.sign_in().socket();
+    fixture.browser.run(&format!(
         "const f = document.querySelector('#feed-override'); f.value = {percent}; \
          f.dispatchEvent(new Event('input'))"
     ));
@@ -48,68 +48,72 @@ fn override_feed(stand: &Stand, percent: u32) {
 
 #[test]
 fn a_desk_runs_a_job() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
 
     // A short touch moves nothing; a hold moves until the release.
     b.until(
         "document.querySelector('.jog-X-plus') && !document.querySelector('.jog-X-plus').disabled",
     );
-    let x = || stand.printer.number("getp joint.0.pos-cmd");
-    stand.tap(".jog-X-plus");
+    let x = || fixture.printer.number("getp joint.0.pos-cmd");
+    fixture.tap(".jog-X-plus");
     assert_eq!(x(), 0.0, "a short touch");
-    stand.jog(".jog-X-plus", 0, 2.0);
-    stand.picture("job-jog");
-    stand.end_jog(".jog-X-plus");
-    until("the jog has ended", || stand.printer.halcmd("getp motion.in-position").trim() == "TRUE");
+    fixture.jog(".jog-X-plus", 0, 2.0);
+    fixture.picture("job-jog");
+    fixture.end_jog(".jog-X-plus");
+    until("the jog has ended", || {
+        fixture.printer.halcmd("getp motion.in-position").trim() == "TRUE"
+    });
 
-    open(&stand, "part.ngc", PART);
-    stand.picture("job-path");
+    open(&fixture, "part.ngc", PART);
+    fixture.picture("job-path");
     let (prompt, no_prompt) = (
         "!document.querySelector('#tool-prompt').hidden",
         "document.querySelector('#tool-prompt').hidden",
     );
-    stand.hold("#run-start", prompt);
+    fixture.hold("#run-start", prompt);
 
     // The change of tool: the job waits until a person confirms. So slow a feed lasts until the pause, however busy the
     // computer is.
-    stand.picture("job-tool");
-    override_feed(&stand, 2);
-    stand.hold("#tool-changed", no_prompt);
+    fixture.picture("job-tool");
+    override_feed(&fixture, 2);
+    fixture.hold("#tool-changed", no_prompt);
 
     // The pause, its end, and the override.
     b.until("document.querySelector('.listing .current')");
     b.click("#run-pause");
     b.until("!document.querySelector('#run-resume').hidden");
-    until("motion rests", || stand.printer.number("getp motion.current-vel") == 0.0);
-    stand.picture("job-paused");
-    stand.hold("#run-resume", "document.querySelector('#run-resume').hidden");
-    override_feed(&stand, 100);
+    until("motion rests", || fixture.printer.number("getp motion.current-vel") == 0.0);
+    fixture.picture("job-paused");
+    fixture.hold("#run-resume", "document.querySelector('#run-resume').hidden");
+    override_feed(&fixture, 100);
 
     // The second tool, then the end of the program.
     b.until(prompt);
-    stand.hold("#tool-changed", no_prompt);
-    until("the job ends", || stand.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    fixture.hold("#tool-changed", no_prompt);
+    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
     // A person at the machine may answer too.
-    stand.printer.halcmd("setp hal_manualtoolchange.change_button FALSE");
+    fixture.printer.halcmd("setp hal_manualtoolchange.change_button FALSE");
     b.until("document.querySelector('#run-state').textContent.length > 0 && document.querySelector('#run-start').disabled === false");
 
     // A second run that is stopped.
-    stand.hold("#run-start", "!document.querySelector('#run-stop').disabled");
+    fixture.hold("#run-start", "!document.querySelector('#run-stop').disabled");
     b.click("#run-stop");
-    until("the job is aborted", || stand.printer.halcmd("task.status").contains("jobs=2 failed=1"));
-    stand.picture("job-stopped");
+    until("the job is aborted", || {
+        fixture.printer.halcmd("task.status").contains("jobs=2 failed=1")
+    });
+    fixture.picture("job-stopped");
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 
 #[test]
 fn a_start_in_the_middle_is_shown_and_confirmed() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
     let text = "G21 G90\nG1 X20 F3000\nY20\nX0\nY5\nM2\n";
-    open(&stand, "middle.ngc", text);
+    open(&fixture, "middle.ngc", text);
     b.run("document.querySelector('#run-start-at').open = true");
     let propose = |line: u32| {
         b.run(&format!("document.querySelector('#run-from-line').value = {line}"));
@@ -126,27 +130,27 @@ fn a_start_in_the_middle_is_shown_and_confirmed() {
     let shown = b.text("#run-from-shown");
     assert!(shown.contains("line 4 of middle.ngc") && shown.contains("Y 20.000"), "{shown}");
     let (x, y) = ("getp joint.0.pos-cmd", "getp joint.1.pos-cmd");
-    assert_eq!((stand.printer.number(x), stand.printer.number(y)), (0.0, 0.0), "nothing moves");
-    stand.picture("start-at-line");
-    stand.tap("#run-from-confirm");
-    assert_eq!((stand.printer.number(x), stand.printer.number(y)), (0.0, 0.0), "a short touch");
-    stand.hold("#run-from-confirm", "document.querySelector('#run-from-confirm').hidden");
-    until("the job ends", || stand.printer.halcmd("task.status").contains("jobs=1 failed=0"));
-    assert_eq!((stand.printer.number(x), stand.printer.number(y)), (0.0, 5.0));
+    assert_eq!((fixture.printer.number(x), fixture.printer.number(y)), (0.0, 0.0), "nothing moves");
+    fixture.picture("start-at-line");
+    fixture.tap("#run-from-confirm");
+    assert_eq!((fixture.printer.number(x), fixture.printer.number(y)), (0.0, 0.0), "a short touch");
+    fixture.hold("#run-from-confirm", "document.querySelector('#run-from-confirm').hidden");
+    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    assert_eq!((fixture.printer.number(x), fixture.printer.number(y)), (0.0, 5.0));
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 
 #[test]
 fn offsets_are_in_units_of_the_page_whatever_those_of_the_program() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
     // The program's unit is the inch, the machine's and the page's the millimetre.
     b.fill("#mdi-line", "G20\u{e007}");
-    until("G20 is in force", || stand.printer.halcmd("task.status").contains("G20"));
+    until("G20 is in force", || fixture.printer.halcmd("task.status").contains("G20"));
     b.run("document.querySelector('#touch-off-value').value = 10");
-    let mut viewer = stand.printer.sign_in().socket();
-    stand.hold(
+    let mut viewer = fixture.printer.sign_in().socket();
+    fixture.hold(
         "[aria-label=\"Touch off X\"]",
         "document.querySelector('#offsets td')?.textContent === '-10.000'",
     );
@@ -163,7 +167,7 @@ fn offsets_are_in_units_of_the_page_whatever_those_of_the_program() {
     assert_eq!(b.run(too_wide), 0, "the table is wider than its card");
     b.click("#tools [data-tool='1'] button");
     b.run("document.querySelector('dialog [name=z]').value = 12.5; document.querySelector('dialog [name=diameter]').value = 6");
-    stand.picture("tool-edit");
+    fixture.picture("tool-edit");
     b.click("dialog button[type=submit]");
     let cell = |n: u32| {
         format!("document.querySelectorAll('#tools [data-tool=\"1\"] td')[{n}].textContent")
@@ -174,8 +178,8 @@ fn offsets_are_in_units_of_the_page_whatever_those_of_the_program() {
 
 #[test]
 fn the_keyboard_alone_runs_a_job() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
     let (tab, space) = ("\u{e004}", " ");
     // Tab reaches an element; space is then held.
     let reach = |selector: &str| {
@@ -211,7 +215,7 @@ fn the_keyboard_alone_runs_a_job() {
     b.key(space, true);
     b.key(space, false);
     b.until("document.body.classList.contains('keys-jog')");
-    let x = || stand.printer.number("getp joint.0.pos-cmd");
+    let x = || fixture.printer.number("getp joint.0.pos-cmd");
     let before = x();
     until("the key moves X", || {
         b.key("\u{e014}", true);
@@ -219,21 +223,23 @@ fn the_keyboard_alone_runs_a_job() {
         b.key("\u{e014}", false);
         has_moved
     });
-    until("the jog has ended", || stand.printer.halcmd("getp motion.in-position").trim() == "TRUE");
+    until("the jog has ended", || {
+        fixture.printer.halcmd("getp motion.in-position").trim() == "TRUE"
+    });
     b.key("\u{e00c}", true);
     b.key("\u{e00c}", false);
     b.until("!document.body.classList.contains('keys-jog')");
 
-    open(&stand, "short.ngc", "G21 G90\nG1 X5 Y5 F600\nM2\n");
+    open(&fixture, "short.ngc", "G21 G90\nG1 X5 Y5 F600\nM2\n");
     hold("#run-start", "!document.querySelector('#run-stop').disabled");
-    until("the job ends", || stand.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
 }
 
 #[test]
 fn a_jog_ends_with_what_held_it() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
     let cuts = [
         ("blur", "window.dispatchEvent(new Event('blur'))"),
         (
@@ -269,14 +275,14 @@ fn a_jog_ends_with_what_held_it() {
         });
         b.until("window.sent.includes('jog-stop')");
         until("the machine rests", || {
-            stand.printer.halcmd("getp motion.in-position").trim() == "TRUE"
+            fixture.printer.halcmd("getp motion.in-position").trim() == "TRUE"
         });
-        let x = stand.printer.number("getp joint.0.pos-cmd");
+        let x = fixture.printer.number("getp joint.0.pos-cmd");
         // What still holds the button begins nothing again.
         b.release();
         b.run("window.sent = []");
-        stand.tap(".jog-Y-plus");
+        fixture.tap(".jog-Y-plus");
         assert_eq!(b.run("return window.sent.includes('jog')"), false, "{name}");
-        assert_eq!(stand.printer.number("getp joint.0.pos-cmd").to_bits(), x.to_bits(), "{name}");
+        assert_eq!(fixture.printer.number("getp joint.0.pos-cmd").to_bits(), x.to_bits(), "{name}");
     }
 }

@@ -1,6 +1,6 @@
 //! Files that cannot be used, disks that are full, and engines that end: the page says so, and nothing is half done.
 
-use super::{printer::Printer, stand::Stand};
+use super::{fixture::Fixture, printer::Printer};
 use hal_tests::{browser::DESKTOP, scratch::until, tools::Tool, web};
 use serde_json::json;
 use std::{
@@ -79,27 +79,27 @@ fn what_is_no_program_is_told_and_moves_nothing() {
 
 #[test]
 fn the_page_tells_of_uploads_that_fail_and_of_an_engine_that_ends() {
-    let Some(mut stand) = Stand::start(DESKTOP) else { return };
-    let folder = stand.printer.scratch.path().join("programs");
-    let b = &stand.browser;
+    let Some(mut fixture) = Fixture::start(DESKTOP) else { return };
+    let folder = fixture.printer.scratch.path().join("programs");
+    let b = &fixture.browser;
     let disk = SmallDisk::mount(folder);
     if disk.is_some() {
-        stand.printer.scratch.write("long.ngc", long());
-        b.fill("#upload", stand.printer.scratch.path().join("long.ngc").to_str().unwrap());
+        fixture.printer.scratch.write("long.ngc", long());
+        b.fill("#upload", fixture.printer.scratch.path().join("long.ngc").to_str().unwrap());
         b.until("[...document.querySelectorAll('.toast[data-level=error], #messages [data-level=error]')].some((m) => /space|disk|device/i.test(m.textContent))");
         b.until("!document.querySelector('.files .plain')");
-        stand.picture("trouble-disk");
+        fixture.picture("trouble-disk");
     }
     drop(disk);
-    stand.printer.end_machine();
-    let b = &stand.browser;
+    fixture.printer.end_machine();
+    let b = &fixture.browser;
     b.until("/engine has ended/i.test(document.body.textContent)");
     // The page stays usable: its other face opens, and its buttons that move something do nothing.
     b.run("document.querySelector('[data-page=integrate]').click()");
     b.until("document.querySelector('#tree')");
     b.run("document.querySelector('[data-page=operate]').click()");
     b.until("document.querySelector('#estop-reset').disabled || document.querySelector('#estop-reset').getAttribute('aria-disabled') === 'true'");
-    stand.picture("trouble-engine");
+    fixture.picture("trouble-engine");
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 

@@ -10,7 +10,7 @@ use crate::{
     canon::Call,
     error::Problem,
     interpret::{Run, block::Block},
-    state::compensation::{Last, Path},
+    state::compensation::{LastMove, Path},
 };
 
 /// Corners with a smaller turn, in radians, get neither an arc nor a new end.
@@ -70,7 +70,7 @@ impl Run<'_> {
     /// Makes the corner at the programmed point `at` between the last move and a line in `direction`.
     fn corner_to_line(
         &mut self,
-        last: Last,
+        last: LastMove,
         at: Point,
         direction: Point,
         rapid: bool,
@@ -124,7 +124,7 @@ impl Run<'_> {
     /// Makes the corner between the last move and an arc; `begin` is the compensated begin of the arc.
     pub(super) fn corner_to_arc(
         &mut self,
-        last: Last,
+        last: LastMove,
         at: Point,
         direction: Point,
         begin: Point,

@@ -12,7 +12,7 @@ use crate::{
     question::Request,
     state::{
         Compensation,
-        compensation::{Last, Path},
+        compensation::{LastMove, Path},
     },
 };
 
@@ -100,7 +100,7 @@ impl Run<'_> {
     }
 
     /// Moves the end of the last move to `end`, with the calls behind it that stay there.
-    pub(super) fn change_last_end(&mut self, last: Last, end: Point) -> Result<(), Problem> {
+    pub(super) fn change_last_end(&mut self, last: LastMove, end: Point) -> Result<(), Problem> {
         let plane = self.state.modal.plane;
         check_reach(last.path, in_plane(plane, self.state.position), end)?;
         let queue = &mut self.state.compensation.queue;
@@ -124,7 +124,7 @@ impl Run<'_> {
         let comp = &mut self.state.compensation;
         self.out.append(&mut comp.queue);
         comp.queue.push(issued);
-        comp.last = Some(Last { path, direction, index: 0 });
+        comp.last = Some(LastMove { path, direction, index: 0 });
     }
 }
 

@@ -30,7 +30,7 @@ pub enum Path {
 
 /// The last move, whose end the next one may change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Last {
+pub struct LastMove {
     /// The compensated path.
     pub path: Path,
     /// The programmed direction at its end.
@@ -51,7 +51,7 @@ pub struct Compensation {
     /// The programmed position; `None` before the first move.
     pub program: Option<Point>,
     /// The last move, if its end may still change.
-    pub last: Option<Last>,
+    pub last: Option<LastMove>,
     /// The calls from the last move on.
     pub queue: Vec<Issued>,
 }

@@ -191,7 +191,7 @@ impl State {
         let held = (jog.distance != JogDistance::Continuous).then_some(ticket);
         let mut goes = target;
         if let Some(jogger) = self.jogger(jog.target) {
-            jogger.go(target, jog.velocity.abs(), &limits, By::Command, held);
+            jogger.set_target(target, jog.velocity.abs(), &limits, By::Command, held);
             goes = jogger.tp.target;
         }
         if held.is_none() {

@@ -348,5 +348,5 @@ fn move_to(joint: &mut Joint, target: f64, speed: f64) {
         max_acc: joint.config.move_acceleration(),
         max_jerk: joint.config.move_jerk(),
     };
-    joint.free.go(target, speed, &limits, By::Homing, None);
+    joint.free.set_target(target, speed, &limits, By::Homing, None);
 }

@@ -85,7 +85,7 @@ impl State {
             if self.pose.get(n).is_some_and(|at| at.to_bits() != to.to_bits()) {
                 let limits = self.jog_limits(n)?;
                 if let Some(axis) = self.axes.get_mut(n) {
-                    axis.teleop.go(*to, limits.max_vel, &limits, By::Command, None);
+                    axis.teleop.set_target(*to, limits.max_vel, &limits, By::Command, None);
                 }
             }
         }

@@ -63,6 +63,17 @@ fn refusals_name_what_is_wrong() {
     }
 }
 
+/// Programs of a lathe name Y, which has no joint, in every move.
+#[test]
+fn an_axis_without_a_joint_may_be_named_at_its_place() {
+    let mut rig = Rig::off(&["coordinates=xz"]);
+    let off = "need to be enabled, in coord mode for linear move";
+    assert_eq!(rig.failed("motion.move x=1 y=0 z=0 velocity=1"), off);
+    let why = "axis y has no joint in these kinematics";
+    assert_eq!(rig.try_say("motion.move x=1 y=0.1 z=0 velocity=1").unwrap_err(), why);
+    assert_eq!(rig.try_say("motion.jog axis=y velocity=1").unwrap_err(), why);
+}
+
 #[test]
 fn nothing_moves_a_machine_that_is_off() {
     let mut rig = Rig::off(&[]);

@@ -223,7 +223,7 @@ impl Core {
                     job.paused = true;
                 }
             }
-            Action::Message(text) => self.tell(Level::Info, text, out),
+            Action::Message(text) => self.tell(Level::Notice, text, out),
             Action::End => self.save_parameters(out),
             Action::File(file) => out.file(file, self.program.as_deref())?,
             Action::Refuse(why) => return Err(why.to_string()),

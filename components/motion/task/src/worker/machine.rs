@@ -328,6 +328,10 @@ impl Outside for Machine {
                 self.said = self.reasons.keep(text);
                 self.messages.error(self.said, &[]);
             }
+            Level::Notice => {
+                self.said = self.messages_kept.keep(text);
+                self.messages.notice(self.said, &[]);
+            }
             Level::Info => {
                 self.said = self.messages_kept.keep(text);
                 self.messages.info(self.said, &[]);

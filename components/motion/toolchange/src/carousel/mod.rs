@@ -14,6 +14,10 @@ const MAX: u32 = 8;
 /// Maximum number of pins in a list of sensors.
 const MAX_SENSORS: i64 = 32;
 
+/// Warning about a word of `encoding`.
+const UNKNOWN: &str = "carousel.{0}: the encoding is no known word: as in LinuxCNC, the known word that it begins with \
+                       counts, else gray";
+
 /// A rotary tool magazine.
 pub(crate) struct Carousel;
 
@@ -70,7 +74,8 @@ getp carousel.0.motor-rev # -> FALSE
         &Arg::ints("pockets", "Pockets of each magazine, 1 or more; 8 without it.").at_most(MAX),
         &Arg::texts(
             "encoding",
-            "One of `gray`, `binary`, `bcd`, `single`, `index`, `edge` or `counts`; `gray` without it, or if empty.",
+            "One of `gray`, `binary`, `bcd`, `single`, `index`, `edge` or `counts`; `gray` without it, if empty, and, with \
+             a warning, for any other word.",
         )
         .at_most(MAX)
         .or("gray"),
@@ -91,13 +96,11 @@ getp carousel.0.motor-rev # -> FALSE
         }
         let mut all = Vec::new();
         for (i, pockets) in pockets.into_iter().enumerate() {
-            let encoding = at(&b.arg_texts("encoding"), i, "gray".to_owned());
-            let Some(encoding) = Encoding::named(&encoding) else {
-                return Err(Error::new(format!(
-                    "encoding is '{encoding}', and must be gray, binary, bcd, single, \
-                     index, edge or counts"
-                )));
-            };
+            let word = at(&b.arg_texts("encoding"), i, "gray".to_owned());
+            let (encoding, is_named) = Encoding::of_word(&word);
+            if !is_named {
+                b.messages().notice(UNKNOWN, &[i as f64]);
+            }
             let pockets = within("pockets", pockets, 1, i64::from(i32::MAX))?;
             let given = at(&b.arg_ints("num_sense"), i, 4);
             let sensors = match encoding {

@@ -18,18 +18,20 @@ pub(super) enum Encoding {
 }
 
 impl Encoding {
-    /// Returns the encoding of this name, in capitals or not.
-    pub(super) fn named(name: &str) -> Option<Self> {
-        Some(match name.to_ascii_lowercase().as_str() {
-            "gray" | "" => Self::Gray,
-            "binary" => Self::Binary,
-            "bcd" => Self::Bcd,
-            "single" => Self::Single,
-            "index" => Self::Index,
-            "edge" => Self::Edge,
-            "counts" => Self::Counts,
-            _ => return None,
-        })
+    /// Returns the encoding that LinuxCNC takes for a word, and whether the word is its name. A word counts as the name
+    /// that it begins with, and every other one, capitals among them, as `gray`.
+    pub(super) fn of_word(word: &str) -> (Self, bool) {
+        let all = [
+            ("gray", Self::Gray),
+            ("binary", Self::Binary),
+            ("bcd", Self::Bcd),
+            ("single", Self::Single),
+            ("index", Self::Index),
+            ("edge", Self::Edge),
+            ("counts", Self::Counts),
+        ];
+        let found = all.into_iter().find(|(name, _)| word.starts_with(name));
+        found.map_or((Self::Gray, word.is_empty()), |(name, it)| (it, word == name))
     }
 
     /// Returns whether the position is counted from a home that must be found.

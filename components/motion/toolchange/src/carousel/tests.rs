@@ -252,12 +252,20 @@ fn lists() {
     let mut b = Bench::new();
     b.load::<Carousel>(&[]).unwrap();
     assert!(b.names().iter().any(|n| n == "carousel.0.sense-3 bit IN"));
-    // An empty encoding is gray, and capitals are accepted, as in LinuxCNC.
+}
+
+/// Sensors of each magazine, as LinuxCNC 2.9 makes them for these words.
+#[test]
+fn unknown_encodings_count_as_gray_or_as_the_word_that_they_begin_with() {
+    let words = ["", "grey", "Index", "SINGLE", "edgy", "indexes", "singles", "binar"];
     let mut b = Bench::new();
-    b.load::<Carousel>(&["pockets=4,4,4", "encoding=,Index,"]).unwrap();
-    let has = |name: &str| b.names().iter().any(|n| n.starts_with(&format!("{name} ")));
-    assert!(has("carousel.0.sense-3") && has("carousel.2.sense-3"));
-    assert!(has("carousel.1.sense-1") && !has("carousel.1.sense-2"));
+    let list = format!("encoding={}", words.join(","));
+    b.load::<Carousel>(&["pockets=8,8,8,8,8,8,8,8", &list]).unwrap();
+    let sensors = |i: usize| {
+        b.names().iter().filter(|n| n.starts_with(&format!("carousel.{i}.sense-"))).count()
+    };
+    let all: Vec<_> = (0..words.len()).map(sensors).collect();
+    assert_eq!(all, [4, 4, 4, 4, 4, 2, 8, 4]);
 }
 
 /// Each refusal names the argument and its range, and leaves nothing behind.
@@ -266,7 +274,6 @@ fn refusals() {
     for (args, said) in [
         (&["pockets=0"][..], "pockets is 0, and must be 1 to 2147483647"),
         (&["pockets=4,-1"], "pockets is -1"),
-        (&["encoding=grey"], "encoding is 'grey', and must be gray, binary"),
         (&["num_sense=33"], "num_sense is 33, and must be 1 to 32"),
         (&["encoding=edge", "num_sense=1"], "num_sense with encoding=edge is 1, and must be 2"),
         (&["encoding=single", "pockets=33"], "pockets with encoding=single is 33, and must be 1"),

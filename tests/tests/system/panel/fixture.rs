@@ -13,12 +13,12 @@ const STILL: u32 = 100;
 
 /// The browser with the page, and the machine that it shows.
 #[derive(Debug)]
-pub(super) struct Stand {
+pub(super) struct Fixture {
     pub(super) browser: Browser,
     pub(super) printer: Printer,
 }
 
-impl Stand {
+impl Fixture {
     /// Starts the printer and its panel, and opens the page. `None` where there is no browser.
     pub(super) fn start(screen: Screen) -> Option<Self> {
         // First, because without it nothing else is of use.
