@@ -48,6 +48,7 @@ pub(crate) fn update(r: &mut MotionStatus, s: &State, lists: &Lists, changed: u3
     r.probe_commanded = s.probe.commanded;
     r.tool_offset = s.tool_offset;
     r.digital_in = bits(lists.digital_in.iter().map(In::get));
+    r.misc_errors = bits(lists.misc_errors.iter().map(In::get));
     r.digital_out = bits(s.digital_out.iter().copied());
     r.at_speed = s.at_speed;
     r.pose = s.pose;
@@ -77,12 +78,17 @@ pub(crate) fn update(r: &mut MotionStatus, s: &State, lists: &Lists, changed: u3
         put(&mut r.spindle_override, n, spindle.scale);
         put(&mut r.spindle_brake, n, spindle.has_brake());
         put(&mut r.spindle_at_speed, n, spindle.at_speed);
+        let (state, fault) = spindle.orientation();
+        put(&mut r.spindle_orient_state, n, state);
+        put(&mut r.spindle_orient_fault, n, fault);
     }
     r.joints = u32::try_from(s.joints.len()).unwrap_or(0);
     for (n, joint) in s.joints.iter().enumerate() {
         put(&mut r.joint_position, n, joint.pos_cmd);
         put(&mut r.joint_feedback, n, joint.pos_fb);
         put(&mut r.joint_velocity, n, joint.vel_cmd);
+        put(&mut r.joint_min_limit, n, joint.config.min_limit);
+        put(&mut r.joint_max_limit, n, joint.config.max_limit);
         if changed >> n & 1 == 1 {
             update_joint(r, n, joint);
         }

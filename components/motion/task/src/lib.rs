@@ -120,7 +120,7 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     let ini = b.arg_text("ini").filter(|ini| !ini.is_empty());
     let opened = shared.clone();
     b.on_open(move |_| {
-        let made = setup::read(ini.as_deref()).map_err(Error::new)?;
+        let made = setup::read(ini.as_deref(), b.clock().is_virtual()).map_err(Error::new)?;
         opened.lock().opened = Some(made);
         Ok(())
     })?;

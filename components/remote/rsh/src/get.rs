@@ -77,7 +77,7 @@ simple! {
     mist: |look| on_off("MIST", look.task().bit("mist", 0));
     lube: |look| on_off("LUBE", look.task().bit("lube", 0));
     lube_level: |look| {
-        let is_full = look.machine.input("iocontrol.0.lube_level").unwrap_or(true);
+        let is_full = look.task().bit("lube_level", 0);
         Some(format!("LUBE_LEVEL {}", if is_full { "OK" } else { "LOW" }))
     };
     inifile: |look| Some(format!("INIFILE {}", look.state().facts.path));

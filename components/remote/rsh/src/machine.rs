@@ -42,9 +42,6 @@ pub trait Machine {
     /// Returns the state that was read last.
     fn state(&self) -> &State;
 
-    /// Returns a reading of the machine's input of this name.
-    fn input(&mut self, pin: &str) -> Option<bool>;
-
     /// Gives a command. Returns the number of its ticket, if it takes time.
     ///
     /// # Errors

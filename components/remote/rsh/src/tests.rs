@@ -51,10 +51,6 @@ impl Machine for Noted {
         &self.state
     }
 
-    fn input(&mut self, _: &str) -> Option<bool> {
-        Some(false)
-    }
-
     fn command(&mut self, name: &str, args: Vec<String>) -> Result<Option<u64>, String> {
         self.said.push([&[name.to_owned()][..], &args].concat().join(" "));
         self.refuses.clone().map_or(Ok(Some(1)), Err)

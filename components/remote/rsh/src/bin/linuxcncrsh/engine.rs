@@ -1,7 +1,7 @@
 //! The machine of a session: snapshots, commands and control.
 
 use crate::{connection::Input, control::Control};
-use hal_protocol::{Client, Kind, Link as _, Place, Reply, Request, Snapshot, TicketInfo, Value};
+use hal_protocol::{Client, Link as _, Place, Reply, Request, Snapshot, TicketInfo};
 use rsh::{Facts, Jog, Machine, Passwords, Record, State};
 use std::{
     sync::Arc,
@@ -59,17 +59,6 @@ impl Machine for Engine {
 
     fn state(&self) -> &State {
         &self.state
-    }
-
-    fn input(&mut self, pin: &str) -> Option<bool> {
-        let patterns = vec![pin.to_owned()];
-        match self.client.call(Request::List { kind: Kind::Pins, patterns, ty: None }).ok()? {
-            Reply::Items(pins) => match pins.first()?.value {
-                Value::Bit(on) => Some(on),
-                _ => None,
-            },
-            _ => None,
-        }
     }
 
     fn command(&mut self, name: &str, args: Vec<String>) -> Result<Option<u64>, String> {
