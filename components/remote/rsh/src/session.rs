@@ -208,9 +208,10 @@ impl Session {
         passwords: &Passwords,
         machine: &mut dyn Machine,
     ) -> String {
-        let Some((name, args)) = args.split_first().filter(|_| self.greeted) else {
+        if !self.greeted {
             return "SET NAK\r\n".to_owned();
-        };
+        }
+        let Some((name, args)) = args.split_first() else { return "SET NAK\n\r".to_owned() };
         self.poll(machine);
         let row = rows::find(name).and_then(|row| row.set);
         let done = row.is_some_and(|(needs, set)| {

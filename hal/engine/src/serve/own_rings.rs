@@ -34,7 +34,7 @@ impl OwnRings {
         depth: u32,
         types: Vec<Type>,
     ) -> Result<(StreamInfo, OwnedFd), Error> {
-        let name = Name::parse(name)?;
+        let name = Name::parse("stream", name)?;
         let taken = self.rings.get(name.as_str()).is_some_and(|ring| ring.owner != client);
         if taken {
             return Err(Error::StreamTaken { name: name.as_str().into() });
