@@ -188,7 +188,9 @@ unsafe extern "C" fn state<C: IoControl>(ctx: *const c_void, out: *mut IoStatus)
     let bit = |on: bool, bit: u32| if on { bit } else { 0 };
     let status = IoStatus {
         interlock: state.estop.bits(),
-        outputs: bit(state.mist, MIST) | bit(state.flood, FLOOD) | bit(state.lube, LUBE)
+        outputs: bit(state.mist, MIST)
+            | bit(state.flood, FLOOD)
+            | bit(state.lube, LUBE)
             | bit(state.lube_level, LUBE_LEVEL),
         tool: state.tool,
         pocket: state.pocket,

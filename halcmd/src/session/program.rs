@@ -60,10 +60,11 @@ impl Session<'_> {
         self.style.reads_input = false;
         let before = self.programs.len();
         let launched = self.launch(&Launch { program: "haltcl".to_owned(), ..Launch::default() });
-        let ended = launched.and_then(|()| match self.programs.get(before..).and_then(<[_]>::last) {
-            Some(child) => self.await_program(child.id(), None),
-            None => Ok(()),
-        });
+        let ended =
+            launched.and_then(|()| match self.programs.get(before..).and_then(<[_]>::last) {
+                Some(child) => self.await_program(child.id(), None),
+                None => Ok(()),
+            });
         self.outcome_of(ended)
     }
 

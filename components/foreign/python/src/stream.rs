@@ -65,7 +65,9 @@ fn types_of(letters: &str) -> PyResult<Vec<Type>> {
         'u' => Ok(Type::U32),
         'l' => Ok(Type::S64),
         'k' => Ok(Type::U64),
-        other => Err(invalid(format!("stream: unknown type '{other}', must be B, F, S, U, L or K"))),
+        other => {
+            Err(invalid(format!("stream: unknown type '{other}', must be B, F, S, U, L or K")))
+        }
     };
     letters.chars().map(ty).collect()
 }

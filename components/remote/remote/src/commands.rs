@@ -56,7 +56,8 @@ The answer has the number of the pulse to send back next.",
         run: |keeper, call| {
             keeper.check(lease(call))?;
             if let Some(pulse) = call.int("pulse") {
-                let pulse = u32::try_from(pulse).map_err(|_| Error::new("pulse is no such number"))?;
+                let pulse =
+                    u32::try_from(pulse).map_err(|_| Error::new("pulse is no such number"))?;
                 keeper.lease.beat.store(pulse, Relaxed);
             }
             let permit = if keeper.lease.permit.load(Relaxed) { "TRUE" } else { "FALSE" };

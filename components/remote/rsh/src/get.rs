@@ -177,7 +177,7 @@ fn codes(task: &Record) -> String {
     for n in [0, 1, 3, 2, 8, 10, 5, 4, 12, 6, 11, 9, 7] {
         let code = task.count("g_codes", n);
         let (whole, tenth) = (code / 10, code % 10);
-            text.push_str(&format!(" G{whole}"));
+        text.push_str(&format!(" G{whole}"));
         if tenth != 0 {
             text.push_str(&format!(".{tenth}"));
         }
@@ -213,13 +213,7 @@ fn axis(word: &str) -> Option<usize> {
 }
 
 /// Returns the position of the axes, or of one of them; a relative one is that in the program's coordinates.
-fn pose(
-    look: &Look<'_>,
-    args: &[&str],
-    name: &str,
-    field: &str,
-    relative: bool,
-) -> Option<String> {
+fn pose(look: &Look<'_>, args: &[&str], name: &str, field: &str, relative: bool) -> Option<String> {
     let (motion, task) = (look.motion(), look.task());
     let count = if args.is_empty() { LISTED } else { AXES.len() };
     let origin = |n| if relative { offset(task, n) } else { 0.0 };
@@ -258,9 +252,14 @@ pub(crate) fn joint_pos(look: &mut Look<'_>, args: &[&str]) -> Option<String> {
 }
 
 pub(crate) fn joint_homed(look: &mut Look<'_>, args: &[&str]) -> Option<String> {
-    joints(look, args, "JOINT_HOMED", |s, n| {
-        if s.motion.bit("joint_homed", n) { "YES" } else { "NO" }
-    })
+    joints(
+        look,
+        args,
+        "JOINT_HOMED",
+        |s, n| {
+            if s.motion.bit("joint_homed", n) { "YES" } else { "NO" }
+        },
+    )
 }
 
 pub(crate) fn joint_fault(look: &mut Look<'_>, args: &[&str]) -> Option<String> {

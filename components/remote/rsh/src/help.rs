@@ -9,15 +9,18 @@ set <subcommand> [arguments]\r\n  shutdown\r\n  quit\r\n  help [command]\r\n\r\n
 pub(crate) fn text(command: Option<&str>) -> String {
     let Some(command) = command else { return COMMANDS.to_owned() };
     match command.to_ascii_uppercase().as_str() {
-        "HELLO" => "hello <password> <client> <version>\r\n  Begins a session; set needs it.\r\n".to_owned(),
+        "HELLO" => "hello <password> <client> <version>\r\n  Begins a session; set needs it.\r\n"
+            .to_owned(),
         "GET" => list("get <subcommand>", |text| {
             for row in ROWS.iter().filter(|row| row.get.is_some()) {
                 line(text, row.name, "");
             }
         }),
         "SET" => list("set <subcommand>", |text| {
-            for (needs, head) in [(Needs::Hello, "After hello:"), (Needs::Control, "With control (set enable):")] {
-                            text.push_str(&format!("{head}\r\n"));
+            for (needs, head) in
+                [(Needs::Hello, "After hello:"), (Needs::Control, "With control (set enable):")]
+            {
+                text.push_str(&format!("{head}\r\n"));
                 let rows = ROWS.iter().filter(|row| row.set.is_some_and(|(n, _)| n == needs));
                 rows.for_each(|row| line(text, row.name, row.args));
             }

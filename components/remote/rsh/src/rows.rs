@@ -120,12 +120,7 @@ pub(crate) const ROWS: &[Row] = &[
         get::spindle,
         set::spindle,
     ),
-    both(
-        "SPINDLE_OVERRIDE",
-        "[spindle] <percent>",
-        get::spindle_override,
-        set::spindle_override,
-    ),
+    both("SPINDLE_OVERRIDE", "[spindle] <percent>", get::spindle_override, set::spindle_override),
     set("STEP", "", set::step),
     set("TASK_PLAN_INIT", "", set::task_plan_init),
     both("TELEOP_ENABLE", "<on | off>", get::teleop_enable, set::teleop_enable),

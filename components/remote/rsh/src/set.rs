@@ -1,10 +1,6 @@
 //! Effects of `set`: commands of the machine, and settings of the session.
 
-use crate::{
-    Jog, JogTarget, Machine,
-    get::AXES,
-    session::Settings,
-};
+use crate::{Jog, JogTarget, Machine, get::AXES, session::Settings};
 use std::time::Duration;
 
 /// Seconds in a minute: speeds of jogs are in units per minute.
@@ -259,11 +255,7 @@ pub(crate) fn spindle(order: &mut Order<'_>, args: &[&str]) -> bool {
         "decrease" if turning != 0.0 => step(-STEP),
         _ => return true,
     };
-    let args = [
-        format!("spindle={spindle}"),
-        format!("speed={speed}"),
-        bit("brake", speed == 0.0),
-    ];
+    let args = [format!("spindle={spindle}"), format!("speed={speed}"), bit("brake", speed == 0.0)];
     order.command("motion.spindle", &args)
 }
 

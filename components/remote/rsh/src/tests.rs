@@ -59,7 +59,9 @@ impl Machine for Noted {
     fn jog(&mut self, jog: Jog) -> Result<(), String> {
         let Jog { target, velocity, distance } = jog;
         self.said.push(format!("jog {} {velocity} {distance:?}", target.arg()));
-        assert!(matches!(target, JogTarget::Joint(_) | JogTarget::Axis('X'..='Z' | 'A'..='C' | 'U'..='W')));
+        assert!(
+            matches!(target, JogTarget::Joint(_) | JogTarget::Axis('X'..='Z' | 'A'..='C' | 'U'..='W'))
+        );
         Ok(())
     }
 
@@ -108,7 +110,11 @@ fn say(session: &mut Session, machine: &mut Noted, lines: &str) -> String {
 /// Returns a session that is greeted and has control, without echo, and its machine.
 fn ready() -> (Session, Noted) {
     let (mut session, mut machine) = (Session::default(), Noted::new());
-    say(&mut session, &mut machine, "hello EMC me 1.0\nset echo off\nset verbose on\nset enable EMCTOO");
+    say(
+        &mut session,
+        &mut machine,
+        "hello EMC me 1.0\nset echo off\nset verbose on\nset enable EMCTOO",
+    );
     (session, machine)
 }
 
@@ -124,7 +130,9 @@ fn what_needs_hello_or_control_is_refused_without_it() {
     assert_eq!(reply, "HELLO ACK EMCNETSVR 1.1\r\n");
     say(&mut session, &mut machine, "set echo off");
     // Every row that commands the machine.
-    for row in ROWS.iter().filter(|row| row.set.is_some_and(|(n, _)| n == crate::rows::Needs::Control)) {
+    for row in
+        ROWS.iter().filter(|row| row.set.is_some_and(|(n, _)| n == crate::rows::Needs::Control))
+    {
         let line = format!("set {} 0 1 2", row.name);
         let stops = is_stop(&line);
         let reply = say(&mut session, &mut machine, &line);
@@ -193,7 +201,11 @@ fn lines_become_commands() {
     let mut machine = Noted::new();
     machine.state.motion.set("mode", &[Value::U32(1)]);
     let mut session = Session::default();
-    say(&mut session, &mut machine, "hello EMC me 1.0\nset enable EMCTOO\nset jog Z 60\nset jog 1 60");
+    say(
+        &mut session,
+        &mut machine,
+        "hello EMC me 1.0\nset enable EMCTOO\nset jog Z 60\nset jog 1 60",
+    );
     assert_eq!(machine.said, ["jog axis=z 1 None", "jog axis=y 1 None"]);
 }
 
@@ -201,15 +213,41 @@ fn lines_become_commands() {
 fn malformed_lines_command_nothing() {
     let (mut session, mut machine) = ready();
     for row in ROWS.iter().filter(|row| row.set.is_some()) {
-        for args in ["", "?", "NaN", "inf inf inf", "-2", "99999999999999999999 1 1", "\u{1}", "on on on", "1e400 1e400"] {
+        for args in [
+            "",
+            "?",
+            "NaN",
+            "inf inf inf",
+            "-2",
+            "99999999999999999999 1 1",
+            "\u{1}",
+            "on on on",
+            "1e400 1e400",
+        ] {
             say(&mut session, &mut machine, &format!("set {} {args}", row.name));
             say(&mut session, &mut machine, &format!("get {} {args}", row.name));
         }
-        say(&mut session, &mut machine, "set echo off\nset verbose on\nset enable EMCTOO\nset update auto");
+        say(
+            &mut session,
+            &mut machine,
+            "set echo off\nset verbose on\nset enable EMCTOO\nset update auto",
+        );
     }
-    let said: BTreeSet<_> = machine.said.iter().filter(|said| !said.starts_with("task.mdi ") && !said.starts_with("task.open")).collect();
+    let said: BTreeSet<_> = machine
+        .said
+        .iter()
+        .filter(|said| !said.starts_with("task.mdi ") && !said.starts_with("task.open"))
+        .collect();
     assert!(said.iter().all(|said| !said.contains("NaN") && !said.contains("inf")), "{said:?}");
-    for line in ["set jog X 5", "set jog 0 NaN", "set jog_incr 0 5", "set run -1", "set run 3", "set home all", "set mode x"] {
+    for line in [
+        "set jog X 5",
+        "set jog 0 NaN",
+        "set jog_incr 0 5",
+        "set run -1",
+        "set run 3",
+        "set home all",
+        "set mode x",
+    ] {
         let before = machine.said.len();
         assert!(say(&mut session, &mut machine, line).ends_with(" NAK\n\r"), "{line}");
         assert_eq!(machine.said.len(), before, "{line}");
@@ -233,7 +271,10 @@ fn replies_show_the_state() {
         ("get spindle", "SPINDLE 0 REVERSE"),
         ("get lube_level", "LUBE_LEVEL LOW"),
         ("get ini MACHINE EMC", "INI test"),
-        ("get program_codes", "PROGRAM_CODES G80 G17 G40 G20 G90 G94 G54 G49 G99 G64 G97 G91.1 G8 G92.2 F12.5 S0"),
+        (
+            "get program_codes",
+            "PROGRAM_CODES G80 G17 G40 G20 G90 G94 G54 G49 G99 G64 G97 G91.1 G8 G92.2 F12.5 S0",
+        ),
         ("get time", "TIME 1.500000"),
         ("get timeout", "SET_TIMEOUT 0.000000"),
     ] {

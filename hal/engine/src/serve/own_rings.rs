@@ -51,8 +51,8 @@ impl OwnRings {
         let mut codes = [0; 24];
         codes.iter_mut().zip(&types).for_each(|(code, ty)| *code = ty.code());
         let width = u32::try_from(types.len()).unwrap_or(0);
-        let memory = Memory::new(depth, width, codes)
-            .map_err(|why| Error::Protocol { why: why.into() })?;
+        let memory =
+            Memory::new(depth, width, codes).map_err(|why| Error::Protocol { why: why.into() })?;
         let info = StreamInfo {
             name: name.as_str().to_owned(),
             out: true,

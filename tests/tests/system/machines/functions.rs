@@ -55,11 +55,15 @@ fn a_function_that_asks_the_instance_on_the_virtual_clock_fails_at_once() {
         ("import hal; hal.component('c')", "hal.error: "),
     ] {
         let Some(scratch) = machine("G21 F600\nG1 X2\nM406\nG1 X9\nM2\n") else { return };
-        scratch.write("python/remap.py", format!("calls = 0\ndef endless(self):\n    {statement}\n"));
+        scratch
+            .write("python/remap.py", format!("calls = 0\ndef endless(self):\n    {statement}\n"));
         let output = scratch.halrun(&["--virtual", "--run", "job.ngc", "run.ini"]);
         assert_eq!(output.status, Some(1), "{}", output.stderr);
         let said = format!("{}{}", output.stdout, output.stderr);
-        assert!(said.contains("on the virtual clock the instance stands still"), "{statement}: {said}");
+        assert!(
+            said.contains("on the virtual clock the instance stands still"),
+            "{statement}: {said}"
+        );
         assert!(said.contains(error), "{statement}: {said}");
         // Not after TIMEOUT.
         assert!(!said.contains("it made no step"), "{statement}: {said}");

@@ -94,12 +94,17 @@ fn talk(port: u16, session: &str) -> String {
 /// Starts the machine with linuxcncrsh as its user interface; returns its port.
 fn start(scratch: &Scratch, options: &str) -> (Running, u16) {
     let ini = scratch.read("machine.ini");
-    scratch.write("machine.ini", ini.replace("= linuxcncrsh", &format!("= linuxcncrsh -p 0{options}")));
+    scratch.write(
+        "machine.ini",
+        ini.replace("= linuxcncrsh", &format!("= linuxcncrsh -p 0{options}")),
+    );
     let running = scratch.start(scratch.command(&[], "halrun").arg("machine.ini"));
     let mut port = None;
     until("linuxcncrsh listens", || {
         let (out, errors) = running.said();
-        port = out.lines().find_map(|l| l.strip_prefix("linuxcncrsh listens at 127.0.0.1:")?.parse().ok());
+        port = out
+            .lines()
+            .find_map(|l| l.strip_prefix("linuxcncrsh listens at 127.0.0.1:")?.parse().ok());
         assert!(!errors.contains("error:") && !errors.contains("linuxcncrsh:"), "{out}{errors}");
         port.is_some()
     });
@@ -186,7 +191,9 @@ fn wait(line: &mut Line, asked: &str, reply: &str) {
 /// Returns a line with control of a machine that is on, whose joints are homed.
 fn homed(port: u16) -> Line {
     let mut line = greeted(port);
-    for text in ["set enable EMCTOO", "set set_wait done", "set estop off", "set machine on", "set home -1"] {
+    for text in
+        ["set enable EMCTOO", "set set_wait done", "set estop off", "set machine on", "set home -1"]
+    {
         let reply = line.ask(text);
         assert!(reply.ends_with(" ACK\n\r"), "{text}: {reply} {}", line.ask("get error"));
     }
@@ -203,7 +210,9 @@ fn a_jog_ends_with_its_connection_and_a_stop_needs_no_control() {
     let mut watch = greeted(port);
     let moves = |watch: &mut Line| {
         let first = watch.ask("get abs_cmd_pos 0");
-        until("another cycle", || !scratch.halcmd(&["getp", "motion.in-position"]).stdout.is_empty());
+        until("another cycle", || {
+            !scratch.halcmd(&["getp", "motion.in-position"]).stdout.is_empty()
+        });
         first != watch.ask("get abs_cmd_pos 0")
     };
     for end in ["close", "reset", "take", "disable", "abort", "jog_stop"] {
@@ -285,7 +294,28 @@ fn malformed_input_moves_nothing_and_ends_nothing() {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         usize::try_from(seed >> 33).unwrap()
     };
-    let words = ["set", "get", "hello", "EMC", "enable", "mdi", "jog", "0", "-1", "1e9", "\0", "\u{7f}", "\r", "\n", "nan", "EMCTO", "help", "set set set", "%s%n", &long];
+    let words = [
+        "set",
+        "get",
+        "hello",
+        "EMC",
+        "enable",
+        "mdi",
+        "jog",
+        "0",
+        "-1",
+        "1e9",
+        "\0",
+        "\u{7f}",
+        "\r",
+        "\n",
+        "nan",
+        "EMCTO",
+        "help",
+        "set set set",
+        "%s%n",
+        &long,
+    ];
     for round in 0..60 {
         let mut line = Line::new(port);
         let mut text = String::new();

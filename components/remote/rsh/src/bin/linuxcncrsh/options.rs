@@ -40,9 +40,11 @@ impl Options {
     /// interface.
     pub(crate) fn given() -> Self {
         let given = std::env::args_os().filter(|arg| arg != "--");
-        Self::parse_from(given.map(|arg| {
-            if arg == "-ini" { OsString::from("--ini-file") } else { arg }
-        }))
+        Self::parse_from(given.map(
+            |arg| {
+                if arg == "-ini" { OsString::from("--ini-file") } else { arg }
+            },
+        ))
     }
 
     /// Returns whether one of the passwords is the one that everybody knows.
