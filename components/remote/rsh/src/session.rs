@@ -146,18 +146,15 @@ impl Session {
         (out, next)
     }
 
-    /// Returns the reply to a line that was left out, because a stop came after it.
+    /// Refuses a line of `set` because a stop came after it, and returns the reply; `None` for other lines.
     #[must_use]
-    pub fn left_out(&mut self, line: &str) -> String {
+    pub fn left_out(&mut self, line: &str) -> Option<String> {
         let mut words = line.split_ascii_whitespace();
-        let is_set = words.next().is_some_and(|word| word.eq_ignore_ascii_case("set"));
-        match words.next().filter(|_| is_set) {
-            Some(name) => {
-                self.settings.fail("a stop has come after it");
-                format!("SET {} NAK\n\r", name.to_ascii_uppercase())
-            }
-            None => String::new(),
-        }
+        words.next().filter(|word| word.eq_ignore_ascii_case("set"))?;
+        let name = words.next()?.to_ascii_uppercase();
+        self.settings.fail("a stop has come after it");
+        let echo = if self.settings.echo { format!("{line}\r\n") } else { String::new() };
+        Some(format!("{echo}SET {name} NAK\n\r"))
     }
 
     fn hello(&mut self, args: &[&str], passwords: &Passwords) -> String {

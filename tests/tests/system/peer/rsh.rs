@@ -7,6 +7,7 @@ use hal_tests::{
     scratch::{Running, Scratch, until},
     tools,
 };
+use rustix::process::{Pid, Signal};
 use std::{
     collections::BTreeMap,
     fmt::Write as _,
@@ -198,9 +199,23 @@ fn homed(port: u16) -> Line {
         assert!(reply.ends_with(" ACK\n\r"), "{text}: {reply} {}", line.ask("get error"));
     }
     line.ask("set set_wait received");
-    wait(&mut line, "get joint_homed 0", "JOINT_HOMED 0 YES");
+    wait(&mut line, "get joint_homed 2", "JOINT_HOMED 2 YES");
+    line.ask("set teleop_enable on");
     wait(&mut line, "get teleop_enable", "TELEOP_ENABLE YES");
     line
+}
+
+/// Returns the process of a program that another process has started.
+fn child_of(parent: u32, program: &str) -> Pid {
+    let begin = format!("({program}) ");
+    let is_it = |stat: &str| {
+        let rest = stat.split_once(&begin).map(|(_, rest)| rest);
+        rest.and_then(|rest| rest.split(' ').nth(1)) == Some(&*parent.to_string())
+    };
+    let entries = fs::read_dir("/proc").unwrap().flatten();
+    let found =
+        entries.filter_map(|e| fs::read_to_string(e.path().join("stat")).ok()).find(|s| is_it(s));
+    Pid::from_raw(found.unwrap().split(' ').next().unwrap().parse().unwrap()).unwrap()
 }
 
 #[test]
@@ -217,8 +232,10 @@ fn a_jog_ends_with_its_connection_and_a_stop_needs_no_control() {
     };
     for end in ["close", "reset", "take", "disable", "abort", "jog_stop"] {
         let mut line = homed(port);
-        wait(&mut line, "set jog X 60", "SET JOG ACK");
-        until("it jogs", || moves(&mut watch));
+        until("it jogs", || {
+            line.ask("set jog X 60");
+            moves(&mut watch)
+        });
         match end {
             "close" => line.stream.shutdown(Shutdown::Both).unwrap(),
             // Without reading what has come.
@@ -241,11 +258,20 @@ fn a_jog_ends_with_its_connection_and_a_stop_needs_no_control() {
         assert_eq!(watch.ask("set estop on"), "SET ESTOP ACK\n\r");
         wait(&mut watch, "get estop", "ESTOP ON");
     }
-    // The program's end ends a jog, too.
     let mut line = homed(port);
-    wait(&mut line, "set jog X 60", "SET JOG ACK");
-    until("it jogs", || moves(&mut watch));
-    drop(running);
+    until("it jogs", || {
+        line.ask("set jog X 60");
+        moves(&mut watch)
+    });
+    // The death of the program ends it, too.
+    let pid = child_of(running.pid(), "linuxcncrsh");
+    rustix::process::kill_process(pid, Signal::STOP).unwrap();
+    let speed =
+        || scratch.halcmd(&["getp", "joint.0.vel-cmd"]).stdout.trim().parse::<f64>().unwrap();
+    until("the jog stops", || speed() == 0.0);
+    rustix::process::kill_process(pid, Signal::KILL).unwrap();
+    // The machine ends with its user interface.
+    running.wait();
 }
 
 #[test]
@@ -274,11 +300,23 @@ fn a_stop_ends_a_wait_and_what_was_sent_before_it_is_left_out() {
     let mut line = homed(port);
     line.ask("set set_wait done");
     assert_eq!(line.ask("set mode mdi"), "SET MODE ACK\n\r");
-    line.send("set mdi g1 x50 f1\r\nset mdi g0 y9\r\nset abort\r\n");
+    let mut watch = greeted(port);
+    line.send("set mdi g1 x50 f1\r\n");
+    // Hundredths of a millimetre take half a second.
+    until("it moves", || {
+        let reply = watch.ask("get abs_cmd_pos 0");
+        reply.trim_end().rsplit(' ').next().unwrap().parse::<f64>().unwrap() >= 0.01
+    });
+    line.send("set mdi g0 y9\r\nset abort\r\n");
     let reply = line.ask("get plat");
     assert!(reply.starts_with("SET MDI NAK\n\rSET MDI NAK\n\rSET ABORT ACK\n\r"), "{reply:?}");
     wait(&mut line, "get program_status", "PROGRAM_STATUS IDLE");
     assert_eq!(line.ask("get abs_cmd_pos 1"), "ABS_CMD_POS 1 0.000000\r\n");
+    // What is sent at once is executed in its order.
+    line.send("set mdi g0 y1\r\nset abort\r\n");
+    let reply = line.ask("get plat");
+    assert!(reply.starts_with("SET MDI ACK\n\rSET ABORT ACK\n\r"), "{reply:?}");
+    assert_eq!(line.ask("get abs_cmd_pos 1"), "ABS_CMD_POS 1 1.000000\r\n");
     // A failure is known at once.
     assert_eq!(line.ask("set mdi bogus"), "SET MDI NAK\n\r");
     assert!(line.ask("get error").starts_with("ERROR "), "the reason");

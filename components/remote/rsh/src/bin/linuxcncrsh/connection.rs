@@ -43,15 +43,17 @@ impl Input {
         Ok(())
     }
 
-    /// Looks whether a stop has arrived, or the connection is cut, while a command is waited for.
-    pub(crate) fn look(&mut self) -> Result<(), String> {
+    /// Looks whether a stop has arrived, or the connection is cut, while a command is waited for. What a script sends at once
+    /// is executed in its order: a stop ends the wait only if it comes when `waits_long`.
+    pub(crate) fn look(&mut self, waits_long: bool) -> Result<(), String> {
+        let before = self.lines.waiting().count();
         if self.ended || !self.lines.has_room() {
             // Lines before the end are still executed.
             crate::pause(LOOK);
         } else {
             self.read(Some(LOOK)).map_err(|e| hal_output::reason(&e))?;
         }
-        if self.lines.waiting().any(is_stop) {
+        if waits_long && self.lines.waiting().skip(before).any(is_stop) {
             self.stopped = true;
             return Err("a stop has come meanwhile".to_owned());
         }
@@ -91,8 +93,7 @@ pub(crate) fn run(stream: TcpStream, id: u64, source: &Source) {
 fn lines(engine: &mut Engine, source: &Source) -> std::io::Result<()> {
     let mut session = Session::default();
     while let Some((line, void)) = engine.input.next_line()? {
-        if void {
-            let reply = session.left_out(&line);
+        if void && let Some(reply) = session.left_out(&line) {
             engine.input.reply(&reply)?;
             continue;
         }

@@ -11,6 +11,9 @@ use std::{
 /// Number of times that a record is read again while its component replaces it.
 const MAX_READS: u32 = 1000;
 
+/// Time within which lines that were sent at once arrive.
+const AT_ONCE: Duration = Duration::from_millis(100);
+
 /// What all sessions share.
 #[derive(Debug)]
 pub(crate) struct Source {
@@ -91,7 +94,7 @@ impl Machine for Engine {
             if most.is_some_and(|most| begun.elapsed() >= most) {
                 return Err("the command takes longer than set timeout says".to_owned());
             }
-            self.input.look()?;
+            self.input.look(begun.elapsed() >= AT_ONCE)?;
         }
     }
 
