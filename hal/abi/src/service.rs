@@ -194,7 +194,7 @@ pub struct IoOutcome {
 pub struct IoStatus {
     /// Bits of [`Interlock`] for the e-stop.
     pub interlock: u32,
-    /// Outputs that are on: 1 mist, 2 flood, 4 lubrication.
+    /// Outputs that are on: 1 mist, 2 flood, 4 lubrication; and 8 while there is enough lubricant.
     pub outputs: u32,
     /// Number of the tool in the spindle.
     pub tool: i32,

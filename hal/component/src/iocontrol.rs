@@ -11,6 +11,7 @@ use core::ffi::c_void;
 const MIST: u32 = 1;
 const FLOOD: u32 = 2;
 const LUBE: u32 = 4;
+const LUBE_LEVEL: u32 = 8;
 
 /// A request to the controls of a machine other than motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,6 +71,8 @@ pub struct IoState {
     pub flood: bool,
     /// Lubrication is on.
     pub lube: bool,
+    /// There is enough lubricant.
+    pub lube_level: bool,
     /// Number of the tool in the spindle.
     pub tool: i32,
     /// Pocket that it came from.
@@ -185,7 +188,10 @@ unsafe extern "C" fn state<C: IoControl>(ctx: *const c_void, out: *mut IoStatus)
     let bit = |on: bool, bit: u32| if on { bit } else { 0 };
     let status = IoStatus {
         interlock: state.estop.bits(),
-        outputs: bit(state.mist, MIST) | bit(state.flood, FLOOD) | bit(state.lube, LUBE),
+        outputs: bit(state.mist, MIST)
+            | bit(state.flood, FLOOD)
+            | bit(state.lube, LUBE)
+            | bit(state.lube_level, LUBE_LEVEL),
         tool: state.tool,
         pocket: state.pocket,
         prepared: state.prepared,
@@ -236,6 +242,7 @@ impl IoControlRef {
             mist: out.outputs & MIST != 0,
             flood: out.outputs & FLOOD != 0,
             lube: out.outputs & LUBE != 0,
+            lube_level: out.outputs & LUBE_LEVEL != 0,
             tool: out.tool,
             pocket: out.pocket,
             prepared: out.prepared,

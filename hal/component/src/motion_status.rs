@@ -141,9 +141,19 @@ pub struct MotionStatus {
     pub joint_homing: [bool; JOINTS],
     /// True for a joint whose amplifier has a fault.
     pub joint_fault: [bool; JOINTS],
+    /// Lower limits of the joints, as configured.
+    pub joint_min_limit: [f64; JOINTS],
+    /// Upper limits of the joints, as configured.
+    pub joint_max_limit: [f64; JOINTS],
+    /// Orientation of the spindles: 0 none, 1 oriented, 2 in progress.
+    pub spindle_orient_state: [u32; SPINDLES],
+    /// Faults that ended the last orientation of the spindles; 0 is none.
+    pub spindle_orient_fault: [i32; SPINDLES],
+    /// Error inputs of the machine, a bit for each.
+    pub misc_errors: u64,
 }
 
 impl MotionStatus {
     /// Version, which increases when a field is appended.
-    pub const VERSION: u32 = 3;
+    pub const VERSION: u32 = 4;
 }

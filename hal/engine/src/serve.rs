@@ -9,6 +9,7 @@ pub(crate) mod clients;
 pub(crate) mod control;
 pub(crate) mod dispatch;
 pub(crate) mod hold;
+pub(crate) mod own_rings;
 pub(crate) mod pins;
 pub(crate) mod polls;
 pub(crate) mod request;

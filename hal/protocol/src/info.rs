@@ -221,6 +221,9 @@ pub struct StreamInfo {
     pub types: Vec<Type>,
     /// True if a program is attached.
     pub attached: bool,
+    /// True for a ring between two programs, each of which may write or read it.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub both: bool,
 }
 
 /// Number of objects of one kind.

@@ -89,6 +89,17 @@ requests! {
             #[serde(default, skip_serializing_if = "Option::is_none")]
             count: Option<u64>,
         },
+        /// Makes a ring between this client and another one, which attaches by its name; it is there until this
+        /// client disconnects. Each of the two may write or read it. Its file descriptor comes with the answer
+        /// [`crate::Reply::Stream`].
+        NewStream {
+            /// Name of the ring; one of this client is replaced.
+            name: String,
+            /// Number of slots, of which one always stays empty: 1 to 65536.
+            depth: u32,
+            /// Type of each value of a record, 1 to 21.
+            types: Vec<Type>,
+        },
         /// Samples pins, signals and parameters until [`Self::EndSample`] or until this client
         /// disconnects. The file descriptor of the ring comes with the answer [`crate::Reply::Sample`].
         Sample(spec: SampleSpec),

@@ -88,13 +88,21 @@ impl Drop for Mapping {
 enum End {
     Reads(Consumer),
     Writes(Producer),
+    /// Of a ring between two programs.
+    Both(Consumer, Producer),
 }
 
 impl Stream {
     pub(crate) fn map(fd: &OwnedFd, info: StreamInfo) -> Result<Self, String> {
         let width = u32::try_from(info.types.len()).map_err(|e| e.to_string())?;
         let mapping = Mapping::new(fd, info.depth, width)?;
-        let end = if info.out {
+        let end = if info.both {
+            // SAFETY: the mapping lives as long as `Self`. Both programs may read and write: each checks the indices of
+            // the other, so that records of two writers get lost, but nothing else does.
+            let reads = unsafe { Consumer::new(mapping.ring(), info.depth, width) };
+            // SAFETY: as above.
+            End::Both(reads, unsafe { Producer::new(mapping.ring(), info.depth, width) })
+        } else if info.out {
             // SAFETY: the mapping lives as long as `Self`; the engine admits only one program to
             // the ring.
             End::Reads(unsafe { Consumer::new(mapping.ring(), info.depth, width) })
@@ -113,7 +121,7 @@ impl Stream {
 
     /// Takes the oldest record into `out` and returns its number. Returns `None` if there is none.
     pub fn take(&mut self, out: &mut Vec<Value>) -> Option<u64> {
-        let End::Reads(consumer) = &mut self.end else { return None };
+        let (End::Reads(consumer) | End::Both(consumer, _)) = &mut self.end else { return None };
         out.clear();
         let types = &self.info.types;
         consumer.follow();
@@ -130,7 +138,9 @@ impl Stream {
 
     /// Appends a record. Returns false if the ring is full; nothing is then written or counted.
     pub fn put(&mut self, record: &[Value]) -> bool {
-        let End::Writes(producer) = &mut self.end else { return false };
+        let (End::Writes(producer) | End::Both(_, producer)) = &mut self.end else {
+            return false;
+        };
         producer.follow();
         producer.room() > 0 && producer.put(|i| record.get(i).map_or(0, Value::bits))
     }
@@ -140,7 +150,7 @@ impl Stream {
     #[must_use]
     pub fn is_closed(&self) -> bool {
         match &self.end {
-            End::Reads(c) => c.lost_and_closed().1,
+            End::Reads(c) | End::Both(c, _) => c.lost_and_closed().1,
             End::Writes(p) => p.is_closed(),
         }
     }
@@ -155,7 +165,7 @@ impl Stream {
     #[must_use]
     pub fn waiting(&self) -> u32 {
         match &self.end {
-            End::Reads(c) => c.waiting(),
+            End::Reads(c) | End::Both(c, _) => c.waiting(),
             End::Writes(p) => p.waiting(),
         }
     }

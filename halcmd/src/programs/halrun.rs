@@ -251,7 +251,7 @@ fn script(
     }
     let typed = |session: &mut Session<'_>| {
         session.style_mut().keep_going = true;
-        prompt::typed(session, plan.interactive)
+        if plan.tcl { session.tcl_prompt() } else { prompt::typed(session, plan.interactive) }
     };
     let outcome = match (&plan.script, &files.ini) {
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),

@@ -3,7 +3,7 @@
 use crate::{
     Error,
     programs::halrun::folders::Folders,
-    programs::options::{Opt, options, usage},
+    programs::options::{Opt, options, plain, usage},
     session::remote::instance_option,
     session::tcl::tclsh,
     terminal::{Stdio, Terminal, ended},
@@ -33,6 +33,11 @@ const OPTIONS: &[Opt<Word>] = &[
     instance_option(Word::Instance),
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Word::Help, 'h') },
 ];
+
+/// Returns the options for completion.
+pub(crate) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
 
 /// Runs haltcl with these command line arguments.
 #[must_use]

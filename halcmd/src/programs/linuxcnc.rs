@@ -2,7 +2,7 @@
 
 use crate::{
     ini::Ini,
-    programs::options::{Opt, options, usage},
+    programs::options::{Opt, options, plain, usage},
     terminal::{Stdio, Terminal, ended},
 };
 use std::{
@@ -57,6 +57,11 @@ const REFUSED: &[Opt<StartOption>] = &[
     },
     Opt { help: "homing is part of motmod", ..Opt::short_with(StartOption::Homing, 'm', "MODULE") },
 ];
+
+/// Returns the options for completion.
+pub(crate) fn completable() -> Vec<Opt<()>> {
+    plain(OPTIONS)
+}
 
 /// Runs the program with these command line arguments.
 #[must_use]

@@ -1,6 +1,6 @@
 //! Programs that a script starts.
 
-use crate::{Error, Session, language::command::Launch, session::tcl::tclsh};
+use crate::{Error, Outcome, Session, language::command::Launch, session::tcl::tclsh};
 use hal_protocol::{ComponentInfo, ComponentState, Kind, Lock, Reply, Request};
 use rustix::{
     fs::FileType,
@@ -53,6 +53,19 @@ impl Session<'_> {
         self.programs.push(child);
         self.reap();
         result
+    }
+
+    /// Runs haltcl on this process's standard input, until it ends.
+    pub(crate) fn tcl_prompt(&mut self) -> Outcome {
+        self.style.reads_input = false;
+        let before = self.programs.len();
+        let launched = self.launch(&Launch { program: "haltcl".to_owned(), ..Launch::default() });
+        let ended =
+            launched.and_then(|()| match self.programs.get(before..).and_then(<[_]>::last) {
+                Some(child) => self.await_program(child.id(), None),
+                None => Ok(()),
+            });
+        self.outcome_of(ended)
     }
 
     /// Executes `waitusr`.

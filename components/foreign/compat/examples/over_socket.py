@@ -2,30 +2,24 @@
 
     halrun -b machine.hal
     python3 over_socket.py sum
-
-Any language with Unix sockets and JSON does it in the same way."""
-
-import json
-import os
-import socket
-import sys
+"""
+import json, os, socket, sys
 
 
 def path(instance):
-    """Returns the socket of an instance. The README of the folder lists the places."""
-    user = os.getuid()
-    if os.environ.get("HAL_RUNTIME_DIR"):
-        return os.path.join(os.environ["HAL_RUNTIME_DIR"], "ferrule", instance + ".sock")
-    for folder in (os.environ.get("XDG_RUNTIME_DIR"), "/run/user/%d" % user, "/run" if user == 0 else None):
-        if folder and os.path.isdir(folder) and os.stat(folder).st_uid == user:
-            return os.path.join(folder, "ferrule", instance + ".sock")
-    return os.path.join(os.environ.get("TMPDIR", "/tmp"), "ferrule-%d" % user, instance + ".sock")
+    """Returns the socket of an instance of this user. The README of the folder lists the places."""
+    env, user = os.environ, os.getuid()
+    given, usual = env.get("HAL_RUNTIME_DIR"), (env.get("XDG_RUNTIME_DIR"), "/run/user/%d" % user, "/run")
+    places = ["%s/ferrule" % folder for folder in ([given] if given else usual) if folder]
+    places.append("%s/ferrule-%d" % (env.get("TMPDIR", "/tmp"), user))
+    sockets = ["%s/%s.sock" % (place, instance) for place in places]
+    return next((s for s in sockets if os.path.exists(s) and os.stat(s).st_uid == user), sockets[0])
 
 
 class Client:
-    def __init__(self, instance=None):
+    def __init__(self, instance=os.environ.get("HAL_INSTANCE", "default")):
         self.socket = socket.socket(socket.AF_UNIX)
-        self.socket.connect(path(instance or os.environ.get("HAL_INSTANCE") or "default"))
+        self.socket.connect(path(instance))
         self.lines = self.socket.makefile("r", encoding="utf-8")
         self.ask({"hello": {"protocol": 1, "name": "", "pid": os.getpid()}})
 
@@ -37,13 +31,11 @@ class Client:
         return answer["ok"]
 
 
-if __name__ == "__main__":
-    name = sys.argv[1] if len(sys.argv) > 1 else "sum"
-    client = Client()
-    print(name, client.ask({"get-signal": {"name": name}}))
-    client.ask({"set-signal": {"name": name, "value": "2.5"}})
-    print(name, client.ask({"get-signal": {"name": name}}))
-    try:
-        client.ask({"get": {"name": "no-such-name"}})
-    except RuntimeError as why:
-        print(why)
+client, name = Client(), sys.argv[1]
+print(name, client.ask({"get-signal": {"name": name}}))
+client.ask({"set-signal": {"name": name, "value": "2.5"}})
+print(name, client.ask({"get-signal": {"name": name}}))
+try:
+    client.ask({"get": {"name": "no-such-name"}})
+except RuntimeError as why:
+    print(why)

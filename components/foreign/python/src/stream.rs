@@ -1,4 +1,4 @@
-//! Streams: the rings of `sampler` and `streamer`.
+//! Streams: the rings of `sampler` and `streamer`, and those between two programs.
 
 use crate::{component::Join, connection::locked, value};
 use hal_protocol::{Client, Place, Type};
@@ -18,11 +18,13 @@ const KEYS: i64 = 16;
 const EINVAL: i32 = 22;
 const ENOSPC: i32 = 28;
 
-/// A ring that a component shares with this program.
+/// A ring that this program shares with a component, or with another program.
 #[pyclass(name = "stream", module = "hal", frozen)]
 #[derive(Debug)]
 pub(crate) struct Stream {
     key: i64,
+    /// True if this program has made the ring.
+    creates: bool,
     types: Vec<Type>,
     end: Mutex<End>,
 }
@@ -54,6 +56,22 @@ const fn letter(ty: Type) -> u8 {
     }
 }
 
+/// Returns the types of a stream's configuration.
+fn types_of(letters: &str) -> PyResult<Vec<Type>> {
+    let ty = |letter: char| match letter.to_ascii_lowercase() {
+        'b' => Ok(Type::Bit),
+        'f' => Ok(Type::Float),
+        's' => Ok(Type::S32),
+        'u' => Ok(Type::U32),
+        'l' => Ok(Type::S64),
+        'k' => Ok(Type::U64),
+        other => {
+            Err(invalid(format!("stream: unknown type '{other}', must be B, F, S, U, L or K")))
+        }
+    };
+    letters.chars().map(ty).collect()
+}
+
 impl Stream {
     fn letters(&self) -> Vec<u8> {
         self.types.iter().map(|ty| letter(*ty)).collect()
@@ -62,34 +80,51 @@ impl Stream {
 
 #[pymethods]
 impl Stream {
-    /// Attaches to the ring with this key: `sampler_base` + N or `streamer_base` + N.
+    /// Makes a ring with this key, of so many slots and values of these types: `stream(component, KEY, DEPTH, TYPES)`. Or
+    /// attaches to a ring of another program, `sampler_base` + N or `streamer_base` + N: `stream(component, KEY[, TYPES])`.
     #[new]
-    #[pyo3(signature = (component, key, types=None, /))]
+    #[pyo3(signature = (component, key, shape=None, types=None, /))]
     fn new(
         py: Python<'_>,
         component: &Bound<'_, Join>,
         key: i64,
+        shape: Option<&Bound<'_, PyAny>>,
         types: Option<&str>,
     ) -> PyResult<Self> {
         let _: &Bound<'_, Join> = component;
         let name = match (key.wrapping_sub(SAMPLER_BASE), key.wrapping_sub(STREAMER_BASE)) {
             (n @ 0..KEYS, _) => format!("sampler.{n}"),
             (_, n @ 0..KEYS) => format!("streamer.{n}"),
-            _ => return Err(invalid("Invalid argument".to_owned())),
+            _ => format!("stream.{key:x}"),
         };
+        let made = match (shape, types) {
+            (Some(depth), Some(types)) => {
+                let depth = depth.extract::<i64>()?;
+                let depth = u32::try_from(depth).ok().filter(|depth| *depth > 0);
+                let depth = depth.ok_or_else(|| invalid("Invalid argument".to_owned()))?;
+                Some((depth, types_of(types)?))
+            }
+            _ => None,
+        };
+        let types = shape.filter(|_| made.is_none()).map(|types| types.extract::<String>());
+        let types = types.transpose()?;
+        let creates = made.is_some();
         let (client, stream) = py
             .detach(|| {
                 let place =
                     Place::find(None).map_err(|why| hal_protocol::Failure::new(-22, why))?;
                 let mut client = Client::connect(&place, "")?;
-                let stream = client.attach(&name, None)?;
+                let stream = match made {
+                    Some((depth, types)) => client.new_stream(&name, depth, types)?,
+                    None => client.attach(&name, None)?,
+                };
                 Ok((client, stream))
             })
             .map_err(|e: hal_protocol::Failure| invalid(e.to_string()))?;
         let own = stream.types().to_vec();
         let end = End { stream, sample: 0, overruns: 0, underruns: 0, client };
-        let this = Self { key, types: own, end: Mutex::new(end) };
-        match types {
+        let this = Self { key, creates, types: own, end: Mutex::new(end) };
+        match types.as_deref() {
             Some(types) if !types.as_bytes().eq_ignore_ascii_case(&this.letters()) => {
                 let own = String::from_utf8_lossy(&this.letters()).into_owned();
                 Err(invalid(format!("'{name}' has values of types '{own}', not '{types}'")))
@@ -185,6 +220,6 @@ impl Stream {
     }
 
     fn __repr__(&self) -> String {
-        format!("<stream 0x{:x}>", self.key)
+        format!("<stream 0x{:x}{}>", self.key, if self.creates { " creator" } else { "" })
     }
 }

@@ -262,8 +262,11 @@ impl Machine {
 
     /// Starts the functions in Python of the machine, if the INI file has any. What is wrong with them is a remark, and an
     /// error of each line that calls one.
-    pub fn start_functions(&mut self) -> Option<Functions> {
+    ///
+    /// `stands_still`: the instance answers nothing while a function works.
+    pub fn start_functions(&mut self, stands_still: bool) -> Option<Functions> {
         let mut setup = self.python.clone()?;
+        setup.stands_still = stands_still;
         setup.task = u8::from(self.settings.task);
         let (functions, result) = Functions::start(setup);
         self.words.clone_from(functions.words());

@@ -25,7 +25,7 @@ pub struct World {
 impl World {
     /// Returns the world of a program, and starts the functions in Python of its machine.
     pub fn with_functions(mut machine: Machine, hal: BTreeMap<String, f64>) -> Self {
-        let functions = machine.start_functions().map(RefCell::new);
+        let functions = machine.start_functions(false).map(RefCell::new);
         Self { machine, hal, functions }
     }
 }

@@ -18,6 +18,8 @@ pub(crate) struct Spindle {
     pub(crate) at_speed: bool,
     pub(crate) config: SpindleConfig,
     orient: Orient,
+    /// Fault that ended the last orientation; 0 is none.
+    fault: i32,
     /// Angle and direction of the last orientation.
     angle: f64,
     mode: i32,
@@ -72,6 +74,7 @@ impl Default for Spindle {
             at_speed: true,
             config: SpindleConfig::default(),
             orient: Orient::Nowhere,
+            fault: 0,
             angle: 0.0,
             mode: 0,
             inputs: SpindleInputs::default(),
@@ -117,7 +120,17 @@ impl Spindle {
         let is_again = matches!(self.orient, Orient::Turning { .. });
         self.stop("the spindle was commanded to orient");
         let orient = Orient::Turning { ticket, is_again, late: 0.0 };
-        *self = Self { brake: false, orient, angle, mode, ..*self };
+        *self = Self { brake: false, orient, fault: 0, angle, mode, ..*self };
+    }
+
+    /// Returns the state of the orientation (0 none, 1 oriented, 2 in progress), and the fault that ended the last one.
+    pub(crate) const fn orientation(&self) -> (u32, i32) {
+        let state = match self.orient {
+            Orient::Nowhere => 0,
+            Orient::Locked => 1,
+            Orient::Turning { .. } => 2,
+        };
+        (state, self.fault)
     }
 
     /// Reads the pins; `n` is the number of the spindle.
@@ -135,7 +148,9 @@ impl Spindle {
         let (fault, speed) = (pins.orient_fault.get(), self.inputs.speed);
         if fault != 0 {
             say.error("spindle {} orient fault {}", &[n as f64, f64::from(fault)]);
-            return self.stop("spindle orient fault");
+            self.stop("spindle orient fault");
+            self.fault = fault;
+            return;
         }
         if !pins.is_oriented.get() {
             return;

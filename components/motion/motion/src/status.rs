@@ -36,7 +36,7 @@ pub(crate) struct Status {
     #[state]
     state: Shown<10>,
     #[state]
-    spindles: [Shown<3>; MAX_SPINDLES],
+    spindles: [Shown<4>; MAX_SPINDLES],
 }
 
 impl Status {
@@ -133,9 +133,14 @@ impl Status {
         let r = &self.record;
         changed |= differ(lists.analog_in.iter().map(In::get), &r.analog_in);
         changed |= differ(s.analog_out.iter().copied(), &r.analog_out);
+        changed |= differ(s.joints.iter().map(|j| j.config.min_limit), &r.joint_min_limit);
+        changed |= differ(s.joints.iter().map(|j| j.config.max_limit), &r.joint_max_limit);
+        changed |= bits(lists.misc_errors.iter().map(In::get)) != r.misc_errors;
         for (shown, spindle) in self.spindles.iter_mut().zip(&s.spindles) {
+            let (orientation, fault) = spindle.orientation();
             changed |= shown.changes([
                 packed([spindle.has_brake(), spindle.at_speed]),
+                u64::from(orientation) << 32 | u64::from(fault.cast_unsigned()),
                 spindle.speed().to_bits(),
                 spindle.scale.to_bits(),
             ]);
@@ -203,6 +208,7 @@ fn update(r: &mut MotionStatus, s: &State, lists: &Lists) {
     r.probe_commanded = s.probe.commanded;
     r.tool_offset = s.tool_offset;
     r.digital_in = bits(lists.digital_in.iter().map(In::get));
+    r.misc_errors = bits(lists.misc_errors.iter().map(In::get));
     r.digital_out = bits(s.digital_out.iter().copied());
     r.at_speed = s.at_speed;
     r.source = source(s);
@@ -225,8 +231,15 @@ fn update(r: &mut MotionStatus, s: &State, lists: &Lists) {
         put(&mut r.spindle_override, n, spindle.scale);
         put(&mut r.spindle_brake, n, spindle.has_brake());
         put(&mut r.spindle_at_speed, n, spindle.at_speed);
+        let (state, fault) = spindle.orientation();
+        put(&mut r.spindle_orient_state, n, state);
+        put(&mut r.spindle_orient_fault, n, fault);
     }
     r.joints = u32::try_from(s.joints.len()).unwrap_or(0);
+    for (n, joint) in s.joints.iter().enumerate() {
+        put(&mut r.joint_min_limit, n, joint.config.min_limit);
+        put(&mut r.joint_max_limit, n, joint.config.max_limit);
+    }
 }
 
 /// Returns the code of the origin of the last motion.

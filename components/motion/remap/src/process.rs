@@ -26,6 +26,9 @@ for name, text in json.loads(sys.stdin.buffer.readline()):
     exec(compile(text, '<ferrule ' + name + '>', 'exec'), module.__dict__)
 sys.modules['_ferrule_remap'].main()
 ";
+/// Variable with the reason why programs do not connect to the instance, as clients read it.
+const NO_CLIENTS: &str = "HAL_NO_CLIENTS";
+const STANDS_STILL: &str = "on the virtual clock the instance stands still until the function ends, and answers nothing: use the real clock, or #<_hal[NAME]> before the call";
 /// Longest line in bytes.
 const MAX_LINE: usize = 1 << 24;
 /// Time for the last words of a process whose input has ended.
@@ -49,6 +52,9 @@ impl Process {
         command.stdin(Stdio::piped()).stdout(Stdio::piped());
         if let Some(path) = path_of_modules() {
             command.env("PYTHONPATH", path);
+        }
+        if setup.stands_still {
+            command.env(NO_CLIENTS, STANDS_STILL);
         }
         let mut child =
             command.spawn().map_err(|e| format!("python3: {}", hal_output::reason(&e)))?;

@@ -29,6 +29,9 @@ pub struct Setup {
     /// Longest time from one step of a function to the next.
     #[serde(skip)]
     pub timeout: Duration,
+    /// The instance stands still while a function works: a function that asks it is refused at once.
+    #[serde(skip)]
+    pub stands_still: bool,
 }
 
 impl Setup {
@@ -73,6 +76,7 @@ impl Setup {
             toplevel: toplevel.transpose()?,
             task: 0,
             timeout: Duration::from_secs_f64(timeout),
+            stands_still: false,
             folder,
         }))
     }

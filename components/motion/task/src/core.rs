@@ -198,6 +198,8 @@ pub(crate) struct Core {
     preparing: Option<u64>,
     pub(crate) held: Held,
     mdi: VecDeque<(Box<str>, Ticket)>,
+    /// The line of MDI that began last.
+    mdi_text: Box<str>,
     /// Mode that comes back after lines of MDI from another mode.
     mode_before: Option<Mode>,
     asked: Vec<(Asked, Ticket)>,
@@ -212,9 +214,9 @@ pub(crate) struct Core {
     at_speed_since: Option<f64>,
     /// Feed override, and whether the program lets it count.
     pub(crate) feed_scale: f64,
-    feed_counts: bool,
+    pub(crate) feed_counts: bool,
     pub(crate) spindle_scale: [f64; MAX_SPINDLES],
-    spindle_counts: [bool; MAX_SPINDLES],
+    pub(crate) spindle_counts: [bool; MAX_SPINDLES],
     overriding: overrides::Orders,
     /// The last wait for an input ended without it.
     pub(crate) input_was_late: bool,
@@ -261,6 +263,7 @@ impl Core {
             preparing: None,
             held,
             mdi: VecDeque::new(),
+            mdi_text: Box::default(),
             mode_before: None,
             asked: Vec::new(),
             serial: 0,

@@ -119,8 +119,9 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     commands::open(b, &shared)?;
     let ini = b.arg_text("ini").filter(|ini| !ini.is_empty());
     let opened = shared.clone();
+    let is_virtual = b.clock().is_virtual();
     b.on_open(move |_| {
-        let made = setup::read(ini.as_deref()).map_err(Error::new)?;
+        let made = setup::read(ini.as_deref(), is_virtual).map_err(Error::new)?;
         opened.lock().opened = Some(made);
         Ok(())
     })?;

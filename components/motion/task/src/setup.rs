@@ -22,11 +22,11 @@ const AT_SPEED_TIMEOUT: f64 = 30.0;
 /// Axes of a machine without an INI file.
 const XYZ: AxisMask = AxisMask(7);
 
-/// Reads a machine's files.
+/// Reads a machine's files. `is_virtual`: the clock is, so that the instance stands still while a function works.
 ///
 /// # Errors
 /// A file cannot be read, or the startup code has an error.
-pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
+pub(crate) fn read(ini: Option<&str>, is_virtual: bool) -> Result<(Box<Core>, Files), String> {
     // Files of the machine stay those of its folder, wherever the process goes.
     let whole = |file| std::path::absolute(file).unwrap_or_else(|_| Path::new(file).into());
     let given = ini.unwrap_or_default();
@@ -45,7 +45,7 @@ pub(crate) fn read(ini: Option<&str>) -> Result<(Box<Core>, Files), String> {
     }
     let rules = rules(&machine)?;
     machine.settings.task = true;
-    let functions = machine.start_functions();
+    let functions = machine.start_functions(is_virtual);
     let files = Files {
         ini: ini.clone(),
         parameters: machine.parameters.clone(),

@@ -14,7 +14,7 @@ use hal_gcode::{
 use std::sync::Arc;
 
 /// Version of [`TaskStatus`].
-pub(crate) const VERSION: u32 = 3;
+pub(crate) const VERSION: u32 = 4;
 /// Number of words of a text.
 const TEXT: usize = 32;
 /// Number of spindles.
@@ -103,6 +103,14 @@ pub(crate) struct TaskStatus {
     pub(crate) delay_left: f64,
     /// True from the end of a wait for an input (M66) that came too late, until the next one ends.
     pub(crate) input_timeout: bool,
+    /// True while there is enough lubricant.
+    pub(crate) lube_level: bool,
+    /// True while the feed override counts (M50).
+    pub(crate) feed_override_counts: bool,
+    /// True for a spindle whose override counts (M51).
+    pub(crate) spindle_override_counts: [bool; SPINDLES],
+    /// Line of MDI in execution, as the path of the program.
+    pub(crate) command: [u64; TEXT],
 }
 
 /// The state of the task, with its texts.
@@ -240,6 +248,10 @@ fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
         message_level: u32::from(core.message_level == Level::Error),
         delay_left: core.delay_left(now),
         input_timeout: core.input_was_late,
+        lube_level: io.lube_level,
+        feed_override_counts: core.feed_counts,
+        spindle_override_counts: core.spindle_counts,
+        command: packed(core.mdi_line()),
     }
 }
 

@@ -92,6 +92,7 @@ impl Fake {
                 mist: false,
                 flood: false,
                 lube: false,
+                lube_level: true,
                 tool: 0,
                 pocket: 0,
                 prepared: 0,

@@ -132,6 +132,7 @@ impl IoControl for Service {
             mist: p.coolant_mist.get(),
             flood: p.coolant_flood.get(),
             lube: p.lube.get(),
+            lube_level: p.lube_level.get(),
             tool: p.tool_number.get(),
             pocket: p.tool_from_pocket.get(),
             prepared: p.tool_prep_number.get(),

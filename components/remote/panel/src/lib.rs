@@ -13,7 +13,6 @@ mod info;
 mod lease;
 mod options;
 mod page;
-mod prepare;
 mod scope;
 mod security;
 mod server;

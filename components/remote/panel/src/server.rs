@@ -8,7 +8,7 @@ use crate::{
     http, info,
     lease::Clients,
     options::Options,
-    prepare, scope,
+    scope,
     security::Security,
     session::{Sessions, secret},
     status,
@@ -132,7 +132,7 @@ pub fn run(options: &Options) -> Result<(), String> {
         let programs = programs.map_err(|e| hal_output::reason(&e))?;
         let audit = Audit::open(&audit)?;
         let teleop_port = teleop.unwrap_or(teleop::ADDRESS).port();
-        prepare::load(&place, ini.as_ref())?;
+        hal_lease::load(&place, ini.as_ref(), "halpanel")?;
         let address_file = options.address_file.clone().unwrap_or_else(|| beside("url"));
         let panel = Arc::new(Panel {
             address,

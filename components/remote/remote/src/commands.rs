@@ -47,6 +47,25 @@ const ROWS: &[Row] = &[
         run: |keeper, call| keeper.give(lease(call)),
     },
     Row {
+        name: "remote.beat",
+        doc: "\
+Sends a pulse back, as the pin remote.beat does, for a program without that pin.
+
+The answer has the number of the pulse to send back next.",
+        args: &[&LEASE, &Arg::int("pulse", "Number of the pulse that is sent back.")],
+        run: |keeper, call| {
+            keeper.check(lease(call))?;
+            if let Some(pulse) = call.int("pulse") {
+                let pulse =
+                    u32::try_from(pulse).map_err(|_| Error::new("pulse is no such number"))?;
+                keeper.lease.beat.store(pulse, Relaxed);
+            }
+            let permit = if keeper.lease.permit.load(Relaxed) { "TRUE" } else { "FALSE" };
+            call.reply(&format!("pulse={} permit={permit}", keeper.lease.pulse.load(Relaxed)));
+            Ok(())
+        },
+    },
+    Row {
         name: "remote.jog",
         doc: "\
 Jogs a joint or an axis under the lease.

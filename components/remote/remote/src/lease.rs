@@ -21,6 +21,10 @@ pub(crate) struct Lease {
     pub(crate) permit: AtomicBool,
     /// True while the wiring allows motion.
     pub(crate) allowed: AtomicBool,
+    /// Number of a pulse that `remote.beat` has sent back.
+    pub(crate) beat: AtomicU32,
+    /// Number of the last pulse.
+    pub(crate) pulse: AtomicU32,
     /// Kind of the jog in progress, of [`jog`]. It is set before the jog is sent to motion.
     pub(crate) jog: AtomicU32,
     /// Number of the lease under which the jog began.
@@ -45,6 +49,8 @@ impl Lease {
             number: AtomicU32::new(0),
             permit: AtomicBool::new(false),
             allowed: AtomicBool::new(false),
+            beat: AtomicU32::new(0),
+            pulse: AtomicU32::new(0),
             jog: AtomicU32::new(jog::NONE),
             jog_lease: AtomicU32::new(0),
             job: AtomicBool::new(false),

@@ -94,7 +94,10 @@ impl Update for Watch {
     fn update(&mut self, _: Period) {
         let Self { shared, judged, .. } = self;
         let now = u32::try_from((self.clock.now_ns() / MS) & i64::from(u32::MAX)).unwrap_or(0);
-        let (beat, allowed) = (self.beat.get(), self.allow_motion.get());
+        let allowed = self.allow_motion.get();
+        // The younger one counts: a page answers by the pin, another program by the command.
+        let beats = [self.beat.get(), shared.beat.load(Relaxed)];
+        let beat = beats.into_iter().min_by_key(|beat| now.wrapping_sub(*beat)).unwrap_or(0);
         let mut number = shared.number.load(Relaxed);
         if number != judged.lease {
             *judged = Judged { lease: number, taken: now, beat, beats: false, ..*judged };
@@ -138,6 +141,7 @@ impl Update for Watch {
         self.jog_stop.set(judged.stops);
         shared.permit.store(permit, Relaxed);
         shared.allowed.store(allowed, Relaxed);
+        shared.pulse.store(now, Relaxed);
         self.pulse.set(now);
         self.lease.set(number);
         self.present.set(number != 0);

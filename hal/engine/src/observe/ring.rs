@@ -148,6 +148,7 @@ impl SharedRing {
             depth: self.depth,
             types: self.types.clone(),
             attached: self.attached.is_some(),
+            both: false,
         }
     }
 

@@ -10,7 +10,7 @@ use crate::{
     messages::join::filled,
     os,
     realtime::runtime::TIMEOUT_NS,
-    serve::server::Server,
+    serve::{own_rings::OwnRings, server::Server},
 };
 use hal_abi::{Ticket, TicketState};
 use hal_protocol::TicketInfo;
@@ -54,6 +54,8 @@ pub(crate) struct Clients {
     pub(in crate::serve) target: i64,
     /// Machine time up to which waiting clients let the clock move.
     pub(in crate::serve) client_target: i64,
+    /// Rings between programs.
+    pub(in crate::serve) own_rings: OwnRings,
     pending: BTreeMap<u64, Pending>,
     finished: BTreeMap<u64, TicketInfo>,
     next_ticket: u64,
@@ -72,6 +74,7 @@ impl Clients {
             patience_ns: asked.map_or(DEFAULT_PATIENCE_NS, |ms| i64::from(ms) * 1_000_000),
             target: 0,
             client_target: i64::MIN,
+            own_rings: OwnRings::default(),
             pending: BTreeMap::new(),
             finished: BTreeMap::new(),
             next_ticket: 1,

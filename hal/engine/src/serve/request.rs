@@ -118,6 +118,7 @@ impl Engine {
             | OwnRequest::SharePins { .. }
             | OwnRequest::Sleep { .. }
             | OwnRequest::Poll { .. }
+            | OwnRequest::NewStream { .. }
             | OwnRequest::Attach { .. } => return Err(Error::NotAMember),
         })
     }

@@ -82,6 +82,14 @@ pub(crate) fn own(
         OwnRequest::Sleep { ns } => return sleep(engine, c, ns),
         OwnRequest::Poll { writes } => return poll(engine, c, &writes),
         OwnRequest::Attach { name, count } => attach(engine, c, &name, count)?,
+        OwnRequest::NewStream { name, depth, types } => {
+            if engine.model.rings().keys().any(|n| n.as_str() == name) {
+                return Err(Error::StreamTaken { name: name.into() });
+            }
+            let (info, fd) = engine.clients.own_rings.make(c.id, &name, depth, types)?;
+            c.fd = Some(fd);
+            Reply::Stream(info)
+        }
         OwnRequest::Sample(spec) => {
             let (info, fd) = engine.begin_sample(c.id, &spec)?;
             c.fd = Some(fd);
@@ -297,6 +305,11 @@ fn attach(
     name: &str,
     count: Option<u64>,
 ) -> Result<Reply, Error> {
+    if let Some(own) = engine.clients.own_rings.attach(c.id, name) {
+        let (info, fd) = own?;
+        c.fd = Some(fd);
+        return Ok(Reply::Stream(info));
+    }
     let names = engine.model.rings().keys().map(Name::as_str);
     let near = crate::error::near::nearest(name, names);
     let ring = engine.model.ring_mut(name).ok_or_else(|| Error::NotFound {
@@ -326,6 +339,7 @@ pub(crate) fn leave(engine: &mut Engine, c: &mut Client) {
         }
     }
     engine.end_samples_of(c.id);
+    engine.clients.own_rings.leave(c.id);
     if let Some(ix) = c.component {
         engine.model.has_left([ix]);
         forget_left(engine);

@@ -5,7 +5,7 @@ use crate::{
     language::rows::rows,
     programs::{
         hal_manualtoolchange, halcmd, halgcode, halrun, halsampler, halscope, halsetup,
-        halstreamer, haltest, latency_test,
+        halstreamer, haltcl, haltest, latency_test, linuxcnc,
         options::{Opt, Subcommand, VERSION_HELP},
     },
     session::remote::Remote,
@@ -30,6 +30,8 @@ pub fn for_shell(line: &str, current: Option<&str>) -> Completion {
         "halsetup" => option_or_file(&halsetup::completable(), rest, &word),
         "latency-test" => option_or_file(&latency_test::completable(), rest, &word),
         "halstreamer" => option_or_file(&halstreamer::completable(), rest, &word),
+        "haltcl" => option_or_file(&haltcl::completable(), rest, &word),
+        "linuxcnc" => option_or_file(&linuxcnc::completable(), rest, &word),
         "hal_manualtoolchange" => option_or_file(&hal_manualtoolchange::completable(), rest, &word),
         _ => program_words(name, &halcmd::completable(), rest, &word),
     };

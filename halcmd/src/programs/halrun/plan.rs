@@ -70,6 +70,8 @@ pub(crate) struct Plan {
     pub(super) ini: Option<String>,
     pub(super) batch: bool,
     pub(super) interactive: bool,
+    /// Commands after the script are in Tcl.
+    pub(super) tcl: bool,
     pub(super) for_ns: Option<u64>,
     pub(super) record: Option<PathBuf>,
     /// Settings of the flight recorder, if it is to be switched on.
@@ -188,10 +190,11 @@ pub(crate) fn plan(
     }
     let job = begin.map(|begin| Job { begin, yes: has(Id::Yes) });
     let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), value(Id::StuckTime))?;
-    let interactive = has(Id::Interactive);
+    let tcl = has(Id::Tcl);
+    let interactive = tcl || has(Id::Interactive);
     if interactive && detach != Detach::No {
         return Err(bad(
-            "-I",
+            if tcl { "-T" } else { "-I" },
             "",
             "it excludes --detach: a process in the background has no prompt",
         ));
@@ -222,6 +225,7 @@ pub(crate) fn plan(
         ini: value(Id::Common(Common::Ini)),
         batch: has(Id::Common(Common::File)),
         interactive,
+        tcl,
         for_ns,
         record: value(Id::Record).map(whole),
         flight: value(Id::Flight)
@@ -298,6 +302,7 @@ mod tests {
                 for (on, word) in [
                     (p.batch, " batch"),
                     (p.interactive, " interactive"),
+                    (p.tcl, " tcl"),
                     (o.hold, " hold"),
                     (o.simulate, " simulate"),
                     (p.style.keep_going, " keep"),
@@ -356,6 +361,8 @@ mod tests {
             ("m.ini", "Ini(\"m.ini\") default Real"),
             ("", "Terminal default Real"),
             ("-I m.hal", "Hal(\"m.hal\") default Real interactive"),
+            ("-T m.hal", "Hal(\"m.hal\") default Real interactive tcl"),
+            ("-T", "Terminal default Real interactive tcl"),
             ("-U", "stop default"),
             ("-U --instance a", "stop a"),
             ("-h", "help"),

@@ -11,6 +11,7 @@ use crate::{
 pub(super) enum Id {
     Common(Common),
     Interactive,
+    Tcl,
     Stop,
     Detach,
     Detached,
@@ -43,6 +44,7 @@ pub(super) enum Id {
 pub(super) const OPTIONS: &[Opt<Id>] = &[
     flag('f', Id::Common(Common::File), "end when the script ends (FILE follows)"),
     flag('I', Id::Interactive, "after the script, take commands from standard input"),
+    flag('T', Id::Tcl, "after the script, take commands in Tcl from standard input (haltcl)"),
     flag('U', Id::Stop, "end the running instance"),
     with("detach", Id::Detach, None, None, "go on in the background once the script is done"),
     with("virtual", Id::Virtual, None, None, "run on the virtual clock: --clock virtual"),

@@ -50,6 +50,28 @@ fn a_program_that_calls_functions_gives_the_same_bytes_twice() {
 }
 
 #[test]
+fn a_function_that_asks_the_instance_on_the_virtual_clock_fails_at_once() {
+    for (statement, error) in [
+        ("import linuxcnc; linuxcnc.stat().poll()", "linuxcnc.error: "),
+        ("import hal; hal.component('c')", "hal.error: "),
+    ] {
+        let Some(scratch) = machine("G21 F600\nG1 X2\nM406\nG1 X9\nM2\n") else { return };
+        scratch
+            .write("python/remap.py", format!("calls = 0\ndef endless(self):\n    {statement}\n"));
+        let output = scratch.halrun(&["--virtual", "--run", "job.ngc", "run.ini"]);
+        assert_eq!(output.status, Some(1), "{}", output.stderr);
+        let said = format!("{}{}", output.stdout, output.stderr);
+        assert!(
+            said.contains("on the virtual clock the instance stands still"),
+            "{statement}: {said}"
+        );
+        assert!(said.contains(error), "{statement}: {said}");
+        // Not after TIMEOUT.
+        assert!(!said.contains("it made no step"), "{statement}: {said}");
+    }
+}
+
+#[test]
 fn a_function_that_crashes_or_never_ends_is_an_error_at_its_line() {
     for (code, wanted) in [
         ("M406", "job.ngc:3: endless: it made no step within 2 s ([PYTHON]TIMEOUT) and was ended"),

@@ -9,4 +9,5 @@ mod motion;
 mod programs;
 mod python;
 mod remaps;
+mod rsh;
 mod traces;

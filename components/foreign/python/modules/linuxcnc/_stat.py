@@ -8,7 +8,6 @@ from ._files import LETTERS, Facts, ini_file
 _TASK_STATES = (STATE_ESTOP, STATE_ESTOP_RESET, STATE_ON)
 _MODES = (MODE_MANUAL, MODE_AUTO, MODE_MDI)
 _TRAJ_MODES = (TRAJ_MODE_FREE, TRAJ_MODE_TELEOP, TRAJ_MODE_COORD)
-_ZEROS = (0,) * 64
 
 
 def _padded(values, count):
@@ -67,12 +66,15 @@ def _joint(s):
     homed, homing, fault = m["joint_homed"], m["joint_homing"], m["joint_fault"]
     low, high, errors = m["joint_at_min"], m["joint_at_max"], m["joint_error"]
     output, measured, velocity = m["joint_position"], m["joint_feedback"], m["joint_velocity"]
+    count, lower, upper = m["joints"], m["joint_min_limit"], m["joint_max_limit"]
     active, below, above = m["joint_active"], m["joints_below"], m["joints_above"]
     out = []
     for n, facts in enumerate(s._facts.joints):
         ferror = output[n] - measured[n]
         out.append({
             **facts,
+            "min_position_limit": lower[n] if n < count else facts["min_position_limit"],
+            "max_position_limit": upper[n] if n < count else facts["max_position_limit"],
             "ferror_current": ferror,
             "ferror_highmark": s._highmark(n, abs(ferror)),
             "output": output[n],
@@ -103,16 +105,17 @@ def _limit(s):
 def _spindle(s):
     m = s._motion
     speed, scale, brake = m["spindle_speed"], m["spindle_override"], m["spindle_brake"]
+    counts, orient, fault = s._task["spindle_override_counts"], m["spindle_orient_state"], m["spindle_orient_fault"]
     return tuple({
         "brake": int(brake[n]),
         "direction": (speed[n] > 0) - (speed[n] < 0),
         "enabled": int(speed[n] != 0.0),
-        "override_enabled": n < m["spindles"],
+        "override_enabled": counts[n],
         "speed": speed[n],
         "override": scale[n],
         "homed": False,
-        "orient_state": 0,
-        "orient_fault": 0,
+        "orient_state": orient[n],
+        "orient_fault": fault[n],
     } for n in range(8))
 
 
@@ -156,7 +159,7 @@ _FIELDS = {
     "axis_mask": _fact("axis_mask"),
     "block_delete": _task("block_delete"),
     "call_level": _task("calls"),
-    "command": _always(""),
+    "command": lambda s: s._task.text("command"),
     "current_line": _task("line"),
     "current_vel": _motion("velocity"),
     "cycle_time": _fact("cycle_time"),
@@ -171,7 +174,7 @@ _FIELDS = {
     "estop": _task("state", lambda n: int(n == 0)),
     "exec_state": _exec_state,
     "feed_hold_enabled": _motion("feed_hold"),
-    "feed_override_enabled": _always(True),
+    "feed_override_enabled": _task("feed_override_counts"),
     "feedrate": _task("feed_override"),
     "file": lambda s: s._task.text("file"),
     "flood": _task("flood", int),
@@ -193,11 +196,11 @@ _FIELDS = {
     "limit": _limit,
     "linear_units": _fact("linear_units"),
     "lube": _task("lube", int),
-    "lube_level": _always(0),
+    "lube_level": _task("lube_level", int),
     "max_acceleration": _fact("max_acceleration"),
     "max_velocity": _motion("max_velocity"),
     "mcodes": _mcodes,
-    "misc_error": _always(_ZEROS),
+    "misc_error": _motion("misc_errors", _bits),
     "mist": _task("mist", int),
     "motion_id": _motion("line"),
     "motion_line": _motion("line"),

@@ -90,6 +90,22 @@ impl Interpreter {
         env: &dyn Environment,
         out: &mut Vec<Issued>,
     ) -> Result<Step, Error> {
+        let result = self.run_turn(env, out);
+        self.end_failed(result)
+    }
+
+    /// Ends the function that is the innermost level after its failure: a host that goes on reads the next line.
+    fn end_failed(&mut self, result: Result<Step, Error>) -> Result<Step, Error> {
+        let is_over = |f: &Function| !matches!(f.turn, Turn::Executing(_));
+        if result.is_err()
+            && self.state.levels.last().and_then(Level::function).is_some_and(is_over)
+        {
+            self.state.levels.pop();
+        }
+        result
+    }
+
+    fn run_turn(&mut self, env: &dyn Environment, out: &mut Vec<Issued>) -> Result<Step, Error> {
         let level = self.state.levels.last_mut();
         let turn = match level.map(|l| &mut l.kind) {
             Some(LevelKind::Text(text)) => {
@@ -223,7 +239,8 @@ impl Interpreter {
             Answer::Failed(reason) => Err(self.failed(reason)),
             _ => Err(Problem::WrongAnswer.into()),
         };
-        result.map_err(|error| self.error(error, &[]))
+        let result = result.map_err(|error| self.error(error, &[]));
+        self.end_failed(result)
     }
 
     fn failed(&mut self, reason: &str) -> BlockError {

@@ -319,6 +319,12 @@ impl Core {
         self.mdi.len()
     }
 
+    /// Returns the line of MDI in execution, or an empty text.
+    pub(crate) fn mdi_line(&self) -> &str {
+        let is_mdi = self.job.as_ref().is_some_and(|job| !job.is_program);
+        if is_mdi { &self.mdi_text } else { "" }
+    }
+
     /// Returns the name of a program in messages.
     pub(super) fn name_of(path: &Path) -> String {
         let text = path.to_string_lossy();
@@ -336,6 +342,7 @@ impl Core {
         }
         self.take_over(out);
         self.interpreter.mdi(&text);
+        self.mdi_text = text;
         self.begin_job(false, Some(ticket), false, out);
     }
 }

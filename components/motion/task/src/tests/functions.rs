@@ -18,7 +18,7 @@ fn rig(program: &str) -> Option<Rig> {
         machine.settings.task = true;
         machine.python = read.python;
         machine.folders.extend(read.folders);
-        functions = machine.start_functions();
+        functions = machine.start_functions(true);
         assert_eq!(machine.remarks, Vec::<String>::new());
     });
     rig.fake.functions = functions;

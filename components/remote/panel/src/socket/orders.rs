@@ -5,7 +5,6 @@ use crate::{
     commands::{self, Action, Args, Input},
     error::{Code, Error},
     lease::no_lease,
-    prepare,
     server::Panel,
     session::Session,
     values,
@@ -265,7 +264,7 @@ impl Order {
         {
             engine.call(Request::Net { signal, pins: vec![TOOL_CHANGE.1.to_owned()] }).await?;
         }
-        let link = prepare::join(&pins, TOOL_CHANGED);
+        let link = hal_lease::join(&pins, TOOL_CHANGED);
         let link = link.map_err(|why| Error::new(Code::Refused, why))?;
         let is_linked_here = link.is_some();
         if let Some(link) = link {

@@ -211,3 +211,32 @@ fn an_answer_to_a_pulse_of_the_lease_before_is_no_beat() {
         assert!(!rig.is("heartbeat") && !rig.is("permit"));
     }
 }
+
+#[test]
+fn a_program_without_the_pin_sends_pulses_back_by_a_command() {
+    let mut rig = Rig::leased(&[]);
+    rig.lose();
+    let beat = |rig: &mut Rig, pulse: &str| {
+        let lines = rig.command("remote.beat", &format!("lease=1{pulse}")).unwrap();
+        let number = lines[0].split_once("pulse=").unwrap().1.split(' ').next().unwrap();
+        format!(" pulse={number}")
+    };
+    let mut pulse = beat(&mut rig, "");
+    for n in 0..100 {
+        rig.cycles(20);
+        pulse = beat(&mut rig, &pulse);
+        if n == 10 {
+            rig.command("remote.jog", "lease=1 joint=0 velocity=20").unwrap();
+        }
+        assert!(n < 11 || rig.bench.get::<f64>("joint.0.vel-cmd") > 0.0, "round {n}");
+    }
+    // A number from the future, and that of another lease, keep nothing.
+    beat(&mut rig, " pulse=4000000000");
+    let why = rig.command("remote.beat", "lease=2 pulse=9").unwrap_err();
+    assert!(why.contains("not the number of the control lease"), "{why}");
+    let at = rig.at(0);
+    rig.rest();
+    assert!(rig.at(0) - at <= VELOCITY * 0.1 + VELOCITY * VELOCITY / (2.0 * ACCELERATION));
+    rig.cycles(2000);
+    rig.command("remote.beat", "lease=1").unwrap_err();
+}

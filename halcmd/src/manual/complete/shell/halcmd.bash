@@ -11,4 +11,4 @@ _ferrule() {
     [[ $status == 3 ]] && compopt -o default -o filenames
     return 0
 }
-complete -F _ferrule halcmd halrun halscope haltest halgcode halsampler halstreamer hal_manualtoolchange
+complete -F _ferrule halcmd halrun halscope haltest halgcode halsampler halstreamer halsetup haltcl latency-test linuxcnc hal_manualtoolchange

@@ -7,6 +7,6 @@ function __ferrule_complete
         __fish_complete_path (commandline -ct)
     end
 end
-for program in halcmd halrun halscope haltest halgcode halsampler halstreamer hal_manualtoolchange
+for program in halcmd halrun halscope haltest halgcode halsampler halstreamer halsetup haltcl latency-test linuxcnc hal_manualtoolchange
     complete -c $program -f -a '(__ferrule_complete)'
 end

@@ -1,4 +1,5 @@
 //! The plugin `remote` in the machine: loaded and wired where the machine's files have not.
+#![forbid(unsafe_code)]
 
 use hal_ini::Ini;
 use hal_protocol::{
@@ -17,8 +18,11 @@ const JOB: (&str, &str, &str) = ("task.job", "remote-job", "remote.job");
 /// Function before which the plugin's runs.
 const CONTROLLER: &str = "motion-controller";
 
-/// Loads and wires the plugin as a whole, or leaves the machine as it is.
-pub(crate) fn load(place: &Place, ini: Option<&Ini>) -> Result<(), String> {
+/// Loads and wires the plugin as a whole, or leaves the machine as it is. Messages name the program that asks.
+///
+/// # Errors
+/// There is no engine, or no motion; or the machine's files have wired these pins otherwise.
+pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), String> {
     let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
     let mut requests = Vec::new();
     let component = Request::Component { name: "remote".to_owned() };
@@ -47,7 +51,7 @@ pub(crate) fn load(place: &Place, ini: Option<&Ini>) -> Result<(), String> {
     } else if !threads.iter().any(|thread| runs_before(&thread.functs)) {
         return Err(format!(
             "function remote is not in the thread of {CONTROLLER} before it: motion would see a stop a cycle late, or \
-             never; addf it there, before halpanel is started"
+             never; addf it there, before {program} is started"
         ));
     }
     let Reply::Items(pins) = list(&mut client, Kind::Pins)? else {
@@ -66,7 +70,7 @@ pub(crate) fn load(place: &Place, ini: Option<&Ini>) -> Result<(), String> {
     }
     // An error names the line, which is the number of the request.
     let edits = (1..).zip(requests).map(|(line, request)| Edit { file: 0, line, request });
-    let files = vec!["halpanel".to_owned()];
+    let files = vec![program.to_owned()];
     let apply = Request::Apply { files, edits: edits.collect(), dry: false };
     match client.call(apply).map_err(|e| e.to_string())? {
         Reply::Refused { failure, .. } => {
@@ -109,7 +113,10 @@ fn wire(pins: &[ItemInfo], from: &str, signal: &str, to: &str) -> Result<Option<
 }
 
 /// Returns the link of a pin with one that reads it, unless there is one. The first may have a signal already.
-pub(crate) fn join(
+///
+/// # Errors
+/// Both are linked, and not with each other.
+pub fn join(
     pins: &[ItemInfo],
     (from, signal, to): (&str, &str, &str),
 ) -> Result<Option<Request>, String> {

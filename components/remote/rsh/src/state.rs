@@ -1,0 +1,159 @@
+//! State of a machine: the records of its snapshots, and facts of its INI file.
+
+use hal_ini::Ini;
+use hal_protocol::{SnapshotInfo, Value};
+use std::collections::BTreeMap;
+
+const MM_PER_INCH: f64 = 25.4;
+
+/// A record of a snapshot: values by the name of their field.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Position of the first value, and number of values, of each field.
+    fields: BTreeMap<String, (usize, usize)>,
+    values: Vec<Value>,
+}
+
+impl Record {
+    /// Creates a record without values.
+    #[must_use]
+    pub fn new(info: &SnapshotInfo) -> Self {
+        let (mut fields, mut first) = (BTreeMap::new(), 0);
+        for field in &info.fields {
+            let count = field.count as usize;
+            fields.insert(field.name.clone(), (first, count));
+            first += count;
+        }
+        Self { fields, values: Vec::new() }
+    }
+
+    /// Returns the place for the values, in the order of the snapshot.
+    pub const fn values_mut(&mut self) -> &mut Vec<Value> {
+        &mut self.values
+    }
+
+    /// Sets the values of a field.
+    pub fn set(&mut self, name: &str, values: &[Value]) {
+        let at = self.values.len();
+        self.fields.insert(name.to_owned(), (at, values.len()));
+        self.values.extend_from_slice(values);
+    }
+
+    fn all(&self, name: &str) -> &[Value] {
+        let (first, count) = self.fields.get(name).copied().unwrap_or_default();
+        self.values.get(first..first + count).unwrap_or_default()
+    }
+
+    /// Returns a value of a field as a number; 0 where there is none.
+    #[must_use]
+    pub fn number(&self, name: &str, n: usize) -> f64 {
+        match self.all(name).get(n) {
+            Some(Value::Float(f)) => *f,
+            Some(Value::Bit(on)) => f64::from(u8::from(*on)),
+            Some(Value::S32(i)) => f64::from(*i),
+            Some(Value::U32(u)) => f64::from(*u),
+            Some(Value::S64(i)) => *i as f64,
+            Some(Value::U64(u) | Value::Port(u)) => *u as f64,
+            None => 0.0,
+        }
+    }
+
+    /// Returns a value of a field as a count.
+    #[must_use]
+    pub fn count(&self, name: &str, n: usize) -> u32 {
+        match self.all(name).get(n) {
+            Some(Value::U32(u)) => *u,
+            Some(Value::S32(i)) => i.unsigned_abs(),
+            Some(Value::Bit(on)) => u32::from(*on),
+            _ => 0,
+        }
+    }
+
+    /// Returns a value of a field as true or false.
+    #[must_use]
+    pub fn bit(&self, name: &str, n: usize) -> bool {
+        self.all(name).get(n).is_some_and(|value| value.bits() & 1 != 0)
+    }
+
+    /// Returns whether bit `n` of a field of bits is set.
+    #[must_use]
+    pub fn has(&self, name: &str, n: usize) -> bool {
+        n < 32 && self.count(name, 0) >> n & 1 != 0
+    }
+
+    /// Returns a field of words as text: eight bytes in each, the first lowest.
+    #[must_use]
+    pub fn text(&self, name: &str) -> String {
+        let words = self.all(name).iter().flat_map(|value| value.bits().to_le_bytes());
+        let bytes: Vec<u8> = words.take_while(|byte| *byte != 0).collect();
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+/// Facts of a machine from its INI file.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// Path of the INI file.
+    pub path: String,
+    /// The file.
+    pub ini: Ini,
+    /// Units of length per millimetre.
+    pub linear: f64,
+    /// Units of angles per degree.
+    pub angular: f64,
+    /// True for a joint that turns.
+    pub turns: Vec<bool>,
+    /// Kind of the kinematics: 1 for joints that are the axes, 4 for others.
+    pub kinematics: u32,
+}
+
+impl Facts {
+    /// Reads the facts.
+    #[must_use]
+    pub fn new(path: String, ini: Ini) -> Self {
+        let word = |section: &str, name: &str| ini.get(section, name).unwrap_or("").trim();
+        let lower = |section: &str, name: &str| word(section, name).to_lowercase();
+        let linear = match lower("TRAJ", "LINEAR_UNITS").as_str() {
+            "in" | "inch" | "imperial" => 1.0 / MM_PER_INCH,
+            "cm" => 0.1,
+            _ => 1.0,
+        };
+        let angular = match lower("TRAJ", "ANGULAR_UNITS").as_str() {
+            "rad" | "radian" => core::f64::consts::PI / 180.0,
+            "grad" | "gon" => 10.0 / 9.0,
+            _ => 1.0,
+        };
+        let joints = word("KINS", "JOINTS").parse::<usize>().unwrap_or(0).min(64);
+        let turns =
+            (0..joints).map(|n| lower(&format!("JOINT_{n}"), "TYPE") == "angular").collect();
+        let words = lower("KINS", "KINEMATICS");
+        let is_plain = words.split_whitespace().next() == Some("trivkins");
+        let kinematics = if is_plain && !words.contains("kinstype=both") { 1 } else { 4 };
+        Self { path, linear, angular, turns, kinematics, ini }
+    }
+}
+
+/// State of a machine.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Record of motion.
+    pub motion: Record,
+    /// Record of the task.
+    pub task: Record,
+    /// Facts of the INI file.
+    pub facts: Facts,
+}
+
+impl State {
+    /// Returns whether the machine is in e-stop.
+    #[must_use]
+    pub fn is_estop(&self) -> bool {
+        self.task.count("state", 0) == 0
+    }
+
+    /// Returns whether jogs move axes.
+    #[must_use]
+    pub fn is_teleop(&self) -> bool {
+        self.motion.count("mode", 0) == 1
+    }
+}
