@@ -1,7 +1,7 @@
 //! The derive macro `Plain`.
 
 use crate::field::{doc, fields};
-use proc_macro2::TokenStream;
+use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
 use syn::{DeriveInput, spanned::Spanned};
 
@@ -20,10 +20,12 @@ pub(crate) fn plain(ast: &DeriveInput) -> syn::Result<TokenStream> {
             ));
         }
         let t = &f.ty;
+        // Errors show the field's type; names are those of this macro, also where another macro has written the type.
+        let span = t.span().resolved_at(Span::call_site());
         let name = id.to_string();
         let name = name.trim_start_matches("r#");
         let bit = names.len();
-        chosen.push(quote_spanned!(t.span()=>
+        chosen.push(quote_spanned!(span=>
             if FIELDS.wrapping_shr(#bit as u32) & 1 == 1 || #bit >= 128 {
                 let mut at = at;
                 let mut put = |bits| {
@@ -34,11 +36,11 @@ pub(crate) fn plain(ast: &DeriveInput) -> syn::Result<TokenStream> {
             }
             at += <#t as ::hal_component::PlainField>::COUNT;));
         names.push(name.to_owned());
-        counts.push(quote_spanned!(t.span()=> <#t as ::hal_component::PlainField>::COUNT));
-        specs.push(quote_spanned!(t.span()=> &::hal_component::plain_field::<#t>(#name, #about)));
-        stores.push(quote_spanned!(t.span()=>
+        counts.push(quote_spanned!(span=> <#t as ::hal_component::PlainField>::COUNT));
+        specs.push(quote_spanned!(span=> &::hal_component::plain_field::<#t>(#name, #about)));
+        stores.push(quote_spanned!(span=>
             ::hal_component::PlainField::store(&self.#id, put);));
-        loads.push(quote_spanned!(t.span()=>
+        loads.push(quote_spanned!(span=>
             #id: <#t as ::hal_component::PlainField>::load(take)));
     }
     Ok(quote! {

@@ -4,7 +4,7 @@
 
 use hal_align::{Matrix, Vector};
 use hal_marks::{Figure, Ink, MarkKind, Search, Sheet, View, average, choose, search};
-use std::{fmt::Write, fs, path::Path};
+use std::{fmt::Write, path::Path};
 
 /// Numbers that repeat.
 struct Random(u64);

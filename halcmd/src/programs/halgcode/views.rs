@@ -359,7 +359,7 @@ mod tests {
         let [above, shape, ..] = VIEWS;
         let large = (-100.0, 100.0);
         assert_eq!(views.seen_edges(&shape, large, large).len(), 12);
-        assert_eq!(views.seen_edges(&shape, (0.0, 100.0), large), Vec::new());
+        assert!(views.seen_edges(&shape, (0.0, 100.0), large).is_empty());
         assert_eq!(
             views.seen_edges(&above, (0.0, 100.0), large).len(),
             8,

@@ -42,7 +42,11 @@ pub(super) struct Search {
 pub(super) type AskUser<'a> = dyn FnMut(&str) -> Result<Option<String>, String> + 'a;
 
 /// Searches what an axis bears; returns the report.
-pub(super) fn test(answers: &Answers, asked: &Search, ask: &mut AskUser<'_>) -> Result<String, String> {
+pub(super) fn test(
+    answers: &Answers,
+    asked: &Search,
+    ask: &mut AskUser<'_>,
+) -> Result<String, String> {
     let (number, joint) = find(answers, &asked.axis)?;
     let timing = timing(answers).map_err(|(joint, possible)| {
         format!("joint {joint}: too fast for this computer's jitter; a velocity of {possible:.3} is possible")

@@ -9,7 +9,7 @@ use hal_tests::{
     programs::{files_below, root},
     scratch::Scratch,
 };
-use std::{collections::BTreeMap, fmt::Write as _, fs, path::Path, process::Command};
+use std::{collections::BTreeMap, fmt::Write as _, path::Path, process::Command};
 
 const SAMPLES: &str = "/usr/share/doc/linuxcnc/examples/sample-configs";
 /// The library of HAL files of the package.

@@ -1,6 +1,6 @@
 //! The page of alignment: live pictures with marks and the path, marks that are measured, a program that is rewritten.
 
-use super::{printer::Printer, stand::Stand};
+use super::{fixture::Fixture, printer::Printer};
 use hal_tests::{
     browser::{DESKTOP, PHONE},
     programs::root,
@@ -30,13 +30,13 @@ for (let i = 0; i < d.length; i += 4) { \
 return found";
 
 /// Returns what the component tells.
-fn told(stand: &Stand) -> Value {
+fn told(stand: &Fixture) -> Value {
     serde_json::from_str(&stand.printer.halcmd("align.status json=TRUE")).unwrap()
 }
 
 #[test]
 fn marks_are_found_measured_and_a_program_is_laid_on_them() {
-    let Some(stand) = Stand::of("fiducial", DESKTOP) else { return };
+    let Some(stand) = Fixture::of("fiducial", DESKTOP) else { return };
     let b = &stand.browser;
     stand.ready();
     b.run("document.querySelector('[data-page=align]').click()");
@@ -148,7 +148,7 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
 
 #[test]
 fn the_keyboard_alone_measures_a_mark_and_a_phone_shows_all() {
-    let Some(stand) = Stand::of("fiducial", PHONE) else { return };
+    let Some(stand) = Fixture::of("fiducial", PHONE) else { return };
     let b = &stand.browser;
     stand.ready();
     b.run("document.querySelector('[data-page=align]').click()");

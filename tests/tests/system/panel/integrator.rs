@@ -41,7 +41,7 @@ fn a_pin_is_watched_and_set() {
 
 #[test]
 fn the_order_of_functions_and_the_flight_recorder_are_shown() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let Some(stand) = Fixture::start(DESKTOP) else { return };
     let b = &stand.browser;
     stand.ready();
     b.run("document.querySelector('[data-page=integrate]').click()");

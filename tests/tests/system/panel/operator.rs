@@ -142,7 +142,7 @@ fn a_start_in_the_middle_is_shown_and_confirmed() {
 
 #[test]
 fn a_program_is_written_and_edited_in_the_page() {
-    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let Some(stand) = Fixture::start(DESKTOP) else { return };
     let b = &stand.browser;
     let file = || stand.printer.scratch.read("programs/own.ngc");
     b.click("#program-new");
