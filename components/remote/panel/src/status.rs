@@ -11,7 +11,7 @@ const INTERVAL: Duration = Duration::from_millis(50);
 /// Looks between two attempts to find an engine, when there is none.
 const SEARCH: u32 = 20;
 /// Fields whose words are a text.
-const TEXTS: &[&str] = &["file", "message"];
+const TEXTS: &[&str] = &["command", "file", "message"];
 
 /// Progress of the connection to the engine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

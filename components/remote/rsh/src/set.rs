@@ -281,8 +281,14 @@ pub(crate) fn run(order: &mut Order<'_>, args: &[&str]) -> bool {
 }
 
 pub(crate) fn load_tool_table(order: &mut Order<'_>, args: &[&str]) -> bool {
+    if args.is_empty() {
+        return false;
+    }
     // The table is that of the INI file, which is read again.
-    !args.is_empty() && order.command("task.mdi-brief", &["text=G10 L0".to_owned()])
+    let accepted = order.command("task.mdi-brief", &["text=G10 L0".to_owned()]);
+    // The line of MDI occupies the machine: the next command must find it free.
+    let done = order.wait();
+    accepted && (done || !order.settings.waits)
 }
 
 pub(crate) fn optional_stop(order: &mut Order<'_>, args: &[&str]) -> bool {

@@ -191,7 +191,6 @@ fn lines_become_commands() {
         ("set optional_stop 0", "task.optional-stop on=FALSE"),
         ("set teleop_enable on", "motion.mode mode=teleop"),
         ("set probe 1 2 -3", "task.mdi text=G38.2 X1 Y2 Z-3"),
-        ("set load_tool_table t", "task.mdi-brief text=G10 L0"),
     ] {
         let (mut session, mut machine) = ready();
         let reply = say(&mut session, &mut machine, lines);
@@ -322,4 +321,12 @@ fn lines_are_the_same_however_they_are_cut() {
     let mut lines = Lines::default();
     lines.push(b"\xff\xfe\n");
     assert_eq!(lines.next_line().as_deref(), Some("\u{fffd}\u{fffd}"));
+}
+
+#[test]
+fn the_tool_table_is_read_before_the_next_line() {
+    let (mut session, mut machine) = ready();
+    let reply = say(&mut session, &mut machine, "set load_tool_table tool.tbl");
+    assert_eq!(reply, "SET LOAD_TOOL_TABLE ACK\n\r");
+    assert_eq!(machine.said, ["task.mdi-brief text=G10 L0", "wait None"]);
 }
