@@ -1,7 +1,7 @@
 //! The tables of `PROTOCOL.md`: requests, codes and states, from the server itself; and limits that need many bytes.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use std::{fs, path::Path};
+use std::path::Path;
 use teleop::{
     Action, Answer, CODES, Code, MAX_LINE, MAX_PROGRAM, Machine, REQUESTS, Reason, Server, Word,
 };

@@ -9,7 +9,7 @@ use hal_tests::{
     programs::{files_below, root},
     scratch::Scratch,
 };
-use std::{collections::BTreeMap, fmt::Write as _, fs, path::Path, process::Command};
+use std::{collections::BTreeMap, fmt::Write as _, path::Path, process::Command};
 
 const SAMPLES: &str = "/usr/share/doc/linuxcnc/examples/sample-configs";
 /// The library of HAL files of the package.
@@ -58,8 +58,16 @@ const WITH_LINUXCNC: &[(&str, &str)] = &[
 ];
 
 /// Lines with these beginnings or parts give no reason.
-const NO_REASON: [&str; 6] =
-    ["Warning", "Traceback", "  ", "motmod: ", "halrun: Warning", "hal_manualtoolchange"];
+const NO_REASON: [&str; 8] = [
+    "Warning",
+    "Traceback",
+    "  ",
+    "motmod: ",
+    "halrun: Warning",
+    "hal_manualtoolchange",
+    "setup_kins",
+    "check_ini_items",
+];
 
 /// Returns whether an INI file is that of a machine; the others are parts, or settings of panels.
 fn is_machine(path: &Path) -> bool {
