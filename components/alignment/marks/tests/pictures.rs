@@ -304,5 +304,5 @@ fn without_marks() -> (u32, u32) {
 /// Compares a part of the README, or writes it.
 fn check_part(begin: &str, end: &str, new: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    hal_golden::check_part(&path, begin, end, &format!("\n{new}\n"));
+    hal_golden::check_part(&path, begin, end, &format!("\n\n{}\n\n", new.trim()));
 }

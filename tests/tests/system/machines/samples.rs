@@ -58,8 +58,16 @@ const WITH_LINUXCNC: &[(&str, &str)] = &[
 ];
 
 /// Lines with these beginnings or parts give no reason.
-const NO_REASON: [&str; 6] =
-    ["Warning", "Traceback", "  ", "motmod: ", "halrun: Warning", "hal_manualtoolchange"];
+const NO_REASON: [&str; 8] = [
+    "Warning",
+    "Traceback",
+    "  ",
+    "motmod: ",
+    "halrun: Warning",
+    "hal_manualtoolchange",
+    "setup_kins",
+    "check_ini_items",
+];
 
 /// Returns whether an INI file is that of a machine; the others are parts, or settings of panels.
 fn is_machine(path: &Path) -> bool {

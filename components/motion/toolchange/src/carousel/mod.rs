@@ -15,7 +15,7 @@ const MAX: u32 = 8;
 const MAX_SENSORS: i64 = 32;
 
 /// Warning about a word of `encoding`.
-const UNKNOWN: &str = "carousel.{0}: the encoding is no known word: as in LinuxCNC, the known word that it begins with \
+const UNKNOWN: &str = "magazine {}: the encoding is no known word: as in LinuxCNC, the known word that it begins with \
                        counts, else gray";
 
 /// A rotary tool magazine.
