@@ -12,7 +12,7 @@ use crate::{
 use axum::{
     Json,
     extract::{Path, RawQuery, State},
-    http::{HeaderName, HeaderValue, header},
+    http::{HeaderName, HeaderValue, StatusCode, header},
     response::{IntoResponse as _, Response},
 };
 use hal_align::{
@@ -107,10 +107,10 @@ pub(crate) async fn picture(
         panel.ask_for_pictures().await?;
         let view = block_in_place(|| read_view(&file, after)).map_err(|e| disk(&e))?;
         if let Some((head, bytes)) = view {
-            return answer(&head, bytes);
+            return Ok(answer(&head, bytes));
         }
         if begun.elapsed() >= WAIT {
-            return Err(Error::new(Code::NotFound, "no new picture has come within 5 s"));
+            return Ok(StatusCode::NO_CONTENT.into_response());
         }
         sleep(LOOK).await;
     }
@@ -133,21 +133,24 @@ fn read_view(file: &FilePath, after: Option<u64>) -> io::Result<Option<(Json_, V
     Ok(Some((head, bytes)))
 }
 
-fn answer(head: &Json_, bytes: Vec<u8>) -> Result<Response, Error> {
+/// Answers with a picture, or without content where the camera has none: the header then has the problem.
+fn answer(head: &Json_, bytes: Vec<u8>) -> Response {
     let kind = match head.get("kind").and_then(Json_::as_str) {
-        Some("image/png") => "image/png",
-        Some("image/jpeg") => "image/jpeg",
-        _ => {
-            let why = head.get("problem").and_then(Json_::as_str).unwrap_or("there is no picture");
-            return Err(Error::new(Code::Refused, why));
-        }
+        Some("image/png") => Some("image/png"),
+        Some("image/jpeg") => Some("image/jpeg"),
+        _ => None,
     };
-    let mut response = bytes.into_response();
-    response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
+    let mut response = match kind {
+        Some(_) => bytes.into_response(),
+        None => StatusCode::NO_CONTENT.into_response(),
+    };
+    if let Some(kind) = kind {
+        response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
+    }
     if let Ok(value) = HeaderValue::from_str(&encoded(&head.to_string())) {
         response.headers_mut().insert(VIEW, value);
     }
-    Ok(response)
+    response
 }
 
 /// Rewrites a program to the place of the part, and stores it beside the first.

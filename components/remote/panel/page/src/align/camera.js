@@ -39,7 +39,14 @@ export function cameraCard(ctx) {
       }
       try {
         const response = await request("GET", view ? `/align/picture?after=${view.number}` : "/align/picture", { signal });
-        const told = JSON.parse(decodeURIComponent(response.headers.get("X-Ferrule-View")));
+        const header = response.headers.get("X-Ferrule-View");
+        if (response.status === 204) {
+          // The camera has no picture, or none has come yet.
+          if (header) setText(state, JSON.parse(decodeURIComponent(header)).problem);
+          await pause(RETRY_MS);
+          continue;
+        }
+        const told = JSON.parse(decodeURIComponent(header));
         const next = await createImageBitmap(await response.blob());
         bitmap?.close();
         [view, bitmap] = [told, next];
