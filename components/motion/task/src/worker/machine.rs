@@ -299,16 +299,20 @@ impl Outside for Machine {
         };
         let begun = self.clock.now_ns();
         loop {
+            let was_ready = functions.is_ready();
             match functions.progress(FUNCTION_WAIT) {
                 hal_remap::Progress::Pending => {}
                 end => return end,
             }
             // The virtual clock stands still while the worker is at work: then a function takes no machine time.
             let now = self.clock.now_ns();
+            if functions.is_ready() && !was_ready {
+                // The import of the modules was no part of the step.
+                self.step_began = now;
+            }
             let taken = now.saturating_sub(self.step_began).unsigned_abs();
             if u128::from(taken) >= functions.timeout().as_nanos() {
-                functions.end();
-                return hal_remap::Progress::Failed(functions.late());
+                return hal_remap::Progress::Failed(functions.give_up());
             }
             if now != begun {
                 return hal_remap::Progress::Pending;
