@@ -8,6 +8,7 @@ mod job;
 mod real;
 mod recover;
 mod restart;
+mod rs274d;
 mod spindle;
 mod stop;
 mod stops;
