@@ -93,7 +93,7 @@ problems! {
     FunctionTooLong { name: Box<str>, limit: u64 }: "{name}: more than {limit} steps", "the function may have no end";
     FunctionAsks: "the host's answer does not fit the question", "";
     FieldFixed { name: Box<str> }: "self.{name} cannot be set", "";
-    ToolOnlyStated { tool: i32 }: "it has set self.current_tool to {tool} without emccanon.CHANGE_TOOL or CHANGE_TOOL_NUMBER", "";
+    ToolOnlyStated { tool: i32 }: "it has stated tool {tool} as the current one without a canonical call that tells the machine", "";
     CallUnknown { name: Box<str> }: "emccanon.{name} is not a call that a function can make", "";
     CallWords { name: Box<str> }: "emccanon.{name}: wrong number, type or range of arguments", "";
     FinishFailed { reason: Box<str> }: "{reason}", "";

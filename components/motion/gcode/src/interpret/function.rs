@@ -118,26 +118,23 @@ impl Interpreter {
         {
             return self.go_on(env, out).map_err(|e| self.error(e, &[]));
         }
-        match turn {
-            Turn::Asking(wanted) => {
-                let level = self.state.levels.last();
-                let before = level.map(Before::of).unwrap_or_default();
-                let known = core::mem::take(&mut self.hal);
-                let asking = Asking::new(env, &known);
-                let value = match &wanted {
-                    Wanted::Name(name) => {
-                        let reader = Reader { state: &self.state, environment: &asking };
-                        reader.exists(name).then(|| reader.named(name).ok()).flatten()
-                    }
-                    Wanted::Slot(number) => env.tool_slot(*number).map(f64::from),
-                };
-                let missing = asking.missing();
-                if !missing.is_empty() {
-                    return Ok(self.ask_hal(before, missing, known));
+        if let Turn::Asking(wanted) = turn {
+            let level = self.state.levels.last();
+            let before = level.map(Before::of).unwrap_or_default();
+            let known = core::mem::take(&mut self.hal);
+            let asking = Asking::new(env, &known);
+            let value = match &wanted {
+                Wanted::Name(name) => {
+                    let reader = Reader { state: &self.state, environment: &asking };
+                    reader.exists(name).then(|| reader.named(name).ok()).flatten()
                 }
-                self.turn(Turn::Value(value)).map_err(|p| self.error(p.into(), &[]))?;
+                Wanted::Slot(number) => env.tool_slot(*number).map(f64::from),
+            };
+            let missing = asking.missing();
+            if !missing.is_empty() {
+                return Ok(self.ask_hal(before, missing, known));
             }
-            _ => {}
+            self.turn(Turn::Value(value)).map_err(|p| self.error(p.into(), &[]))?;
         }
         let name = self.state.function().map(|f| f.name.clone()).unwrap_or_default();
         Ok(self.ask(Request::Function { name }))

@@ -17,8 +17,10 @@ fn rig(program: &str) -> Rig {
     })
 }
 
-/// Ends of a job, each with a part of its reason.
-const ENDS: [(fn(&mut Rig), &str); 4] = [
+/// An end of a job, with a part of its reason.
+type End = (fn(&mut Rig), &'static str);
+
+const ENDS: [End; 4] = [
     (|rig| rig.good(Command::Abort), "aborted"),
     (
         |rig| {
