@@ -32,7 +32,7 @@ const MAX_LINE: usize = 1 << 24;
 /// Time for the last words of a process whose input has ended.
 const LAST_WORDS: Duration = Duration::from_millis(1500);
 
-/// What a process has sent.
+/// Output of a process since the last look.
 #[derive(Debug)]
 pub(crate) enum Sent {
     /// Nothing.
