@@ -6,6 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::tool::Tool;
+
 /// The part of a function in a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Hook {
@@ -50,9 +52,11 @@ pub struct Function {
     pub turn: Turn,
     /// A tool change that the function has ordered, and whose end is not known.
     pub changing: Option<i32>,
+    /// The tool before the function set `current_tool`, until a canonical call tells the machine of the new one.
+    pub stated: Option<Tool>,
 }
 
-/// The thing that a function waits for, or has got.
+/// State of a call between two steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Turn {
     /// The function begins.
@@ -69,7 +73,7 @@ pub enum Turn {
     Asking(Wanted),
     /// The value; `None` if there is none.
     Value(Option<f64>),
-    /// The function has ended with this value, and a tool change goes on.
+    /// The function has ended with this value.
     Leaving(Option<f64>),
 }
 

@@ -6,7 +6,10 @@ use hal_job::{
     Files, Machine, World,
     run::{Answers, Stop, run},
 };
-use std::{collections::BTreeMap, fmt::Write, path::PathBuf, process::Command, sync::Arc};
+use hal_remap::Progress;
+use std::{
+    collections::BTreeMap, fmt::Write, path::PathBuf, process::Command, sync::Arc, time::Duration,
+};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/functions")
@@ -106,4 +109,47 @@ fn modules_that_cannot_be_imported_are_a_remark_and_an_error_of_each_call() {
     std::fs::remove_dir_all(room).unwrap();
     assert!(world.function("twice") && !world.function("around"));
     assert!(world.open("twice").is_some());
+}
+
+#[test]
+fn the_import_of_the_modules_is_no_part_of_a_step() {
+    if world().is_none() {
+        return;
+    }
+    let room = std::env::temp_dir().join(format!("hal-imports-{}", std::process::id()));
+    std::fs::create_dir_all(&room).unwrap();
+    // The second import waits until somebody opens the gate.
+    let gate = "import os, remap\nif os.path.exists('gate'):\n    open('gate').read()\n";
+    std::fs::write(room.join("top.py"), gate).unwrap();
+    std::fs::write(room.join("remap.py"), "def f(self):\n    pass\n").unwrap();
+    let ini = room.join("m.ini");
+    let text = "[PYTHON]\nPATH_PREPEND = .\nTOPLEVEL = top.py\nTIMEOUT = 0.05\n\
+                [RS274NGC]\nREMAP = M400 modalgroup=10 py=f\n";
+    std::fs::write(&ini, text).unwrap();
+    let machine = Machine::read(&Files { ini: Some(&ini), ..Files::default() }).unwrap();
+    let world = World::with_functions(machine, BTreeMap::new());
+    assert_eq!(world.machine.remarks, Vec::<String>::new());
+    let settings = world.machine.settings.clone();
+    let mut it = Interpreter::new(settings, world.machine.numbered.clone());
+    it.load("p.ngc", Arc::new(b"M400\nM2\n".to_vec()));
+    let mut out = Vec::new();
+    while it.state.function().is_none_or(|_| it.state.pending.is_none()) {
+        it.next(&world, &mut out).unwrap();
+    }
+    let mut functions = world.functions.as_ref().unwrap().borrow_mut();
+    functions.end();
+    let made = Command::new("mkfifo").arg(room.join("gate")).status().unwrap();
+    assert!(made.success());
+    functions.begin(&it.state, &world).unwrap();
+    for _ in 0..20 {
+        let progress = functions.progress(Duration::from_millis(10));
+        assert_eq!(progress, Progress::Pending);
+        assert!(!functions.is_ready());
+    }
+    std::fs::write(room.join("gate"), "").unwrap();
+    while !functions.is_ready() {
+        assert_eq!(functions.progress(Duration::from_millis(10)), Progress::Pending);
+    }
+    drop(functions);
+    std::fs::remove_dir_all(room).unwrap();
 }

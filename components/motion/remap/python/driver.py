@@ -19,6 +19,8 @@ _messages = queue.SimpleQueue()
 _answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
 _serial = None
 _closed = False
+# A message for a call around the innermost one.
+_outer = None
 _remap = None
 _oword = None
 
@@ -55,20 +57,25 @@ def effect(kind, *words):
 
 def _ask(request):
     """Sends what the function has done and what it waits for, and returns what it gets."""
-    global _effects, _closed
+    global _effects, _closed, _outer
     mine = _serial
     if mine is None:
         raise RuntimeError("no program runs")
+    if _outer is not None:
+        raise _Left
     done, _effects = _effects, []
     _send({"effects": done, "next": request})
     while True:
-        message = _messages.get()
+        message, _outer = _outer or _messages.get(), None
         if message is None:
             _closed = True
             raise SystemExit
         if message["function"]["serial"] == mine:
             _take(message)
             return message["function"]["turn"]
+        if message["function"]["turn"] != "Begin":
+            _outer = message
+            raise _Left
         # A line that this function executes calls another one.
         _run(message)
 
@@ -97,6 +104,10 @@ def slot(number):
 
 def refresh():
     _ask({"Ask": {"Name": "_line"}})
+
+
+class _Left(BaseException):
+    """A call around this one goes on, because this one has failed."""
 
 
 class _Failed(Exception):
@@ -170,8 +181,12 @@ def _run(message):
         if _closed:
             raise
         end = {"Fail": "it ended its process"}
+    except _Left:
+        end = None
     done, _effects = _effects, []
     _serial = outer
+    if _outer is not None:
+        return
     _send({"effects": done, "next": end})
 
 

@@ -1,6 +1,9 @@
 //! Calls of functions in progress, and their steps.
 
-use crate::{process::Process, setup::Setup};
+use crate::{
+    process::{Process, Sent},
+    setup::Setup,
+};
 use hal_gcode::{
     Environment, State,
     function::{Next, Reply, Turn},
@@ -11,6 +14,10 @@ use std::{collections::BTreeSet, time::Duration};
 
 /// Longest wait for the begin of the process, in which the user's modules are imported.
 const BEGIN: Duration = Duration::from_secs(30);
+/// Time that a part of a line counts as, so that parts alone have an end.
+const PART: Duration = Duration::from_millis(1);
+/// Error of a call whose process has ended.
+const NO_LONGER: &str = "the function is no longer in progress";
 
 /// The first line of the process.
 #[derive(Deserialize)]
@@ -67,10 +74,17 @@ impl Functions {
     }
 
     fn wait_until_ready(&mut self) -> Result<(), String> {
-        let process = self.process.insert(Process::start(&self.setup)?);
-        match process.line(BEGIN)? {
-            Some(line) => self.ready(&line),
-            None => Err(format!("the modules were not imported within {} s", BEGIN.as_secs())),
+        self.process = Some(Process::start(&self.setup)?);
+        loop {
+            let Some(process) = &mut self.process else { return Ok(()) };
+            match process.line(BEGIN - self.silent)? {
+                Sent::Line(line) => return self.ready(&line),
+                Sent::Part => self.silent += PART,
+                Sent::Nothing => self.silent = BEGIN,
+            }
+            if self.silent >= BEGIN {
+                return Err(self.late());
+            }
         }
     }
 
@@ -82,6 +96,7 @@ impl Functions {
         }
         self.words = ready.words;
         self.is_ready = true;
+        self.silent = Duration::ZERO;
         Ok(())
     }
 
@@ -90,9 +105,14 @@ impl Functions {
         &self.words
     }
 
-    /// Returns the longest time from one step to the next.
+    /// Returns whether the process has imported the user's modules.
+    pub fn is_ready(&self) -> bool {
+        self.is_ready
+    }
+
+    /// Returns the longest time for what the process does now: a step, or the import of the user's modules.
     pub fn timeout(&self) -> Duration {
-        self.setup.timeout
+        if self.is_ready { self.setup.timeout } else { BEGIN }
     }
 
     /// Begins the next step of the function that is the innermost level of a state.
@@ -114,8 +134,14 @@ impl Functions {
                 return Err("the function around it is no longer in progress".to_owned());
             }
             self.open.push(function.serial);
-        } else if self.open.last() != Some(&function.serial) {
-            return Err("the function is no longer in progress".to_owned());
+        } else if let Some(at) = self.open.iter().position(|n| *n == function.serial) {
+            // A call inside of this one has failed: the process leaves it when it gets a turn of this one.
+            self.open.truncate(at + 1);
+        } else {
+            return Err(match &function.turn {
+                Turn::Executed(Some(failure)) => format!("{NO_LONGER}: {}", failure.message),
+                _ => NO_LONGER.to_owned(),
+            });
         }
         let view = View::of(state, env).ok_or("no function is called")?;
         let line = serde_json::to_string(&view).map_err(|e| e.to_string())?;
@@ -131,21 +157,21 @@ impl Functions {
     /// Waits this long for the end of the step.
     pub fn progress(&mut self, wait: Duration) -> Progress {
         let Some(process) = &mut self.process else {
-            return Progress::Failed("the function is no longer in progress".to_owned());
+            return Progress::Failed(NO_LONGER.to_owned());
         };
         let result = match process.line(wait) {
-            Ok(None) => {
-                self.silent += wait;
-                if self.silent < self.setup.timeout {
+            Ok(sent @ (Sent::Nothing | Sent::Part)) => {
+                self.silent += if matches!(sent, Sent::Nothing) { wait } else { PART };
+                if self.silent < self.timeout() {
                     return Progress::Pending;
                 }
                 Err(self.late())
             }
-            Ok(Some(line)) if !self.is_ready => match self.ready(&line) {
+            Ok(Sent::Line(line)) if !self.is_ready => match self.ready(&line) {
                 Ok(()) => return Progress::Pending,
                 Err(why) => Err(why),
             },
-            Ok(Some(line)) => {
+            Ok(Sent::Line(line)) => {
                 serde_json::from_slice::<Reply>(&line).map_err(|e| format!("answer: {e}"))
             }
             Err(why) => Err(why),
@@ -164,8 +190,17 @@ impl Functions {
         }
     }
 
-    /// Returns the reason of a function that takes too long.
-    pub fn late(&self) -> String {
+    /// Ends a function that takes too long, and returns the reason.
+    pub fn give_up(&mut self) -> String {
+        let why = self.late();
+        self.end();
+        why
+    }
+
+    fn late(&self) -> String {
+        if !self.is_ready {
+            return format!("the modules were not imported within {} s", BEGIN.as_secs());
+        }
         let seconds = self.setup.timeout.as_secs_f64();
         format!("it made no step within {seconds} s ([PYTHON]TIMEOUT) and was ended")
     }

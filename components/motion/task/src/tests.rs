@@ -8,6 +8,7 @@ mod job;
 mod real;
 mod recover;
 mod restart;
+mod rs274d;
 mod spindle;
 mod stop;
 mod stops;
@@ -37,6 +38,8 @@ struct Fake {
     functions: Option<hal_remap::Functions>,
     /// The worker waits for each step of a function.
     is_patient: bool,
+    /// Number of times that the worker has waited for a function.
+    looks: u32,
     now: f64,
     motion: MotionState,
     io: IoState,
@@ -77,6 +80,7 @@ impl Fake {
         Self {
             functions: None,
             is_patient: true,
+            looks: 0,
             now: 0.0,
             motion: MotionState {
                 enabled: true,

@@ -57,7 +57,7 @@ problems! {
     AfterOWord: "Unexpected character after O-word", "only a comment may follow it";
     NotInDialect { what: Box<str> }: "{what} is not part of RS274-D", "it has G00 to G04, G20, G21, G28, G29, G90, G91, G92, M00, M01, M02, M30, words and numbers without exponent";
     LineNumberLong: "line number has more than 5 digits", "use N0 to N99999";
-    WordNotOfCommand { letter: char, command: &'static str, words: &'static str }: "{letter} is no word of {command}, which has {words}", "";
+    WordNotOfCommand { letter: char, command: &'static str, words: &'static str }: "{command} does not take {letter}; it takes {words}", "";
     TooManyArguments: "Too many subroutine parameters", "use at most 30";
 
     // Values.
@@ -91,8 +91,9 @@ problems! {
     RemapFile { code: Box<str>, name: Box<str> }: "{code}: no subroutine o<{name}>", "put {name}.ngc on the INI file's SUBROUTINE_PATH";
     ExecutedOWord: "a function can execute no O-word but call", "write the loop in the function";
     FunctionTooLong { name: Box<str>, limit: u64 }: "{name}: more than {limit} steps", "the function may have no end";
-    FunctionAsks: "the answer is no step of the function", "";
+    FunctionAsks: "the host's answer does not fit the question", "";
     FieldFixed { name: Box<str> }: "self.{name} cannot be set", "";
+    ToolOnlyStated { tool: i32 }: "it has stated tool {tool} as the current one without a canonical call that tells the machine", "";
     CallUnknown { name: Box<str> }: "emccanon.{name} is not a call that a function can make", "";
     CallWords { name: Box<str> }: "emccanon.{name}: wrong number, type or range of arguments", "";
     FinishFailed { reason: Box<str> }: "{reason}", "";
@@ -116,7 +117,7 @@ problems! {
     ZeroFeedArc: "Cannot make arc with zero feed rate", "program F";
     ZeroFeedCycle: "Cannot feed with zero feed rate", "program F";
     InverseFeedMissing { code: &'static str }: "F word missing with inverse time {code} move", "";
-    FeedZero: "F0 is no feed", "program F above 0, or leave it out for the default feed";
+    FeedZero: "F must be above 0", "leave F out for the default feed";
     NegativeFeed: "Negative f word used", "";
     NegativeSpeed: "Negative spindle speed used", "";
     ZeroSpindleFeed: "Cannot feed with zero spindle speed in feed per rev mode", "program S";

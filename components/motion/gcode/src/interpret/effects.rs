@@ -6,7 +6,7 @@ use crate::{
     canon::{Call, Direction, Issued, Plane},
     environment::Environment,
     error::Problem,
-    function::{CallWord, Effect},
+    function::{CallWord, Effect, Function},
     parameters::{check_writable, set_name, system},
     state::{FeedMode, LevelKind},
     tool::Tool,
@@ -39,8 +39,9 @@ impl Interpreter {
             }
             Effect::Field(name, value) => Run::new(&mut self.state, env, out).field(name, *value),
             Effect::Call(name, words) => {
+                let spindles = self.state.modal.spindles.len();
                 let mut run = Run::new(&mut self.state, env, out);
-                run.function_call(name, &Words { name, words })
+                run.function_call(name, &Words { name, words, spindles })
             }
         }
     }
@@ -50,6 +51,8 @@ impl Interpreter {
 struct Words<'a> {
     name: &'a str,
     words: &'a [CallWord],
+    /// The number of spindles.
+    spindles: usize,
 }
 
 impl Words<'_> {
@@ -100,7 +103,8 @@ impl Words<'_> {
         if self.words.len() <= at {
             return Ok(0);
         }
-        u8::try_from(self.integer(at)?).map_err(|_| self.wrong())
+        let spindle = u8::try_from(self.integer(at)?).ok();
+        spindle.filter(|n| usize::from(*n) < self.spindles).ok_or_else(|| self.wrong())
     }
 }
 
@@ -123,8 +127,13 @@ impl Run<'_> {
             "value_returned" => {}
             "selected_tool" => self.state.selected = Some(number?).filter(|n| *n >= 0),
             "current_tool" => {
-                let number = number?.max(0);
-                self.state.tool = self.tool(number)?;
+                let new = self.tool(number?.max(0))?;
+                if new.number != self.state.tool.number {
+                    let old = core::mem::replace(&mut self.state.tool, new);
+                    if let Some(function) = self.function() {
+                        function.stated.get_or_insert(old);
+                    }
+                }
             }
             "motion_mode" => {
                 modal.motion = u16::try_from(number?).map_err(|_| fixed())?;
@@ -164,19 +173,36 @@ impl Run<'_> {
                 return self.function_move(name, words.position(1)?);
             }
             "ARC_FEED" => return self.function_arc(words),
-            "SET_FEED_RATE" => Call::SetFeedRate(words.number(0)?),
+            "SET_FEED_RATE" => {
+                self.state.modal.feed = words.number(0)?;
+                Call::SetFeedRate(self.state.modal.feed)
+            }
             "SET_SPINDLE_SPEED" => {
                 let (spindle, speed) = words.of_spindle()?;
+                if let Some(s) = self.state.modal.spindles.get_mut(usize::from(spindle)) {
+                    s.speed = speed;
+                }
                 Call::SetSpindleSpeed { spindle, speed }
             }
             "SET_SPINDLE_MODE" => {
                 let (spindle, css_max) = words.of_spindle()?;
+                if let Some(s) = self.state.modal.spindles.get_mut(usize::from(spindle)) {
+                    (s.css, s.css_max) = (css_max > 0.0, css_max.max(0.0));
+                }
                 Call::SetSpindleMode { spindle, css_max }
             }
-            "SET_FEED_MODE" => Call::SetFeedMode {
-                spindle: words.spindle(0)?,
-                per_revolution: words.number(1)? != 0.0,
-            },
+            "SET_FEED_MODE" => {
+                let (spindle, per_revolution) = (words.spindle(0)?, words.number(1)? != 0.0);
+                let modal = &mut self.state.modal;
+                modal.feed_spindle = spindle;
+                modal.feed_mode = match (per_revolution, modal.feed_mode) {
+                    (true, _) => FeedMode::PerRevolution,
+                    // The call is the same for G93 and G94.
+                    (false, FeedMode::InverseTime) => FeedMode::InverseTime,
+                    (false, _) => FeedMode::PerMinute,
+                };
+                Call::SetFeedMode { spindle, per_revolution }
+            }
             "START_SPINDLE_CLOCKWISE" => return self.turn(words.spindle(0)?, Direction::Clockwise),
             "START_SPINDLE_COUNTERCLOCKWISE" => {
                 return self.turn(words.spindle(0)?, Direction::Counterclockwise);
@@ -194,12 +220,16 @@ impl Run<'_> {
                 return self.set_feed_override(name.starts_with('E'));
             }
             "ENABLE_SPEED_OVERRIDE" | "DISABLE_SPEED_OVERRIDE" => {
-                Call::SpeedOverride { spindle: words.spindle(0)?, on: name.starts_with('E') }
+                return self.set_speed_override(words.spindle(0)?, name.starts_with('E'));
             }
             "ENABLE_ADAPTIVE_FEED" | "DISABLE_ADAPTIVE_FEED" => {
-                Call::AdaptiveFeed(name.starts_with('E'))
+                self.state.modal.adaptive_feed = name.starts_with('E');
+                Call::AdaptiveFeed(self.state.modal.adaptive_feed)
             }
-            "ENABLE_FEED_HOLD" | "DISABLE_FEED_HOLD" => Call::FeedHold(name.starts_with('E')),
+            "ENABLE_FEED_HOLD" | "DISABLE_FEED_HOLD" => {
+                self.state.modal.feed_hold = name.starts_with('E');
+                Call::FeedHold(self.state.modal.feed_hold)
+            }
             "SET_MOTION_OUTPUT_BIT"
             | "CLEAR_MOTION_OUTPUT_BIT"
             | "SET_AUX_OUTPUT_BIT"
@@ -224,6 +254,9 @@ impl Run<'_> {
             "CHANGE_TOOL_NUMBER" => {
                 let number = words.integer(0)?.max(0);
                 self.state.tool = self.tool(number)?;
+                if let Some(function) = self.function() {
+                    function.stated = None;
+                }
                 Call::ChangeToolNumber(number)
             }
             "SELECT_PLANE" => {
@@ -279,20 +312,27 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Orders a tool change; the function learns of its end, or the program goes on behind it.
+    /// Orders a tool change, whose end the function learns before anything else.
     fn function_change(&mut self, number: i32) -> Result<(), Problem> {
         let number = number.max(0);
         let tool: Tool = self.tool(number)?;
         self.emit(Call::ChangeTool(number))?;
-        let old = core::mem::replace(&mut self.state.tool, tool);
+        let mut old = core::mem::replace(&mut self.state.tool, tool);
+        if let Some(function) = self.function() {
+            function.changing = Some(number);
+            old = function.stated.take().unwrap_or(old);
+        }
         if self.state.settings.random_changer {
             self.swap_pockets(old);
         }
-        if let Some(LevelKind::Function(function)) =
-            self.state.levels.last_mut().map(|l| &mut l.kind)
-        {
-            function.changing = Some(number);
-        }
         Ok(())
+    }
+
+    /// Returns the function that is the innermost level.
+    fn function(&mut self) -> Option<&mut Function> {
+        match self.state.levels.last_mut().map(|l| &mut l.kind) {
+            Some(LevelKind::Function(function)) => Some(function),
+            _ => None,
+        }
     }
 }

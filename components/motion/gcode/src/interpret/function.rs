@@ -50,8 +50,9 @@ impl Interpreter {
         let (file, cursor) =
             state.levels.last().map(|l| (l.file.clone(), l.cursor)).unwrap_or_default();
         let (name, turn) = (name.into(), Turn::Begin);
+        let (changing, stated) = (None, None);
         let function =
-            Function { hook, name, arguments, words, serial, turns: 0, turn, changing: None };
+            Function { hook, name, arguments, words, serial, turns: 0, turn, changing, stated };
         let mut level = Level::new(file, cursor, LevelKind::Function(Box::new(function)));
         level.remapped = remapped;
         if matches!(hook, Hook::Body | Hook::Word) {
@@ -128,29 +129,28 @@ impl Interpreter {
             }
             _ => return Ok(Step::Line),
         };
-        match turn {
-            Turn::Asking(wanted) => {
-                let level = self.state.levels.last();
-                let before = level.map(Before::of).unwrap_or_default();
-                let known = core::mem::take(&mut self.hal);
-                let asking = Asking::new(env, &known);
-                let value = match &wanted {
-                    Wanted::Name(name) => {
-                        let reader = Reader { state: &self.state, environment: &asking };
-                        reader.exists(name).then(|| reader.named(name).ok()).flatten()
-                    }
-                    Wanted::Slot(number) => env.tool_slot(*number).map(f64::from),
-                };
-                let missing = asking.missing();
-                if !missing.is_empty() {
-                    return Ok(self.ask_hal(before, missing, known));
+        if self.function().is_ok_and(|f| f.changing.is_some())
+            || matches!(turn, Turn::Executing(_) | Turn::Leaving(_))
+        {
+            return self.go_on(env, out).map_err(|e| self.error(e, &[]));
+        }
+        if let Turn::Asking(wanted) = turn {
+            let level = self.state.levels.last();
+            let before = level.map(Before::of).unwrap_or_default();
+            let known = core::mem::take(&mut self.hal);
+            let asking = Asking::new(env, &known);
+            let value = match &wanted {
+                Wanted::Name(name) => {
+                    let reader = Reader { state: &self.state, environment: &asking };
+                    reader.exists(name).then(|| reader.named(name).ok()).flatten()
                 }
-                self.turn(Turn::Value(value)).map_err(|p| self.error(p.into(), &[]))?;
+                Wanted::Slot(number) => env.tool_slot(*number).map(f64::from),
+            };
+            let missing = asking.missing();
+            if !missing.is_empty() {
+                return Ok(self.ask_hal(before, missing, known));
             }
-            Turn::Leaving(value) => {
-                return self.leave_function(value, env, out).map_err(|e| self.error(e, &[]));
-            }
-            _ => {}
+            self.turn(Turn::Value(value)).map_err(|p| self.error(p.into(), &[]))?;
         }
         let name = self.state.function().map(|f| f.name.clone()).unwrap_or_default();
         Ok(self.ask(Request::Function { name }))
@@ -206,11 +206,18 @@ impl Interpreter {
         let executes =
             |level: &Level| level.function().is_some_and(|f| matches!(f.turn, Turn::Executing(_)));
         let Some(at) = self.state.levels.iter().rposition(executes) else { return Err(error) };
+        let mut changing = None;
         while self.state.levels.len() > at + 1 {
-            if let Some(level) = self.state.levels.pop()
-                && level.kind == LevelKind::Sub
-            {
-                self.state.numbered.set_locals(&level.saved);
+            let Some(level) = self.state.levels.pop() else { break };
+            match level.kind {
+                LevelKind::Sub => self.state.numbered.set_locals(&level.saved),
+                LevelKind::Function(inner) => {
+                    changing = inner.changing.or(changing);
+                    if let Some(tool) = inner.stated {
+                        self.state.tool = tool;
+                    }
+                }
+                _ => {}
             }
         }
         self.state.pending = None;
@@ -222,6 +229,7 @@ impl Interpreter {
             let (line, message) = (self.state.line, error.problem.to_string().into());
             let failure = Failure { line, text: text.clone(), message };
             function.turn = Turn::Executed(Some(failure));
+            function.changing = changing.or(function.changing);
             self.state.line = level.cursor.line;
         }
         Ok(Step::Line)
@@ -259,49 +267,50 @@ impl Interpreter {
                 return Err(self.failed(&problem.to_string()));
             }
         }
-        match &reply.next {
-            Next::Execute(text) => {
-                let (level, function) = (self.state.levels.last(), self.state.function());
-                let Some((level, _)) = level.zip(function) else {
-                    return Err(Problem::FunctionAsks.into());
-                };
-                let kind = LevelKind::Text(Some(text.clone()));
-                let level = Level::new(level.file.clone(), level.cursor, kind);
-                self.turn(Turn::Executing(text.clone()))?;
-                self.state.levels.push(level);
-            }
-            Next::Finish => {
-                self.turn(Turn::Finishing)?;
-                return Ok(self.ask_finish());
-            }
-            Next::Ask(wanted) => self.turn(Turn::Asking(wanted.clone()))?,
-            Next::Done(value) if self.function()?.changing.is_some() => {
-                self.turn(Turn::Leaving(*value))?;
-                return Ok(self.ask_finish());
-            }
-            Next::Done(value) => return self.leave_function(*value, env, out),
+        let turn = match &reply.next {
+            Next::Execute(text) => Turn::Executing(text.clone()),
+            Next::Finish => Turn::Finishing,
+            Next::Ask(wanted) => Turn::Asking(wanted.clone()),
+            Next::Done(value) => Turn::Leaving(*value),
             Next::Fail(reason) => return Err(self.failed(reason)),
+        };
+        self.turn(turn)?;
+        self.go_on(env, out)
+    }
+
+    /// Does what the function that is the innermost level has asked for. The end of its tool change comes first, because
+    /// the change may have moved the machine.
+    fn go_on(&mut self, env: &dyn Environment, out: &mut Vec<Issued>) -> Result<Step, BlockError> {
+        let function = self.function()?;
+        if let Some(tool) = function.changing.take() {
+            return Ok(self.ask(Request::ToolChange { tool }));
         }
-        Ok(Step::Line)
-    }
-
-    /// Asks for the end of everything, or for that of a tool change.
-    fn ask_finish(&mut self) -> Step {
-        let changing = self.function().ok().and_then(|f| f.changing.take());
-        let request = changing.map(|tool| Request::ToolChange { tool });
-        self.ask(request.unwrap_or(Request::Finish))
-    }
-
-    /// Tells the function that is the innermost level of the end of everything. Returns false if it has not asked.
-    pub(super) fn finished(&mut self) -> bool {
-        match self.function() {
-            Ok(function) if function.turn == Turn::Finishing => {
-                function.turn = Turn::Finished;
-                true
+        match function.turn.clone() {
+            Turn::Executing(text) => {
+                if let Some(level) = self.state.levels.last() {
+                    let kind = LevelKind::Text(Some(text));
+                    let level = Level::new(level.file.clone(), level.cursor, kind);
+                    self.state.levels.push(level);
+                }
+                Ok(Step::Line)
             }
-            Ok(function) => matches!(function.turn, Turn::Leaving(_)),
-            Err(_) => false,
+            Turn::Finishing => Ok(self.ask(Request::Finish)),
+            Turn::Leaving(_) if function.stated.is_some() => {
+                let tool = self.state.tool.number;
+                Err(self.failed(&Problem::ToolOnlyStated { tool }.to_string()))
+            }
+            Turn::Leaving(value) => self.leave_function(value, env, out),
+            _ => Ok(Step::Line),
         }
+    }
+
+    /// Tells the function that is the innermost level of the end of everything. Returns false if a line has asked.
+    pub(super) fn finished(&mut self) -> bool {
+        let Ok(function) = self.function() else { return false };
+        if function.turn == Turn::Finishing {
+            function.turn = Turn::Finished;
+        }
+        true
     }
 
     /// Ends the function that is the innermost level, and goes on behind it.

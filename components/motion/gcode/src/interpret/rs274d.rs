@@ -3,6 +3,7 @@
 //! G20, G21, G90 and G91 act where they stand. A word belongs to the last command before it that takes words; words
 //! without one repeat the last of G00 to G03.
 
+mod bounds;
 mod table;
 
 use super::{
@@ -13,10 +14,9 @@ use super::{
 };
 use crate::{
     axis::{Axis, Position},
-    canon::{Call, Issued, PathMode, Plane, Unit},
+    canon::{Call, Issued, Unit},
     environment::Environment,
     error::Problem,
-    state::FeedMode,
     text::{
         expression::Left,
         rs274d::{Item, parse, upper},
@@ -26,6 +26,8 @@ use table::{COMMANDS, MODES, meaning};
 
 /// The motion before the first of G00 to G03.
 const NO_MOTION: u16 = 800;
+/// The largest number of a command.
+const LAST_CODE: f64 = 99.0;
 
 /// A command whose words are being read.
 #[derive(Default)]
@@ -87,7 +89,7 @@ impl Interpreter {
     pub(super) fn end_rs274d(&mut self, out: &mut Vec<Issued>) -> Result<Step, BlockError> {
         let mut run = Run::new(&mut self.state, &NoFiles, out);
         run.begin_rs274d()?;
-        run.restore_g92()?;
+        run.leave_rs274d()?;
         run.end(false)?;
         Ok(Step::Ended)
     }
@@ -117,6 +119,9 @@ impl Program<'_> {
                 }
                 b'm' => {
                     let name = format!("M{:02}", item.value);
+                    if item.value > LAST_CODE {
+                        return Err(at(Problem::NotInDialect { what: name.into() }));
+                    }
                     self.warn(&format!("{name} is ignored: RS274-D has M00, M01, M02 and M30"))
                         .map_err(at)?;
                 }
@@ -142,7 +147,7 @@ impl Program<'_> {
             let what = meaning(item.value).map_or(name.clone(), |m| format!("{name} ({m})"));
             here(item.at)(Problem::NotInDialect { what: what.into() })
         };
-        if item.value > 99.0 {
+        if item.value > LAST_CODE {
             return Err(unknown());
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 99")]
@@ -305,7 +310,7 @@ impl Program<'_> {
         let mut block = Block::default();
         block.add(b'm', 0, item.value, &[]).map_err(&at)?;
         if matches!(block.m(MGroup::Stop), Some(2 | 30)) {
-            self.run.restore_g92().map_err(&at)?;
+            self.run.leave_rs274d().map_err(&at)?;
         }
         self.run.stop(&mut block).map(drop).map_err(at)
     }
@@ -341,37 +346,5 @@ impl Program<'_> {
         }
         let text = format!("{}:{}: warning: {text}", self.file, self.run.line);
         self.run.emit(Call::Message(text.into()))
-    }
-}
-
-impl Run<'_> {
-    /// Sets the start values at the begin of a program: inches, absolute, exact path, no feed, no motion.
-    fn begin_rs274d(&mut self) -> Result<(), Problem> {
-        if core::mem::replace(&mut self.state.rs274d.begun, true) {
-            return Ok(());
-        }
-        self.flush_compensation();
-        self.end_compensation();
-        let frame = self.state.frame;
-        self.state.rs274d.g92 = frame.g92.scaled(frame.unit.millimetres());
-        self.set_unit(Unit::Inch)?;
-        let modal = &mut self.state.modal;
-        modal.motion = NO_MOTION;
-        (modal.absolute, modal.ijk_absolute, modal.diameter) = (true, false, false);
-        (modal.feed_mode, modal.feed_spindle, modal.feed) = (FeedMode::PerMinute, 0, 0.0);
-        modal.plane = Plane::Xy;
-        self.emit(Call::SelectPlane(Plane::Xy))?;
-        self.emit(Call::SetFeedMode { spindle: 0, per_revolution: false })?;
-        self.set_path(PathMode::ExactPath, 0.0)
-    }
-
-    /// Restores the offset of G92 that was in force before the program.
-    fn restore_g92(&mut self) -> Result<(), Problem> {
-        let old = self.state.rs274d.g92.scaled(1.0 / self.state.frame.unit.millimetres());
-        if old == self.state.frame.g92 {
-            return Ok(());
-        }
-        self.keep_g92(old);
-        self.set_g92(old)
     }
 }

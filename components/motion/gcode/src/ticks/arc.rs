@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use super::{Place, Step, line};
 
-/// The part of the radius, in steps, by which the end of an arc may come before its sweep.
+/// Largest distance in steps, along the circle, between an arc's end and the end of its sweep.
 const EARLY: f64 = 1.5;
 
 /// Hands out the ticks of an arc from `start` to `end`, whose X and Y are relative to the centre. A full circle ends where it

@@ -64,6 +64,7 @@ fn shown(issued: &Issued) -> Option<String> {
         Call::SetG5xOffset { .. }
         | Call::SelectPlane(_)
         | Call::SetPathMode(_)
+        | Call::SetNaiveCamTolerance(_)
         | Call::SetXyRotation(_)
         | Call::SetFeedMode { .. }
         | Call::SetFeedRate(_)
@@ -108,9 +109,31 @@ fn lines_of_mdi_stay_in_linuxcncs_language() {
     assert_eq!(error, None);
     let lines: Vec<String> = calls.iter().filter_map(shown).collect();
     let warning = "part.g:1: warning: no feed is programmed: moves run at 15.0000 in/min";
-    assert_eq!(lines, ["inch", warning, "feed 15", "line 1 2 0", "end"]);
+    assert_eq!(lines, ["inch", warning, "feed 15", "line 1 2 0", "millimetre", "end"]);
     it.mdi("#1=2");
     assert_eq!(run_with(&mut it, &World::new(), |_| {}).1, None);
+    // Nor do those of a program reach MDI, however it ends.
+    for end in ["", "\nM02", "\nG01 X900"] {
+        let settings =
+            Settings { unit: Unit::Millimetre, program_unit: Unit::Millimetre, ..settings() };
+        let mut it = Interpreter::new(settings, Numbered::default());
+        it.mdi("g64 p0.1 q0.2 g7 g90.1");
+        run_with(&mut it, &World::new(), |_| {});
+        let before = it.state.modal.clone();
+        it.load("part.g", Arc::new(format!("G00 X1\nG92 X3{end}").into_bytes()));
+        if end.contains("900") {
+            let mut out = Vec::new();
+            while it.next(&World::new(), &mut out) == Ok(Step::Line) && it.state.line < 2 {}
+            it.leave_program();
+        } else {
+            run_with(&mut it, &World::new(), |_| {});
+        }
+        let modal = &it.state.modal;
+        assert_eq!((modal.unit, modal.path), (before.unit, before.path), "{end}");
+        assert_eq!(modal.naive_tolerance, before.naive_tolerance, "{end}");
+        assert!(modal.ijk_absolute && modal.diameter, "{end}");
+        assert_eq!((it.state.frame.g92.x, it.state.numbered.get(5211)), (0.0, 0.0), "{end}");
+    }
 }
 
 /// A run goes on exactly from its state at any line, also with a point that G28 remembers.

@@ -25,6 +25,7 @@ const LINES_BEFORE: u32 = 4000;
 const LINES_AHEAD: u32 = 250;
 /// Number of lines that the check may be ahead of the program, which may have no end.
 const MAX_AHEAD: u64 = 1_000_000;
+
 impl Core {
     /// Begins the check of a program, which begins at its end.
     ///
@@ -71,9 +72,7 @@ impl Core {
     fn advance_start(&mut self, out: &mut impl Outside) {
         let Some(mut start) = self.checking.start.take() else { return };
         start.check.advance(&self.world, LINES_BEFORE);
-        // A program in RS274-D has no loops and a known end: all of it is checked before anything moves.
-        let is_whole = self.interpreter.state.settings.dialect == Dialect::Rs274d;
-        let has_time = is_whole || out.now() - start.since < BUDGET;
+        let has_time = self.is_checked_whole() || out.now() - start.since < BUDGET;
         if start.check.seen() == Seen::Part && has_time {
             self.checking.start = Some(start);
             return;
@@ -91,6 +90,11 @@ impl Core {
         self.checking.go_on(check);
     }
 
+    /// Tells whether a program is checked to its end before anything moves: one in RS274-D, which has no loops.
+    fn is_checked_whole(&self) -> bool {
+        self.interpreter.state.settings.dialect == Dialect::Rs274d
+    }
+
     /// Checks the first lines of a program from its middle, from which it begins now.
     ///
     /// # Errors
@@ -100,9 +104,15 @@ impl Core {
         mut interpreter: Interpreter,
         path: &Path,
     ) -> Result<Box<Check>, String> {
-        interpreter.supply(&Self::name_of(path), world::program(path)?);
+        // A job that goes on may have been opened under another name for the same path.
+        let name = interpreter.state.levels.first().map(|level| level.file.clone());
+        interpreter.supply(&name.unwrap_or_default(), world::program(path)?);
         let mut check = Box::new(Check::new(interpreter, self.given()));
         check.advance(&self.world, LINES_BEFORE);
+        // The rest of a program in RS274-D too is checked before anything moves.
+        while self.is_checked_whole() && check.seen() == Seen::Part {
+            check.advance(&self.world, LINES_BEFORE);
+        }
         refusal(&check).map(|()| check)
     }
 

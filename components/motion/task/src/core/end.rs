@@ -45,6 +45,7 @@ impl Core {
     pub(super) fn complete(&mut self, out: &mut impl Outside) {
         self.save_parameters(out);
         self.keep_end(out);
+        self.interpreter.state.rs274d.before = None;
         self.leave_entry();
         self.checking = super::Checking::default();
         let Some(job) = self.job.take() else { return };
@@ -162,6 +163,7 @@ impl Core {
             state.tool = tools.find(io.tool).cloned().unwrap_or_default();
         }
         state.selected = (io.prepared != 0).then_some(io.prepared);
+        self.interpreter.leave_program();
         self.take_over(out);
     }
 

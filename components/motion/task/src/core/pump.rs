@@ -29,14 +29,15 @@ impl Core {
         if job.paused {
             return false;
         }
-        if self.read() || self.step_function(out) {
+        if self.read() {
             return true;
         }
-        let Some(entry) = self.queue.front().cloned() else { return self.pause_or_end(out) };
-        if !self.admits(&entry, out) {
-            return false;
-        }
-        self.execute(entry, out)
+        let has_done = match self.queue.front().cloned() {
+            Some(entry) => self.admits(&entry, out) && self.execute(entry, out),
+            None => self.pause_or_end(out),
+        };
+        // The worker waits for a function, so all that can be sent goes first.
+        has_done || self.step_function(out)
     }
 
     /// Returns whether the step may begin now: in single steps, each line waits for the operator.

@@ -231,5 +231,11 @@ fn a_program_in_rs274d_is_refused_as_a_whole_before_anything_moves() {
         let why = rig.result(ticket).unwrap().unwrap_err();
         assert!(why.contains(wanted), "{why}");
         assert_eq!(rig.sent(), [""; 0], "nothing is sent");
+        // Nor from its middle.
+        let found = rig.send(Command::RunFrom(Target::Line { file: None, line: 3, pass: 1 }));
+        rig.pass(3.0);
+        assert_eq!(rig.result(found), Some(Ok(())));
+        let why = rig.refused(Command::Confirm(1));
+        assert!(why.contains(wanted), "{why}");
     }
 }

@@ -132,6 +132,7 @@ impl Outside for Fake {
         self.functions.as_mut().ok_or("no functions")?.begin(state, env)
     }
     fn function(&mut self) -> hal_remap::Progress {
+        self.looks += 1;
         let functions = self.functions.as_mut().unwrap();
         loop {
             let wait = if self.is_patient { 100 } else { 1 };

@@ -6,6 +6,10 @@ use std::process::Command as Program;
 
 /// A machine with the functions of the tests of `hal-job`, and this program; `None` without Python.
 fn rig(program: &str) -> Option<Rig> {
+    rig_with(program, |_| {})
+}
+
+fn rig_with(program: &str, change: impl FnOnce(&mut Rules)) -> Option<Rig> {
     let python = Program::new("python3").arg("--version").output();
     if !python.is_ok_and(|o| o.status.success()) {
         return None;
@@ -13,7 +17,8 @@ fn rig(program: &str) -> Option<Rig> {
     let ini = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../job/tests/functions/machine.ini");
     let read = Machine::read(&Files { ini: Some(&ini), ..Files::default() }).unwrap();
     let mut functions = None;
-    let mut rig = Rig::on_machine(program, |machine, _| {
+    let mut rig = Rig::on_machine(program, |machine, rules| {
+        change(rules);
         machine.settings.remaps = read.settings.remaps;
         machine.settings.task = true;
         machine.python = read.python;
@@ -89,4 +94,36 @@ fn what_only_a_function_knows_ends_the_check_and_refuses_a_start_behind_it() {
     let why = rig.result(ticket).unwrap().unwrap_err();
     let wanted = "job.ngc:3: the effect of a function in Python is not known without the machine";
     assert!(why.contains(wanted), "{why}");
+}
+
+#[test]
+fn lines_behind_a_tool_change_of_a_function_begin_at_its_place() {
+    for code in ["M414", "M416"] {
+        let program = format!("G21\nG0 X100 Y100 Z-20\nT1\n{code}\nM2\n");
+        let at = |rules: &mut Rules| {
+            let mut place = [None; 9];
+            place[..3].copy_from_slice(&[Some(0.0), Some(0.0), Some(15.0)]);
+            rules.change_position = Some(place);
+        };
+        let Some(mut rig) = rig_with(&program, at) else { return };
+        let sent = rig.run();
+        let moves: Vec<&String> = sent.iter().filter(|l| l.contains(": line")).collect();
+        assert_eq!(moves, ["2: line 100 100 -20", "4: line 0 0 15", "4: line 50 0 15"], "{code}");
+    }
+}
+
+#[test]
+fn a_function_at_work_delays_no_move_before_it() {
+    let moves: String = (1..200).map(|n| format!("G0 X{n}\n")).collect();
+    let Some(mut rig) = rig(&format!("G21\n{moves}M406\nM2\n")) else { return };
+    rig.fake.is_patient = false;
+    rig.send(Command::Run);
+    let mut steps = 0;
+    while rig.fake.log.iter().filter(|l| l.contains(": line")).count() < 199 {
+        rig.pass(0.01);
+        steps += 1;
+        assert!(steps < 1000, "the moves are not sent");
+    }
+    assert!(rig.fake.looks <= steps, "{} waits in {steps} steps", rig.fake.looks);
+    rig.good(Command::Abort);
 }

@@ -299,16 +299,18 @@ impl Outside for Machine {
         };
         let begun = self.clock.now_ns();
         loop {
-            match functions.progress(FUNCTION_WAIT) {
-                hal_remap::Progress::Pending => {}
-                end => return end,
+            let (was_ready, progress) = (functions.is_ready(), functions.progress(FUNCTION_WAIT));
+            if progress != hal_remap::Progress::Pending {
+                return progress;
             }
             // The virtual clock stands still while the worker is at work: then a function takes no machine time.
             let now = self.clock.now_ns();
-            let taken = now.saturating_sub(self.step_began).unsigned_abs();
-            if u128::from(taken) >= functions.timeout().as_nanos() {
-                functions.end();
-                return hal_remap::Progress::Failed(functions.late());
+            // The import of the modules is no part of the step.
+            if functions.is_ready() != was_ready {
+                self.step_began = now;
+            }
+            if u128::from(now.abs_diff(self.step_began)) >= functions.timeout().as_nanos() {
+                return hal_remap::Progress::Failed(functions.give_up());
             }
             if now != begun {
                 return hal_remap::Progress::Pending;

@@ -1,4 +1,4 @@
-//! The commands of RS274-D, and what those are called that this dialect lacks.
+//! The commands of RS274-D, and the names of commands that this dialect does not have.
 
 /// A command that takes words.
 pub(super) struct Command {
@@ -25,7 +25,7 @@ pub(super) const COMMANDS: [Command; 8] = [
 /// G20, G21, G90 and G91, which take no words.
 pub(super) const MODES: [u16; 4] = [200, 210, 900, 910];
 
-/// Returns the meaning of a G code of RS274-D that this dialect lacks.
+/// Returns the meaning of a G code of RS274-D that this dialect does not have.
 pub(super) fn meaning(code: f64) -> Option<&'static str> {
     const LACKED: [(f64, &str); 19] = [
         (17.0, "plane XY"),

@@ -125,3 +125,50 @@ def change_behind(self):
     yield INTERP_EXECUTE_FINISH
     MESSAGE("changed to %d in pocket %d" % (self.current_tool, self.current_pocket))
     yield INTERP_OK
+
+
+def change_and_go(self):
+    emccanon.CHANGE_TOOL(self.selected_pocket)
+    self.execute("G0 X50")
+
+
+def change_and_fail(self):
+    emccanon.CHANGE_TOOL(self.selected_pocket)
+    raise RuntimeError("stuck")
+
+
+def change_anyway(self):
+    try:
+        self.execute("M415")
+    except InterpreterException as error:
+        MESSAGE(error.error_message)
+    self.execute("G0 X50")
+
+
+def modal(self):
+    emccanon.SET_FEED_RATE(10)
+    emccanon.SET_SPINDLE_SPEED(0, 300)
+    emccanon.SET_SPINDLE_MODE(0, 800)
+    emccanon.DISABLE_SPEED_OVERRIDE(0)
+    emccanon.ENABLE_ADAPTIVE_FEED()
+    emccanon.DISABLE_FEED_HOLD()
+    emccanon.SET_FEED_MODE(0, 1)
+
+
+def states_tool(self):
+    self.current_tool = 2
+
+
+def states_tool_to_machine(self):
+    self.find_tool_pocket(2)
+    self.current_tool = 2
+    emccanon.CHANGE_TOOL_NUMBER(self.current_pocket)
+    self.execute("G43")
+
+
+def no_spindle(self, p):
+    if p == 0:
+        emccanon.START_SPINDLE_CLOCKWISE(8)
+    if p == 1:
+        emccanon.SET_SPINDLE_SPEED(9, 300)
+    emccanon.SET_FEED_MODE(1, 1)
