@@ -3,31 +3,22 @@
 use crate::{
     device::{self, DeviceLine, read_port},
     pipe::{self, Lines},
+    presses::{PressQueue, Presses, STOPPED},
 };
 use hal_component::{
-    Arg, Builder, Call, Component, Error, In, Out, Period, Port, Receiver, Sender, TicketHandle,
-    Touch, Update,
+    Arg, Builder, Call, Component, Error, In, Out, Period, Port, TicketHandle, Touch, Update,
     abi::{ArgSpec, component_flags},
 };
 use hal_handheld::{
-    Check, FrameFormat, FrameReader, KeySet, Keypad, Press, frame::Received, keys::number_of,
+    Check, FrameFormat, FrameReader, KeySet, Keypad, Press, frame::Received,
+    keys::{STOP, number_of},
     line::press_for,
 };
 
-/// Largest number of presses that wait.
-pub(crate) const WAITING: usize = 64;
 /// Largest number of bytes that are read in a cycle.
 const BYTES: usize = 64;
 /// Time without a byte after which a frame that has begun is lost, in nanoseconds.
 const SILENCE_NS: i64 = 10_000_000;
-
-/// Press that waits.
-#[derive(Clone, Copy)]
-pub(crate) struct WaitingPress {
-    pub(crate) press: Press,
-    /// Ticket of the command, at its last press.
-    pub(crate) ticket: Option<TicketHandle>,
-}
 
 /// `loadrt keypad`.
 pub(crate) struct KeypadComponent;
@@ -43,12 +34,15 @@ frame, if that is younger than three periods; the virtual key; and the keys whos
 a wrong check byte, one without its end, and as many bytes without a header are dropped and counted in `bad-frames`.
 
 A virtual key is down for three periods, or for a time in milliseconds, and then up for two, so that the controller tells
-equal keys apart: four keys take 400 ms. At most 64 presses wait. They come from
+equal keys apart: four keys take 400 ms. At most 64 presses wait. STOP waits for none of them: it releases another virtual
+key, forgets the presses that came before it, also those in the pipe, and is down in the next frame; the commands of forgotten
+presses fail. Presses come from
 
 - the commands `keypad.press` and `keypad.type`, which are refused as a whole if not all of it has room;
 - a named pipe (`pipe=PATH`, made if it does not exist): each line is `N`, the number of a key, or `N MS`, at most 32
-  bytes. Any number of programs may write, each line in one write. While 64 presses wait, the pipe is not
-  read, and writers wait. A wrong line presses nothing: it is counted in `bad-lines`, and a message says why.
+  bytes. Any number of programs may write, each line in one write. While 64 presses wait, later lines wait, too,
+  but STOP among the first 16384 of them does not; behind those, writers wait. A wrong line presses nothing: it is counted in
+  `bad-lines`, and a message says why.
 
 FALSE at `enable` releases the virtual key and forgets what waits; the handheld's own keys always pass.
 
@@ -100,13 +94,13 @@ getp keypad.down-02 # -> TRUE
         let format = format(b)?;
         let period_ms = b.arg_float("period").unwrap_or(20.0);
         let lines = Lines { keys: format.keys(), period_ms };
-        let (sender, receiver) = b.queue(WAITING);
-        commands(b, lines, &sender)?;
+        let (presses, queue) = Presses::make(b);
+        commands(b, lines, &presses)?;
         let device = b.arg_text("device").unwrap_or_default();
         let baud = b.arg_int("baud").and_then(|n| u32::try_from(n).ok()).unwrap_or(115_200);
         let line = device::declare(b, "keypad.line", device, baud)?;
         let pipe = b.arg_text("pipe").unwrap_or_default();
-        pipe::declare(b, pipe, lines, sender.clone())?;
+        pipe::declare(b, pipe, lines, presses)?;
         let mut keys = Vec::new();
         let mut downs = Vec::new();
         for key in 1..=format.keys() {
@@ -126,15 +120,14 @@ getp keypad.down-02 # -> TRUE
             frames_in: b.item("keypad.frames-in", "Bytes from the handheld.", Port::default())?,
             frames_out: b.item("keypad.frames-out", "Bytes to the controller.", Port::default())?,
             bad_frames: b.item("keypad.bad-frames", "Number of frames that were dropped.", 0)?,
-            queue: b.item("keypad.queue", "Number of presses that wait.", 0)?,
+            waiting: b.item("keypad.queue", "Number of presses that wait.", 0)?,
             physical: b.item(
                 "keypad.physical",
                 "True while good frames arrive from the handheld.",
                 false,
             )?,
             line,
-            receiver,
-            sender,
+            queue,
             reader: FrameReader::new(format),
             format,
             keypad: Keypad::default(),
@@ -158,7 +151,7 @@ pub(crate) fn format(b: &Builder<'_>) -> Result<FrameFormat, Error> {
     made.map_err(|why| Error::new(format!("the format of the frames: {why}")))
 }
 
-fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Sender<WaitingPress>) -> Result<(), Error> {
+fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Presses) -> Result<(), Error> {
     const PRESS: &[&ArgSpec] = &[
         &Arg::text("key", "Name of the key, or its number.").required(),
         &Arg::int("hold", "Time for which it is down; three periods without it.")
@@ -214,23 +207,16 @@ fn key_number(name: &str, keys: u8) -> Result<u8, Error> {
 }
 
 /// Puts all presses in the queue, or none.
-fn put(call: &Call<'_>, queue: &Sender<WaitingPress>, presses: &[Press]) -> Result<(), Error> {
-    let free = WAITING.saturating_sub(queue.waiting());
-    if presses.len() > free {
-        let count = presses.len();
+fn put(call: &Call<'_>, queue: &Presses, presses: &[Press]) -> Result<(), Error> {
+    if presses.is_empty() {
+        return Ok(());
+    }
+    let mut queue = queue.lock();
+    let (count, free) = (presses.len(), queue.room(presses));
+    if count > free {
         return Err(Error::new(format!("{count} keys, and there is room for {free}")));
     }
-    let Some((last, first)) = presses.split_last() else { return Ok(()) };
-    let ticket = call.ticket()?;
-    let entries = first.iter().map(|press| WaitingPress { press: *press, ticket: None });
-    let last = WaitingPress { press: *last, ticket: Some(ticket) };
-    for entry in entries.chain([last]) {
-        if queue.send(entry).is_err() {
-            // The pipe's worker took the room in between.
-            ticket.fail("the queue is full");
-            return Ok(());
-        }
-    }
+    queue.send(presses, Some(call.ticket()?));
     Ok(())
 }
 
@@ -243,12 +229,10 @@ struct Multiplexer {
     frames_in: In<Port>,
     frames_out: Out<Port>,
     bad_frames: Out<u32>,
-    queue: Out<u32>,
+    waiting: Out<u32>,
     physical: Out<bool>,
     line: Option<DeviceLine>,
-    receiver: Receiver<WaitingPress>,
-    #[state]
-    sender: Sender<WaitingPress>,
+    queue: PressQueue,
     #[state]
     reader: FrameReader,
     #[state]
@@ -270,7 +254,12 @@ impl Update for Multiplexer {
     fn update(&mut self, period: Period) {
         self.receive(period.ns());
         if !self.enable.get() {
-            self.forget();
+            self.forget("keypad.enable is FALSE");
+            self.queue.forget("keypad.enable is FALSE");
+        }
+        // STOP itself is never cut short: a second press of it comes after the first.
+        if self.queue.look_for_stop() && self.keypad.virtual_key() != Some(STOP) {
+            self.forget(STOPPED);
         }
         self.elapsed_ns = self.elapsed_ns.saturating_add(period.ns());
         if self.elapsed_ns >= self.period_ns {
@@ -278,7 +267,7 @@ impl Update for Multiplexer {
             self.elapsed_ns = (self.elapsed_ns - self.period_ns) % self.period_ns;
             self.send();
         }
-        self.queue.set(u32::try_from(self.sender.waiting()).unwrap_or(u32::MAX));
+        self.waiting.set(self.queue.waiting());
     }
 }
 
@@ -302,16 +291,11 @@ impl Multiplexer {
         self.bad_frames.set(self.bad_frames.get().wrapping_add(bad));
     }
 
-    /// Forgets the virtual key and what waits.
-    fn forget(&mut self) {
+    /// Releases the virtual key; its command fails for this reason.
+    fn forget(&mut self, why: &'static str) {
         self.keypad.release();
-        let mut ended = self.ticket.take();
-        for _ in 0..=WAITING {
-            if let Some(ticket) = ended.take() {
-                ticket.fail("keypad.enable is FALSE");
-            }
-            let Some(entry) = self.receiver.take() else { return };
-            ended = entry.ticket;
+        if let Some(ticket) = self.ticket.take() {
+            ticket.fail(why);
         }
     }
 
@@ -328,7 +312,7 @@ impl Multiplexer {
         }
         let mut taken = None;
         let keys = self.keypad.period(held, || {
-            taken = self.receiver.take();
+            taken = self.queue.take();
             taken.map(|entry| entry.press)
         });
         if let Some(entry) = taken {

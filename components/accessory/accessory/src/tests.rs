@@ -115,7 +115,7 @@ fn several_programs_write_to_the_pipe() {
     assert_eq!((bench.get::<u32>("keypad.queue"), bench.get::<u32>("keypad.bad-lines")), (2, 3));
     let said = bench.said();
     assert!(said[0].contains("no whole number") && said[1].contains("keys are 1 to"), "{said:?}");
-    writers[0].write_all(b"4\n").unwrap();
+    writers[0].write_all(b"3\n").unwrap();
     bench.work("keypad.pipe", 64).unwrap();
     bench.run("keypad.update", MS);
     assert_eq!(bench.get::<u32>("keypad.queue"), 3);
@@ -422,3 +422,5 @@ fn the_simulations_understand_each_other() {
     assert_eq!((bench.get::<f64>("sim-nk105.x"), bench.get::<u32>("sim-nk105.mode")), (x, 0));
     assert_eq!(bench.get::<u32>("sim-nk105.bad-frames"), 10);
 }
+
+mod presses;

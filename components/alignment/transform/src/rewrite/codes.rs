@@ -45,6 +45,7 @@ pub(super) fn codes(modal: &mut Modal, words: &Words) -> Result<Codes, (u32, Rea
                 0 | 10 | 600 => out.stops = true,
                 20 | 300 => (out.stops, modal.ended) = (true, !words.deletable),
                 190 => out.orients = true,
+                700 | 720 | 730 => return Err((word.column(), Reason::RestoredModes(code / 10))),
                 980 | 990 => return Err((word.column(), Reason::OtherFile)),
                 _ => {}
             }
