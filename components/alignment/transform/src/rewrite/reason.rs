@@ -36,7 +36,7 @@ pub enum Reason {
     ArcAndStop,
     /// Modes that block delete may leave out.
     DeletedMode,
-    /// M70, M72 or M73, which make modes unknown that are restored later.
+    /// M72 or M73, which restore modes that were saved.
     RestoredModes(i32),
     /// Flow control between blocks in different modes.
     FlowWithModes,
@@ -104,10 +104,10 @@ impl fmt::Display for Reason {
             ),
             Self::RestoredModes(code) => write!(
                 f,
-                "M{code} saves or restores modes, so that the blocks behind it are unclear: write the modes instead"
+                "M{code} restores modes, so that the blocks behind it are unclear: write the modes instead"
             ),
             Self::FlowWithModes => f.write_str(
-                "a program with O-words must keep one plane, one unit and one distance mode: G17, G20 or G21, G90 or G91, G90.1 or G91.1; those other than G17, G21, G90 and G91.1 stand before its first move in X and Y; with G41 and G42 in a mirrored or turned part, G40 to G42 must not change",
+                "a program with O-words must keep one plane, one unit and one distance mode: G17, G20 or G21, G90 or G91, G90.1 or G91.1, from its first O-word or move in X and Y on",
             ),
             Self::OtherFile => f.write_str(
                 "this subroutine is not in this file, and would run without alignment: put it into the file",
