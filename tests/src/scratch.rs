@@ -146,6 +146,16 @@ impl Scratch {
     pub fn halcmd(&self, words: &[&str]) -> Output {
         self.run(self.command(&[], "halcmd").args(words))
     }
+
+    /// Runs a command of halcmd, with blanks between its words, and returns its output.
+    ///
+    /// # Panics
+    /// The command fails.
+    pub fn told(&self, line: &str) -> String {
+        let output = self.halcmd(&line.split(' ').collect::<Vec<_>>());
+        assert_eq!(output.status, Some(0), "{line}: {output:?}");
+        output.stdout
+    }
 }
 
 impl Drop for Scratch {

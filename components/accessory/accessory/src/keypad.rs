@@ -2,6 +2,7 @@
 
 use crate::{
     device::{self, DeviceLine, read_port},
+    format::{CHECK, HEADER, MAP, PERIOD, SIZE, format},
     pipe::{self, Lines},
     presses::{PressQueue, Presses, STOPPED},
 };
@@ -10,7 +11,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 use hal_handheld::{
-    Check, FrameFormat, FrameReader, KeySet, Keypad, Press, frame::Received,
+    FrameFormat, FrameReader, KeySet, Keypad, Press, frame::Received,
     keys::{STOP, number_of},
     line::press_for,
 };
@@ -76,18 +77,11 @@ getp keypad.down-02 # -> TRUE
             .or("115200")
             .within(1200.0, 4_000_000.0)
             .unit("Bd"),
-        &Arg::float("period", "Time between two frames.").or("20").within(2.0, 1000.0).unit("ms"),
-        &Arg::int("header", "First byte of a frame.").or("0xA5").within(0.0, 255.0),
-        &Arg::int("size", "Length of a frame with header and check byte.")
-            .or("8")
-            .within(3.0, 16.0)
-            .unit("bytes"),
-        &Arg::text("check", "Check byte: crc8 (polynomial 0x07), sum or xor.").or("crc8"),
-        &Arg::ints(
-            "map",
-            "Bit in the bitmap of each key, from key 1 on; without it, key 1 is bit 0.",
-        )
-        .at_most(48),
+        &PERIOD,
+        &HEADER,
+        &SIZE,
+        &CHECK,
+        &MAP,
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
@@ -139,16 +133,6 @@ getp keypad.down-02 # -> TRUE
         };
         b.function("keypad.update", "Reads frames, and sends one in every period.", multiplexer)
     }
-}
-
-/// Returns the format of the frames.
-pub(crate) fn format(b: &Builder<'_>) -> Result<FrameFormat, Error> {
-    let name = b.arg_text("check").unwrap_or_default();
-    let check = Check::named(&name)
-        .ok_or_else(|| Error::new(format!("check is {name}, must be crc8, sum or xor")))?;
-    let number = |name| b.arg_int(name).unwrap_or_default();
-    let made = FrameFormat::new(number("header"), number("size"), check, &b.arg_ints("map"));
-    made.map_err(|why| Error::new(format!("the format of the frames: {why}")))
 }
 
 fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Presses) -> Result<(), Error> {

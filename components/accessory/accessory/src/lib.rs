@@ -6,10 +6,12 @@
 //! | `lcd_reader`, `readers` | the display as text; the socket for its readers |
 //! | `usbjobs`, `usb_orders`, `programs_folder` | jobs on a medium with two images; its commands; a folder whose files are jobs |
 //! | `sim_nk105`, `sim_medium`, `sim_handheld` | the controller and the handheld, simulated |
+//! | `format` | arguments that describe the frames of a handheld |
 //! | `device` | serial lines and other character devices |
 #![forbid(unsafe_code)]
 
 mod device;
+mod format;
 mod keypad;
 mod lcd_reader;
 mod pipe;

@@ -1,6 +1,6 @@
 //! `sim_handheld`.
 
-use crate::keypad::format;
+use crate::format::{CHECK, HEADER, MAP, PERIOD, SIZE, format};
 use hal_component::{
     Arg, Builder, Component, Error, In, Out, Period, Port, Touch, Update,
     abi::{ArgSpec, component_flags},
@@ -38,20 +38,7 @@ run 200ms
 getp keypad.down-14 # -> FALSE
 ```";
     const FLAGS: u32 = component_flags::ONCE;
-    const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::float("period", "Time between two frames.").or("20").within(2.0, 1000.0).unit("ms"),
-        &Arg::int("header", "First byte of a frame.").or("0xA5").within(0.0, 255.0),
-        &Arg::int("size", "Length of a frame with header and check byte.")
-            .or("8")
-            .within(3.0, 16.0)
-            .unit("bytes"),
-        &Arg::text("check", "Check byte: crc8 (polynomial 0x07), sum or xor.").or("crc8"),
-        &Arg::ints(
-            "map",
-            "Bit in the bitmap of each key, from key 1 on; without it, key 1 is bit 0.",
-        )
-        .at_most(48),
-    ];
+    const ARGS: &'static [&'static ArgSpec] = &[&PERIOD, &HEADER, &SIZE, &CHECK, &MAP];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let format = format(b)?;

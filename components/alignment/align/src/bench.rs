@@ -1,13 +1,14 @@
 //! Marks measured so far, the fit, looks and calibrations.
 
 use crate::{
-    eye::{Results, Scene},
+    eye::Scene,
     job::{MarkJob, Pictures},
+    pins::Results,
 };
 use hal_align::{Alignment, Conditions, Fit, Mark, Matrix, Misfit, Model, Transform, Vector, fit};
 use hal_marks::{
-    Calibration, Camera, FoundMark, Mean, Picture, Search, Sight, Unfound, average, calibrate,
-    choose, search,
+    Calibration, Camera, FoundMark, Mean, Picture, Sight, Unfound, average, calibrate, choose,
+    search,
 };
 use std::{fmt, path::Path};
 
@@ -49,18 +50,27 @@ failures! {
 /// State of the alignment.
 #[derive(Default)]
 pub(crate) struct Bench {
-    job: MarkJob,
+    pub(crate) job: MarkJob,
     /// Measured place of each mark of the job.
-    measured: Vec<Option<Vector>>,
+    pub(crate) measured: Vec<Option<Measured>>,
     /// Marks that were touched by the tool.
-    touched: Vec<Mark>,
-    fit: Option<Fit>,
-    live: Option<Transform>,
-    sights: Vec<Sight>,
+    pub(crate) touched: Vec<Mark>,
+    pub(crate) fit: Option<Fit>,
+    pub(crate) live: Option<Transform>,
+    pub(crate) sights: Vec<Sight>,
     /// Number of pictures that were drawn, as a seed of their noise.
     drawn: u64,
     /// Text of the last failure.
-    problem: String,
+    pub(crate) problem: String,
+}
+
+/// A mark of the job that was found.
+#[derive(Clone, Copy)]
+pub(crate) struct Measured {
+    /// Its place on the machine, in millimetres.
+    pub(crate) place: Vector,
+    /// Standard deviation of the place, in millimetres.
+    pub(crate) uncertainty: f64,
 }
 
 /// Look in progress.
@@ -138,10 +148,8 @@ impl Bench {
     /// Searches a picture.
     fn searched(&mut self, look: &mut Look, picture: &Picture) -> Result<bool, Failure> {
         look.size = (picture.width(), picture.height());
-        let MarkJob { kind, size, ink, camera, frames, .. } = &self.job;
-        let wanted = Search { kind: *kind, size: camera.pixels(*size), ink: *ink };
+        let (wanted, frames) = (self.job.wanted(), self.job.frames);
         let middle = Camera::middle(look.size);
-        let frames = *frames;
         match choose(&search(picture, &wanted), middle) {
             Ok(found) => look.found.push(found),
             Err(why @ Unfound::Ambiguous(..)) => return self.fail(Failure::Ambiguous, why),
@@ -186,7 +194,7 @@ impl Bench {
         results.uncertainty = mean.mark.uncertainty / camera.pixels(1.0);
         self.forget_fit();
         if let Some(to) = self.measured.get_mut(index) {
-            *to = Some(place);
+            *to = Some(Measured { place, uncertainty: results.uncertainty });
         }
         Ok(())
     }
@@ -244,9 +252,9 @@ impl Bench {
     }
 
     /// Returns the marks that are measured.
-    fn marks(&self) -> Vec<Mark> {
+    pub(crate) fn marks(&self) -> Vec<Mark> {
         let pairs = self.job.marks.iter().zip(&self.measured);
-        let seen = pairs.filter_map(|(file, m)| m.map(|machine| Mark { file: *file, machine }));
+        let seen = pairs.filter_map(|(file, m)| m.map(|m| Mark { file: *file, machine: m.place }));
         seen.chain(self.touched.iter().copied()).collect()
     }
 
@@ -276,10 +284,7 @@ impl Bench {
         let marks = self.marks();
         results.marks = i32::try_from(marks.len()).unwrap_or(i32::MAX);
         let index = usize::try_from(mark).ok().and_then(|n| n.checked_sub(1));
-        if let Some((n, file)) = index.and_then(|n| Some((n, self.job.marks.get(n)?))) {
-            let expected = self.job.expected.get(n).copied().flatten();
-            let expected = expected.filter(|_| marks.len() < 3);
-            let place = expected.unwrap_or_else(|| self.guess(&marks).apply(*file));
+        if let Some(place) = index.and_then(|n| self.expected(n, &marks)) {
             let aim = place - self.job.camera.offset;
             (results.aim_x, results.aim_y) = (aim.x, aim.y);
         }
@@ -298,8 +303,16 @@ impl Bench {
         }
     }
 
+    /// Returns the place on the machine at which a mark of the job is expected.
+    pub(crate) fn expected(&self, index: usize, marks: &[Mark]) -> Option<Vector> {
+        let file = self.job.marks.get(index)?;
+        let expected = self.job.expected.get(index).copied().flatten();
+        let expected = expected.filter(|_| marks.len() < 3);
+        Some(expected.unwrap_or_else(|| self.guess(marks).apply(*file)))
+    }
+
     /// Returns the place of the part as far as the marks so far tell.
-    fn guess(&self, marks: &[Mark]) -> Transform {
+    pub(crate) fn guess(&self, marks: &[Mark]) -> Transform {
         let options = |model| Conditions { model, tolerance: 1e9, mirror: self.job.options.mirror };
         for model in [Model::Affine, Model::Similarity, Model::Shift] {
             if let Ok(found) = fit(marks, &options(model)) {
@@ -316,39 +329,6 @@ impl Bench {
             return Err("the place of the part is not known: align.solve first".to_owned());
         }
         Ok(Alignment { options: self.job.options, marks, given: None }.text())
-    }
-
-    /// Returns the state as lines.
-    pub(crate) fn status(&self) -> Vec<String> {
-        let mut out = Vec::new();
-        for (n, (file, measured)) in (1..).zip(self.job.marks.iter().zip(&self.measured)) {
-            let place = measured.map_or("not measured".to_owned(), |m| {
-                let residual = self.fit.as_ref().map(|f| m - f.transform.apply(*file));
-                let residual = residual
-                    .map_or(String::new(), |r| format!(", residual X {:.4} Y {:.4} mm", r.x, r.y));
-                format!("found at {m}{residual}")
-            });
-            out.push(format!("mark {n}: X {} Y {}, {place}", file.x, file.y));
-        }
-        if !self.touched.is_empty() {
-            out.push(format!("touched marks: {}", self.touched.len()));
-        }
-        if let Some(fit) = &self.fit {
-            out.push(format!(
-                "{}: {}, rms {:.4} mm",
-                fit.model.name(),
-                fit.transform.parts(),
-                fit.rms
-            ));
-            out.extend(fit.transform.warnings().iter().map(|w| format!("warning: {w}")));
-        }
-        if !self.sights.is_empty() {
-            out.push(format!("sights for the calibration: {}", self.sights.len()));
-        }
-        if !self.problem.is_empty() {
-            out.push(self.problem.clone());
-        }
-        out
     }
 }
 

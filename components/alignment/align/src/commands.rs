@@ -4,6 +4,7 @@ use crate::{
     bench::Bench,
     eye::{Action, Instruction},
     lock,
+    view::Watched,
 };
 use hal_align::{Mark, Vector};
 use hal_component::{Arg, Builder, Call, Error, Sender, abi::ArgSpec};
@@ -60,6 +61,16 @@ const TOUCH: &[&ArgSpec] = &[
     &Arg::float("machine-y", "Y on the machine, in mm.").required(),
 ];
 
+const STATUS: &[&ArgSpec] = &[&Arg::bit("json", "As JSON, in one line.").or("FALSE")];
+
+const WATCH: &[&ArgSpec] = &[
+    &Arg::text("file", "File that is replaced by each picture.").required(),
+    &Arg::float("seconds", "Machine time for which pictures come.")
+        .within(0.0, 60.0)
+        .unit("s")
+        .or("2"),
+];
+
 const SAVE: &[&ArgSpec] = &[&Arg::text("file", "File to write.").required()];
 
 /// Declares the commands.
@@ -67,6 +78,7 @@ pub(crate) fn open(
     b: &mut Builder<'_>,
     bench: &Arc<Mutex<Bench>>,
     orders: &Sender<Instruction>,
+    watched: &Watched,
 ) -> Result<(), Error> {
     for row in ROWS {
         let orders = orders.clone();
@@ -98,10 +110,21 @@ pub(crate) fn open(
     })?;
     let shared = bench.clone();
     let doc = "Tells the marks, their residuals, the place of the part, and the last problem.";
-    b.command("align.status", doc, &[], move |call| {
-        for line in lock(&shared).status() {
-            call.reply(&line);
+    b.command("align.status", doc, STATUS, move |call| {
+        let bench = lock(&shared);
+        match call.bit("json").unwrap_or(false) {
+            true => call.reply(&bench.json().to_string()),
+            false => bench.status().iter().for_each(|line| call.reply(line)),
         }
+        Ok(())
+    })?;
+    let (watched, clock) = (watched.clone(), b.clock());
+    let doc = "\
+Writes pictures of the camera at the present position to a file, at most ten in a second, until the time is over: a line of JSON (number, \
+kind, size, place, the map from the machine to pixels, marks found), then the picture as PNG or JPEG. Nothing is measured.";
+    b.command("align.watch", doc, WATCH, move |call| {
+        let path = PathBuf::from(call.text("file").unwrap_or_default());
+        watched.watch(path, clock.now_ns(), call.float("seconds").unwrap_or(0.0));
         Ok(())
     })
 }

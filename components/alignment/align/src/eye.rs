@@ -1,6 +1,9 @@
 //! Realtime. The function: it reads the pins, passes events to the worker, and shows results.
 
-use crate::{bench::Failure, pins::EyePins};
+use crate::{
+    bench::Failure,
+    pins::{EyePins, Results},
+};
 use hal_component::{
     Builder, Error, Period, Plain, Receiver, Sender, SeqReader, SeqWriter, TicketHandle, Touch,
     Update,
@@ -48,6 +51,36 @@ pub(crate) struct EyeEvent {
     pub(crate) is_awaited: bool,
 }
 
+/// Place of the machine, and what the simulated camera sees there.
+#[derive(Clone, Copy, Debug, Default, Plain)]
+pub(crate) struct Station {
+    /// X of the machine, in mm.
+    pub(crate) x: f64,
+    /// Y of the machine, in mm.
+    pub(crate) y: f64,
+    /// Light on the simulated table.
+    light: f64,
+    /// Shift of the part on the simulated table in X, in mm.
+    part_x: f64,
+    /// Shift of the part on the simulated table in Y, in mm.
+    part_y: f64,
+    /// TRUE: the simulated camera takes no picture.
+    stalls: bool,
+}
+
+impl Station {
+    /// Realtime. Returns it with this scene.
+    const fn new(x: f64, y: f64, scene: Scene) -> Self {
+        let Scene { light, x: part_x, y: part_y, stalls } = scene;
+        Self { x, y, light, part_x, part_y, stalls }
+    }
+
+    /// Returns what the simulated camera sees.
+    pub(crate) const fn scene(&self) -> Scene {
+        Scene { light: self.light, x: self.part_x, y: self.part_y, stalls: self.stalls }
+    }
+}
+
 /// Changes of what the simulated camera sees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scene {
@@ -55,61 +88,6 @@ pub(crate) struct Scene {
     pub(crate) x: f64,
     pub(crate) y: f64,
     pub(crate) stalls: bool,
-}
-
-/// Latest results.
-#[derive(Clone, Copy, Debug, Default, Plain)]
-pub(crate) struct Results {
-    /// Number of the last event that is done.
-    pub(crate) number: u32,
-    /// Reason why the last action failed, 0 if it did not.
-    pub(crate) error: i32,
-    /// TRUE if the last look found the mark.
-    pub(crate) found: bool,
-    /// X of the last mark found, on the machine, in mm.
-    pub(crate) x: f64,
-    /// Y of the last mark found, on the machine, in mm.
-    pub(crate) y: f64,
-    /// Move in X that brings the last mark to the middle of the picture, in mm.
-    pub(crate) dx: f64,
-    /// Move in Y that brings the last mark to the middle of the picture, in mm.
-    pub(crate) dy: f64,
-    /// Angle of the last mark if it is a square, on the machine, in degrees from -45 to 45.
-    pub(crate) angle: f64,
-    /// Largest distance of a picture of the last mark from their mean, in pixels.
-    pub(crate) scatter: f64,
-    /// Standard deviation of the place of the last mark, in mm, from the noise of the pictures.
-    pub(crate) uncertainty: f64,
-    /// X at which the camera should see the selected mark, in mm.
-    pub(crate) aim_x: f64,
-    /// Y at which the camera should see the selected mark, in mm.
-    pub(crate) aim_y: f64,
-    /// Number of marks that are measured.
-    pub(crate) marks: i32,
-    /// TRUE while the place of the part holds; a new or forgotten mark ends it.
-    pub(crate) valid: bool,
-    /// Turn of the part, in degrees.
-    pub(crate) theta: f64,
-    /// Scale of the part along X.
-    pub(crate) sx: f64,
-    /// Scale of the part along Y; negative if it is mirrored.
-    pub(crate) sy: f64,
-    /// Squareness error of the part, in degrees.
-    pub(crate) shear: f64,
-    /// X of the file's origin on the machine, in mm.
-    pub(crate) tx: f64,
-    /// Y of the file's origin on the machine, in mm.
-    pub(crate) ty: f64,
-    /// Root of the mean square of the residuals, in mm.
-    pub(crate) rms: f64,
-    /// TRUE if turn and shift alone fit, so that a coordinate system can hold them.
-    pub(crate) live: bool,
-    /// Turn for G10 L2 R, in degrees.
-    pub(crate) live_theta: f64,
-    /// X for G10 L2, in mm.
-    pub(crate) live_x: f64,
-    /// Y for G10 L2, in mm.
-    pub(crate) live_y: f64,
 }
 
 /// Values that function and worker share.
@@ -128,14 +106,20 @@ pub(crate) struct Eye {
     orders: Receiver<Instruction>,
     events: Sender<EyeEvent>,
     results: SeqReader<Results>,
+    station: SeqWriter<Station>,
     #[state]
     shared: Arc<Shared>,
     #[state]
     was: Was,
 }
 
-/// Ends of the ways to and from the worker.
-pub(crate) type Ends = (SeqWriter<Results>, Receiver<EyeEvent>);
+/// The worker's ends of the ways to and from it.
+#[derive(Debug)]
+pub(crate) struct Ends {
+    pub(crate) results: SeqWriter<Results>,
+    pub(crate) events: Receiver<EyeEvent>,
+    pub(crate) station: SeqReader<Station>,
+}
 
 impl Eye {
     /// Creates the pins and the ways to and from the worker.
@@ -146,9 +130,10 @@ impl Eye {
     ) -> Result<(Self, Ends), Error> {
         let (events, receiver) = b.queue(4);
         let (writer, results) = b.seqlock(Results::default());
+        let (station, reader) = b.seqlock(Station::default());
         let pins = EyePins::make(b)?;
-        let eye = Self { pins, orders, events, results, shared, was: Was::default() };
-        Ok((eye, (writer, receiver)))
+        let eye = Self { pins, orders, events, results, station, shared, was: Was::default() };
+        Ok((eye, Ends { results: writer, events: receiver, station: reader }))
     }
 }
 
@@ -171,10 +156,11 @@ impl Update for Eye {
         let solves = rises(self.pins.solve.get(), &mut self.was.solve);
         let clears = rises(self.pins.clear.get(), &mut self.was.clear);
         let (x, y) = (self.pins.pos_x.get(), self.pins.pos_y.get());
+        self.station.set(&Station::new(x, y, self.pins.scene()));
         let mark = number(self.pins.mark.get());
         self.shared.mark.store(mark, Relaxed);
         let results = self.results.get();
-        let busy = results.number != self.was.number;
+        let busy = results.looks != self.was.number;
         if busy {
             let way = libm::fabs(x - self.was.x) + libm::fabs(y - self.was.y);
             // Not a number is a move, too.
@@ -196,8 +182,8 @@ impl Update for Eye {
                 self.begin(order, mark, x, y);
             }
         }
-        self.pins.show(&results, results.number != self.was.number);
-        if results.number == self.was.number
+        self.pins.show(&results, results.looks != self.was.number);
+        if results.looks == self.was.number
             && let Some(ticket) = self.was.ticket.take()
         {
             match Failure::text_of(results.error) {

@@ -2,7 +2,7 @@
 
 use hal_align::{Conditions, MAX_MARKS, Matrix, Model, Vector};
 use hal_ini::{Entry, Ini};
-use hal_marks::{Camera, Files, Ink, MarkKind, Source, Table};
+use hal_marks::{Camera, Files, Ink, MarkKind, Search, Source, Table};
 use std::path::{Path, PathBuf};
 
 /// Largest number of pictures of a look.
@@ -70,6 +70,11 @@ impl MarkJob {
             return Err(format!("{}: [JOB] has no MARK = X Y", path.display()));
         }
         Ok(out)
+    }
+
+    /// Returns what to search for in pictures.
+    pub(crate) fn wanted(&self) -> Search {
+        Search { kind: self.kind, size: self.camera.pixels(self.size), ink: self.ink }
     }
 
     fn job(&mut self, entry: &Entry) -> Result<(), String> {

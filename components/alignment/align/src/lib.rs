@@ -4,7 +4,9 @@
 //! |---|---|
 //! | `job` | the job: marks, model, camera, source of pictures, from an INI file |
 //! | `bench` | marks measured so far, the fit, looks and calibrations |
+//! | `report` | the state as lines, and as JSON |
 //! | `worker` | the worker, which takes and searches pictures |
+//! | `view` | pictures for people who watch |
 //! | `eye`, `pins` | Realtime: the function, and what passes to and from the worker; its pins |
 //! | `commands` | commands `align.*` |
 #![forbid(unsafe_code)]
@@ -14,6 +16,8 @@ mod commands;
 mod eye;
 mod job;
 mod pins;
+mod report;
+mod view;
 mod worker;
 
 use bench::Bench;
@@ -26,6 +30,7 @@ use std::{
     path::Path,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
+use view::Watched;
 use worker::Worker;
 
 /// Period of the worker, in nanoseconds.
@@ -86,9 +91,10 @@ getp align.live # -> TRUE
         let bench = Arc::new(Mutex::new(Bench::default()));
         let (orders, receiver) = b.queue(16);
         let shared = Arc::new(Shared::default());
-        let (eye, (results, events)) = Eye::make(b, receiver, shared.clone())?;
+        let watched = Watched::default();
+        let (eye, ends) = Eye::make(b, receiver, shared.clone())?;
         b.function("align", "Reads the pins, and shows results.", eye)?;
-        commands::open(b, &bench, &orders)?;
+        commands::open(b, &bench, &orders, &watched)?;
         if let Some(job) = b.arg_text("job").filter(|j| !j.is_empty()) {
             let bench = bench.clone();
             b.on_open(move |_| {
@@ -97,7 +103,7 @@ getp align.live # -> TRUE
                     .map_err(|e| Error::new(format!("{e}; job= is an INI file such as plate.conf")))
             })?;
         }
-        let worker = Worker::new(bench, shared, events, results, b.clock(), b.messages());
+        let worker = Worker::new(bench, shared, ends, watched, b.clock(), b.messages());
         b.worker("align", "Takes pictures and searches them.", PERIOD_NS, 1, worker)
     }
 }

@@ -2,8 +2,9 @@
 
 use crate::{
     bench::{Bench, Failure, Look},
-    eye::{Results, Scene},
+    eye::Scene,
     job::MarkJob,
+    pins::Results,
 };
 use hal_align::Vector;
 use std::{fs, path::PathBuf};
@@ -127,4 +128,60 @@ fn pictures_of_a_folder_are_taken_in_their_order_and_garbage_is_named() {
     assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Err(Failure::NoPicture));
     assert!(bench.status().last().unwrap().ends_with("2.jpg: the picture is cut off or broken"));
     assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Ok(None));
+}
+
+/// Pictures for people come while they are asked for, from where the machine is, and change nothing that is measured.
+#[test]
+fn a_view_shows_the_marks_at_the_present_position_and_measures_nothing() {
+    let folder = Folder::new("view");
+    folder.write("table.conf", "[TABLE]\nMARK = square 10 20 4 0 12\nNOISE = 3\nBLUR = 1\n");
+    let job = "[JOB]\nMARK = 10 20\nMARK = 60 20\nKIND = square\nSIZE = 4\nFRAMES = 3\n[CAMERA]\nSOURCE = sim table.conf\n";
+    let file = folder.0.join("view");
+    let measured = |watches: bool| {
+        let mut bench = hal_bench::Bench::new();
+        let job = format!("job={}", folder.write("job.ini", job).display());
+        bench.load::<crate::Align>(&[&job]).unwrap();
+        bench.set("align.pos-x", 10.5);
+        bench.set("align.pos-y", 20.25);
+        let pass = || {
+            bench.pass(100_000_000);
+            bench.run("align", 1_000_000);
+            bench.work("align", 1).unwrap();
+        };
+        pass();
+        assert!(!file.exists(), "nobody watches");
+        let watch = [format!("file={}", file.display()), "seconds=0.5".to_owned()];
+        if watches {
+            bench.command("align.watch", &[&watch[0], &watch[1]]).unwrap();
+            pass();
+            pass();
+        }
+        bench.command("align.look", &["mark=1"]).unwrap();
+        for _ in 0..8 {
+            pass();
+        }
+        let told: serde_json::Value =
+            serde_json::from_str(&bench.command("align.status", &["json=TRUE"]).unwrap()[0])
+                .unwrap();
+        told["marks"][0].clone()
+    };
+    let mark = measured(true);
+    let view = fs::read(&file).unwrap();
+    let end = view.iter().position(|b| *b == b'\n').unwrap();
+    let head: serde_json::Value = serde_json::from_slice(&view[..end]).unwrap();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    assert_eq!((&head["kind"], number(&head["at"][0])), (&"image/png".into(), 10.5));
+    // The mark lies half a millimetre to the left and a quarter below the middle, at 0.02 mm to the pixel.
+    let seen = &head["marks"][0];
+    assert!((number(&seen["x"]) - 295.0).abs() < 0.1 && (number(&seen["y"]) - 252.5).abs() < 0.1);
+    assert!((number(&seen["size"]) - 200.0).abs() < 1.0 && seen["is_chosen"] == true, "{seen}");
+    assert!(number(&seen["uncertainty"]) < 0.02);
+    let to: Vec<f64> = head["to_picture"].as_array().unwrap().iter().map(number).collect();
+    let (x, y) = (to[0] * 10.0 + to[1] * 20.0 + to[4], to[2] * 10.0 + to[3] * 20.0 + to[5]);
+    assert!((x - 295.0).abs() < 1e-6 && (y - 252.5).abs() < 1e-6, "{x} {y}");
+    assert_eq!(hal_marks::Picture::decode(&view[end + 1..]).unwrap().width(), 640);
+    // Five pictures at most in half a second, and the same measurement without them.
+    assert!((2..=5).contains(&head["number"].as_u64().unwrap()), "{head}");
+    fs::remove_file(&file).unwrap();
+    assert_eq!(measured(false), mark);
 }

@@ -2,11 +2,13 @@
 
 use crate::{
     bench::{Bench, Failure, Look},
-    eye::{Action, EyeEvent, Results, Shared},
+    eye::{Action, Ends, EyeEvent, Shared, Station},
     lock,
+    pins::Results,
+    view::{View, Watched},
 };
 use hal_align::Vector;
-use hal_component::{Clock, Messages, Receiver, SeqWriter, Touch, Work};
+use hal_component::{Clock, Messages, Receiver, SeqReader, SeqWriter, Touch, Work};
 use std::sync::{Arc, Mutex, atomic::Ordering::Relaxed};
 
 /// Event in progress.
@@ -22,8 +24,11 @@ struct Progress {
 pub(crate) struct Worker {
     events: Receiver<EyeEvent>,
     results: SeqWriter<Results>,
+    station: SeqReader<Station>,
     clock: Clock,
     messages: Messages,
+    #[state]
+    view: View,
     #[state]
     bench: Arc<Mutex<Bench>>,
     #[state]
@@ -38,13 +43,26 @@ impl Worker {
     pub(crate) fn new(
         bench: Arc<Mutex<Bench>>,
         shared: Arc<Shared>,
-        events: Receiver<EyeEvent>,
-        results: SeqWriter<Results>,
+        ends: Ends,
+        watched: Watched,
         clock: Clock,
         messages: Messages,
     ) -> Self {
         let last = Results { sx: 1.0, sy: 1.0, ..Results::default() };
-        Self { events, results, clock, messages, bench, shared, last, progress: None }
+        let Ends { results, events, station } = ends;
+        let view = View::new(watched);
+        Self {
+            events,
+            results,
+            station,
+            clock,
+            messages,
+            view,
+            bench,
+            shared,
+            last,
+            progress: None,
+        }
     }
 
     /// Goes on with an event. Returns its result when it is done.
@@ -90,7 +108,7 @@ impl Worker {
     /// Reports the end of an event.
     fn end(&mut self, event: &EyeEvent, result: Result<(), Failure>) {
         let looks = matches!(event.action, Action::Look(_) | Action::Sight);
-        self.last.number = event.number;
+        self.last.looks = event.number;
         self.last.error = result.err().map_or(0, |f| f as i32);
         if looks {
             self.last.found = result.is_ok();
@@ -133,6 +151,10 @@ impl Work for Worker {
         let mark = self.shared.mark.load(Relaxed);
         lock(&self.bench).tell(mark, &mut self.last);
         self.results.set(&self.last);
+        if self.view.is_due(self.clock.now_ns()) {
+            done = 1;
+            self.view.show(&self.bench, &self.station.get());
+        }
         done
     }
 }

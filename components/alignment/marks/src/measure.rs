@@ -2,6 +2,7 @@
 
 use crate::{
     picture::Picture,
+    refine::{Covered, refine},
     region::{FRAME, Region},
     search::MarkKind,
 };
@@ -16,6 +17,9 @@ const OUTSIDE: usize = 3;
 const CONTRAST: f64 = 25.0;
 /// Uncertainty that remains without noise, in pixels.
 const FLOOR: f64 = 0.005;
+
+/// Uncertainty by the model of an edge, in pixels.
+const MODEL: f64 = 0.002;
 
 /// Mark in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,21 +112,22 @@ pub(crate) fn measure(picture: &Picture, region: &Region) -> Option<Measures> {
         return None;
     }
     let mut moments = Moments::default();
-    let covered: Vec<(f64, f64, f64)> = pixels
-        .iter()
-        .filter(|p| p.place != Place::Background)
-        .map(|p| {
-            let lit = light.at(p.x, p.y);
-            let part = (lit - p.value) / (lit - mark(lit));
-            let part = match p.place {
-                Place::Core => 1.0,
-                _ if part > 0.0 => part.min(1.0),
-                _ => 0.0,
-            };
-            (p.x, p.y, part)
-        })
-        .filter(|p| p.2 > 0.0)
-        .collect();
+    let (mut covered, mut edge): (Vec<Covered>, Vec<Covered>) = (Vec::new(), Vec::new());
+    for p in pixels.iter().filter(|p| p.place != Place::Background) {
+        let lit = light.at(p.x, p.y);
+        let part = (lit - p.value) / (lit - mark(lit));
+        let within = match p.place {
+            Place::Core => 1.0,
+            _ if part > 0.0 => part.min(1.0),
+            _ => 0.0,
+        };
+        if p.place == Place::Edge {
+            edge.push((p.x, p.y, part));
+        }
+        if within > 0.0 {
+            covered.push((p.x, p.y, within));
+        }
+    }
     for (x, y, c) in &covered {
         moments.mass += c;
         moments.x += c * x;
@@ -132,10 +137,18 @@ pub(crate) fn measure(picture: &Picture, region: &Region) -> Option<Measures> {
     for (x, y, c) in &covered {
         moments.second(*c, x - centre.x, y - centre.y);
     }
-    let edge = pixels.iter().filter(|p| p.place == Place::Edge);
-    let spread: f64 = edge.map(|p| (p.x - centre.x) * (p.x - centre.x)).sum();
-    let deviation = light.noise / fabs(contrast) * sqrt(spread) / moments.mass;
-    let measures = moments.shape(centre, hypot(deviation, FLOOR), contrast);
+    let spread: f64 = edge.iter().map(|p| (p.0 - centre.x) * (p.0 - centre.x)).sum();
+    let noise = light.noise / fabs(contrast);
+    let deviation = noise * sqrt(spread) / moments.mass;
+    let mut measures = moments.shape(centre, hypot(deviation, FLOOR), contrast);
+    let is_square = measures.squareness > 0.5;
+    // The profile of an edge is a model, the centroid none: without noise the centroid is exact.
+    if let Some(better) = refine(&covered, &edge, centre, is_square, noise)
+        && hypot(better.deviation, MODEL) < deviation
+    {
+        measures.centre = better.centre;
+        measures.uncertainty = hypot(better.deviation, FLOOR);
+    }
     measures.centre.is_usable().then_some(measures)
 }
 

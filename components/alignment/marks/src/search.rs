@@ -37,6 +37,15 @@ impl MarkKind {
             Self::Square => "square",
         }
     }
+
+    /// Returns the diameter or side of a mark of this area.
+    #[must_use]
+    pub fn side(self, area: f64) -> f64 {
+        match self {
+            Self::Circle => libm::sqrt(area * core::f64::consts::FRAC_1_PI) * 2.0,
+            Self::Square => libm::sqrt(area),
+        }
+    }
 }
 
 /// Brightness of marks.

@@ -18,6 +18,10 @@ pub trait Source: Send {
     /// # Errors
     /// The picture cannot be read, or is none.
     fn take(&mut self) -> Result<Option<Picture>, SourceProblem>;
+
+    /// Returns the file of the latest picture: of a folder that is filled the newest one, of another the one that was
+    /// taken last, or the first.
+    fn latest(&self) -> Option<PathBuf>;
 }
 
 /// Reason why a source has no picture.
@@ -94,12 +98,27 @@ impl Source for Files {
         let next = names.into_iter().find(|n| self.last.as_ref().is_none_or(|last| n > last));
         let Some(path) = next else { return Ok(None) };
         self.last = Some(path.clone());
-        let problem = |e| SourceProblem::File(path.clone(), e);
-        let mut bytes = Vec::new();
-        let limit = u64::try_from(MAX_BYTES).unwrap_or(u64::MAX).saturating_add(1);
-        let file = fs::File::open(&path).map_err(problem)?;
-        file.take(limit).read_to_end(&mut bytes).map_err(problem)?;
-        let picture = Picture::decode(&bytes);
-        picture.map(Some).map_err(|e| SourceProblem::Picture(path.clone(), e))
+        read_picture(&path).map(|(_, picture)| Some(picture))
     }
+
+    fn latest(&self) -> Option<PathBuf> {
+        let names = self.names().ok()?;
+        let taken = self.last.clone().filter(|last| names.contains(last));
+        if self.is_live { names.last().cloned() } else { taken.or_else(|| names.first().cloned()) }
+    }
+}
+
+/// Reads a picture; returns its bytes too.
+///
+/// # Errors
+/// The file cannot be read, or is no picture.
+pub fn read_picture(path: &Path) -> Result<(Vec<u8>, Picture), SourceProblem> {
+    let problem = |e| SourceProblem::File(path.to_owned(), e);
+    let mut bytes = Vec::new();
+    let limit = u64::try_from(MAX_BYTES).unwrap_or(u64::MAX).saturating_add(1);
+    let file = fs::File::open(path).map_err(problem)?;
+    file.take(limit).read_to_end(&mut bytes).map_err(problem)?;
+    let picture =
+        Picture::decode(&bytes).map_err(|e| SourceProblem::Picture(path.to_owned(), e))?;
+    Ok((bytes, picture))
 }

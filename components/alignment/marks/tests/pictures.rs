@@ -124,6 +124,21 @@ struct Sum {
     angle: f64,
     /// Error over uncertainty, squared.
     ratio: f64,
+    /// Error over the least deviation that any method has, squared.
+    bound: f64,
+}
+
+/// Returns the bound of Cramér and Rao for a coordinate of the centre, as the README derives it; 0 without noise.
+fn bound(case: &Case, wanted: &Search) -> f64 {
+    let edge = match wanted.kind {
+        MarkKind::Circle => core::f64::consts::PI * wanted.size / 2.0,
+        MarkKind::Square => 2.0 * wanted.size,
+    };
+    // Pixels blur an edge, and rounding to whole numbers is noise.
+    let (blur, noise) = ((case.blur.powi(2) + 1.0 / 12.0).sqrt(), case.noise.powi(2) + 1.0 / 12.0);
+    let contrast = (case.ink.0 - case.ink.1).abs();
+    let least = 2.0 * core::f64::consts::PI.sqrt() * blur * noise / (contrast * contrast * edge);
+    if case.noise > 0.0 { (least / case.frames as f64).sqrt() } else { 0.0 }
 }
 
 fn picture_of(case: &Case, random: &mut Random, seed: u64) -> (View, Sheet, Search, Vector, f64) {
@@ -166,6 +181,8 @@ fn measure(case: &Case, pictures: u64) -> Sum {
         let off = (found.centre - at).length();
         sum.square += off * off;
         sum.largest = sum.largest.max(off);
+        let least = bound(case, &wanted);
+        sum.bound += if least > 0.0 { off * off / (2.0 * least * least) } else { 0.0 };
         sum.ratio += off * off / (2.0 * found.uncertainty * found.uncertainty);
         if wanted.kind == MarkKind::Square {
             let by = found.angle - angle;
@@ -178,7 +195,7 @@ fn measure(case: &Case, pictures: u64) -> Sum {
 #[test]
 fn centres_and_angles_are_within_their_bars_and_the_table_is_true() {
     let mut table = String::from(
-        "\n| pictures | found | centre: mean square, largest (pixels) | angle: largest (degrees) | error / stated uncertainty |\n|---|---|---|---|---|\n",
+        "\n| pictures | found | centre: mean square, largest (pixels) | angle: largest (degrees) | error / stated uncertainty | error / bound |\n|---|---|---|---|---|---|\n",
     );
     for case in CASES {
         let sum = measure(case, 65);
@@ -186,16 +203,24 @@ fn centres_and_angles_are_within_their_bars_and_the_table_is_true() {
         let rms = (sum.square / n).sqrt();
         writeln!(
             table,
-            "| {} | {} of {} | {:.3}, {:.3} | {:.2} | {:.1} |",
+            "| {} | {} of {} | {:.3}, {:.3} | {:.2} | {:.1} | {} |",
             case.name,
             sum.found,
             sum.pictures,
             rms,
             sum.largest,
             sum.angle,
-            (sum.ratio / n).sqrt()
+            (sum.ratio / n).sqrt(),
+            if sum.bound > 0.0 {
+                format!("{:.2}", (sum.bound / n).sqrt())
+            } else {
+                "–".to_owned()
+            }
         )
         .unwrap();
+        // In even light the estimate is as good as any can be.
+        let efficiency = (sum.bound / n).sqrt();
+        assert!(case.light > 0.0 || efficiency < 1.25, "{}: {efficiency:.2}", case.name);
         assert_eq!(sum.found, sum.pictures, "{}: every mark is found", case.name);
         if let Some((centre, angle)) = case.bar {
             assert!(sum.largest <= centre, "{}: {:.4} px", case.name, sum.largest);

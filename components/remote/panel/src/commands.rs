@@ -81,6 +81,12 @@ pub(crate) const ROWS: &[Row] = &[
     row("tool-changed", Operator, true, ToolChanged),
     row("touch-off", Operator, true, Engine(touch_off)),
     row("tool-offset", Operator, true, Engine(tool_offset)),
+    row("align-look", Operator, true, Engine(|g| g.command("align.look", &["mark"]))),
+    row("align-solve", Operator, true, Engine(|g| g.plain("align.solve"))),
+    row("align-clear", Operator, true, Engine(|g| g.plain("align.clear"))),
+    row("align-go", Operator, true, Engine(align_go)),
+    row("align-sight", Integrator, true, Engine(|g| g.plain("align.sight"))),
+    row("align-calibrate", Integrator, true, Engine(|g| g.plain("align.calibrate"))),
     row("setp", Integrator, true, Engine(setp)),
     row("sets", Integrator, true, Engine(sets)),
     row("net", Integrator, true, Engine(net)),
@@ -101,6 +107,8 @@ pub(crate) struct Input<'a> {
     pub(crate) is_inch: bool,
 }
 
+/// Millimetres in an inch.
+const MM_PER_INCH: f64 = 25.4;
 /// Longest text of an argument in bytes.
 const MAX_TEXT: usize = 4096;
 
@@ -220,6 +228,17 @@ fn touch_off(given: &Input<'_>) -> Result<Vec<Request>, Error> {
         .filter(|n| *n <= 9)
         .ok_or_else(|| malformed(format!("system is {system}, must be 0 to 9")))?;
     let text = format!("text=G10 L20 P{system} {axis}{value}");
+    Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
+}
+
+/// Moves the machine to a place in mm, at its height: the camera then sees a mark.
+fn align_go(given: &Input<'_>) -> Result<Vec<Request>, Error> {
+    given.only(&["x", "y"])?;
+    let place = |name| {
+        let mm = given.number(name)?;
+        Ok::<_, Error>(given.length(if given.is_inch { mm / MM_PER_INCH } else { mm }))
+    };
+    let text = format!("text=G53 G0 X{} Y{}", place("x")?, place("y")?);
     Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
 }
 

@@ -82,6 +82,8 @@ pub(crate) struct Panel {
     pub(crate) scopes: Arc<Semaphore>,
     /// Kept while a tool change is answered: the button is linked for one answer.
     pub(crate) pressing: Mutex<()>,
+    /// When the component align was asked for pictures last.
+    pub(crate) viewed: Mutex<Option<tokio::time::Instant>>,
     /// True if the machine's unit of length is the inch.
     pub(crate) is_inch: bool,
     /// Description of the machine.
@@ -113,7 +115,8 @@ pub fn run(options: &Options) -> Result<(), String> {
     }
     let security = Security::open(options)?;
     let ini = options.ini_file.as_deref().map(read_ini).transpose()?;
-    let teleop = teleop_address(options, ini.as_ref())?;
+    let settings = teleop::Settings::read(options, ini.as_ref())?;
+    let teleop = settings.address;
     Security::check_needs(teleop.unwrap_or(teleop::ADDRESS), options)?;
     let place = Place::find(options.instance.as_deref())?;
     let info = info::info(place.name(), ini.as_ref());
@@ -148,12 +151,15 @@ pub fn run(options: &Options) -> Result<(), String> {
             reading: Mutex::default(),
             scopes: Arc::new(Semaphore::new(scope::MAX_SCOPES)),
             pressing: Mutex::default(),
+            viewed: Mutex::default(),
             place,
             is_inch: info::is_inch(&info),
             info,
             address_file,
         });
         panel.renew_token()?;
+        // A picture of another run is none of now.
+        drop(std::fs::remove_file(panel.view_file()));
         let file = panel.address_file.display();
         let fingerprint = panel.security.tls.as_ref().map(|tls| {
             format!("the certificate has the SHA-256 fingerprint {}\n", tls.fingerprint)
@@ -165,11 +171,12 @@ pub fn run(options: &Options) -> Result<(), String> {
         .map_err(|e| e.to_string())?;
         let router = http::router(&panel);
         let tls = panel.security.tls.as_ref().map(|tls| tls.acceptor.clone());
-        let teleop = Teleop::start(&panel, teleop.unwrap_or(teleop::ADDRESS));
+        let teleop = Teleop::start(&panel, settings);
         let served = serve(&listener, &router, tls.as_ref()).await;
         teleop.stop().await;
         // Without the file nobody opens an address that is gone.
         drop(std::fs::remove_file(&panel.address_file));
+        drop(std::fs::remove_file(panel.view_file()));
         served
     })
 }
@@ -179,15 +186,6 @@ fn programs(options: &Options, ini: Option<&Ini>) -> Option<PathBuf> {
     let prefix = Path::new(ini?.get("DISPLAY", "PROGRAM_PREFIX")?);
     // A name without a folder is one in the folder of the INI file.
     Some(options.ini_file.as_deref()?.parent()?.join(prefix))
-}
-
-/// Returns the address of teleoperation that the options or the INI file name.
-fn teleop_address(options: &Options, ini: Option<&Ini>) -> Result<Option<SocketAddr>, String> {
-    let entry = ini.and_then(|ini| ini.get("REMOTE", "TELEOP"));
-    let Some(text) = entry.filter(|_| options.teleop.is_none()) else { return Ok(options.teleop) };
-    text.trim().parse().map(Some).map_err(|_| {
-        format!("[REMOTE]TELEOP is '{text}', must be ADDRESS:PORT, as {}", teleop::ADDRESS)
-    })
 }
 
 fn read_ini(path: &Path) -> Result<Ini, String> {

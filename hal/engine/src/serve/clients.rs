@@ -19,6 +19,8 @@ use std::collections::BTreeMap;
 /// Time that the virtual clock waits for one client, in nanoseconds of wall-clock time, unless
 /// `HAL_PATIENCE_MS` sets another.
 const DEFAULT_PATIENCE_NS: i64 = 10_000_000_000;
+/// Time that the virtual clock waits for a program that starts, in nanoseconds of wall-clock time.
+const START_NS: i64 = 1_000_000_000;
 /// Largest number of results that are kept.
 const RESULTS: usize = 1000;
 
@@ -48,6 +50,8 @@ pub(crate) struct Clients {
     pub(in crate::serve) script_waits: bool,
     /// The program whose end the script waits for.
     pub(in crate::serve) waits_for: Option<i32>,
+    /// True once that program has ended: the wait is over, and the clock moves no further in it.
+    pub(in crate::serve) has_awaited: bool,
     /// Longest time that the virtual clock waits for one client, in nanoseconds of wall-clock time.
     pub(in crate::serve) patience_ns: i64,
     /// Machine time up to which the virtual clock may move.
@@ -69,6 +73,7 @@ impl Clients {
             shutdown: false,
             script_waits: false,
             waits_for: None,
+            has_awaited: false,
             patience_ns: asked.map_or(DEFAULT_PATIENCE_NS, |ms| i64::from(ms) * 1_000_000),
             target: 0,
             client_target: i64::MIN,
@@ -76,6 +81,18 @@ impl Clients {
             finished: BTreeMap::new(),
             next_ticket: 1,
         }
+    }
+
+    /// Returns whether the virtual clock waits for a program that has not joined: for a second; a program whose end the
+    /// script waits for, as long as nobody is connected, because what it does depends on no machine time then.
+    pub(in crate::serve) fn is_starting(&self, p: &Program, now: i64) -> bool {
+        let is_apart = self.server.as_ref().is_none_or(|s| s.clients.is_empty());
+        let patience = if is_apart && self.waits_for == Some(p.pid) {
+            self.patience_ns.max(START_NS)
+        } else {
+            START_NS
+        };
+        !p.joined && now - p.since < patience
     }
 
     /// Serves the clients of a socket from now on.

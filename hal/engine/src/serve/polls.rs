@@ -145,6 +145,7 @@ impl Engine {
     /// Forgets programs that have ended, and reports those that a signal ended.
     pub(crate) fn forget_ended_programs(&mut self) {
         let mut killed = Vec::new();
+        let awaited = self.clients.waits_for;
         let before = self.clients.programs.len();
         self.clients.programs.retain(|p| {
             let life = os::life(p.pid);
@@ -152,7 +153,9 @@ impl Engine {
                 let signal = os::process::signal_name(signal);
                 killed.push(format!("program '{}' was ended by {signal}", p.name));
             }
-            life == os::Life::Runs
+            let runs = life == os::Life::Runs;
+            self.clients.has_awaited |= !runs && awaited == Some(p.pid);
+            runs
         });
         if self.clients.programs.len() != before {
             self.clients.publish_programs(self.runtime.instance());
@@ -164,13 +167,13 @@ impl Engine {
     /// reads or writes.
     pub(crate) fn held_back(&mut self) -> bool {
         let now = os::monotonic_ns();
-        let starting =
-            self.clients.programs.iter().any(|p| !p.joined && now - p.since < 1_000_000_000);
+        let starting = self.clients.programs.iter().any(|p| self.clients.is_starting(p, now));
         // Evaluate every condition: each measures for how long it has held the clock.
         let for_samples = self.held_by_samples(now);
         let for_polls = owes_poll(self);
         let for_rings = self.clients.script_waits && self.held_by_rings(now);
         starting
+            || self.clients.has_awaited
             || for_samples
             || for_polls
             || for_rings

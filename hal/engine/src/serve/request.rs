@@ -199,7 +199,7 @@ impl Engine {
         loop {
             let left = (end - os::monotonic_ns()) / 1_000_000;
             self.pump(i32::try_from(left.max(0)).unwrap_or(1));
-            if os::monotonic_ns() >= end || self.is_ending() {
+            if os::monotonic_ns() >= end || self.is_ending() || self.clients.has_awaited {
                 break;
             }
         }
@@ -287,7 +287,7 @@ impl Link for Engine {
             Answer::After(WaitState::Wall(end), flow) => {
                 self.clients.waits_for = awaited;
                 self.idle(end, flow);
-                self.clients.waits_for = None;
+                (self.clients.waits_for, self.clients.has_awaited) = (None, false);
                 Reply::Done
             }
             Answer::After(WaitState::No | WaitState::Poll(_), _) => {

@@ -162,12 +162,8 @@ impl Views {
             filled: false,
             stroke_width: width,
         };
-        for edge in self.edges(view) {
-            // Pieces of a box say nothing in a view without axes.
-            let seen = clip(edge, x, y).filter(|seen| view.axes.is_some() || *seen == edge);
-            if let Some(seen) = seen {
-                chart.draw_series([PathElement::new(seen.to_vec(), line(MARK, 0.8, 1))])?;
-            }
+        for seen in self.seen_edges(view, x, y) {
+            chart.draw_series([PathElement::new(seen.to_vec(), line(MARK, 0.8, 1))])?;
         }
         for rapid in [true, false] {
             let style = if rapid { line(RAPID, 0.55, 1) } else { line(FEED, 1.0, 1) };
@@ -185,6 +181,17 @@ impl Views {
         }
         let style = text(14, INK).pos(Pos::new(HPos::Left, VPos::Top));
         area.draw_text(view.name, &style, (16, 8))
+    }
+
+    /// Returns the edges of the machine's travel within the ranges of a view. Without axes pieces of a box say nothing: there
+    /// it is seen as a whole or not at all.
+    fn seen_edges(&self, view: &View, x: (f64, f64), y: (f64, f64)) -> Vec<[(f64, f64); 2]> {
+        let edges = self.edges(view);
+        let is_in = |p: &(f64, f64)| x.0 <= p.0 && p.0 <= x.1 && y.0 <= p.1 && p.1 <= y.1;
+        if view.axes.is_none() {
+            return if edges.iter().flatten().all(is_in) { edges } else { Vec::new() };
+        }
+        edges.into_iter().filter_map(|edge| clip(edge, x, y)).collect()
     }
 
     /// Returns the edges of the machine's travel as lines of a view.
@@ -342,6 +349,22 @@ mod tests {
         assert_eq!(views.to_svg().unwrap(), svg, "the same on every run");
         assert!(views.to_png().unwrap().len() > 5000);
         assert!(Views::new(Vec::new(), None, String::new(), (500, 500)).is_none());
+    }
+
+    #[test]
+    fn a_box_without_axes_is_drawn_as_a_whole_or_not_at_all() {
+        // Numbers whose differences are rounded.
+        let limits = [(-5.1, 15.3), (-5.7, 15.9), (-5.3, 25.1)];
+        let views = Views::new(square(), Some(limits), String::new(), (500, 500)).unwrap();
+        let [above, shape, ..] = VIEWS;
+        let large = (-100.0, 100.0);
+        assert_eq!(views.seen_edges(&shape, large, large).len(), 12);
+        assert_eq!(views.seen_edges(&shape, (0.0, 100.0), large), Vec::new());
+        assert_eq!(
+            views.seen_edges(&above, (0.0, 100.0), large).len(),
+            8,
+            "four at X, four beside"
+        );
     }
 
     #[test]

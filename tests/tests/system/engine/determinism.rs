@@ -1,6 +1,6 @@
 //! The guarantee of the virtual clock: the same bytes on one processor or two, under load, in another environment, at
 //! other addresses, with another arithmetic in the C library.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
 
 use hal_tests::{
     case::{Around, cases, for_each},
@@ -134,4 +134,25 @@ fn at_other_addresses() {
 #[test]
 fn without_fused_arithmetic_in_the_c_library() {
     check(&[], &[("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4,-AVX512F")]);
+}
+
+/// Programs that nobody waits for in machine time: some end at once, some while the engine waits, one after more than the
+/// second that other programs have to join.
+#[test]
+fn a_program_that_is_awaited_moves_no_machine_time() {
+    let mut script = String::from(
+        "loadrt threads name1=fast period1=1000000\nloadrt siggen\naddf siggen.0.update fast\nstart\nrun 5ms\n",
+    );
+    for seconds in ["0", "0.003", "0.011", "0.02", "0.033", "1.3"] {
+        writeln!(script, "loadusr -w sleep {seconds}\ngetp siggen.0.sine").unwrap();
+    }
+    script.push_str("run 5ms\ngetp siggen.0.sine\n");
+    let scratch = Scratch::new("awaited");
+    scratch.write("wait.hal", script);
+    let output = scratch.halrun(&["--virtual", "-f", "wait.hal"]);
+    assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
+    let values: Vec<&str> = output.stdout.lines().collect();
+    let [waits @ .., end] = values.as_slice() else { panic!("{values:?}") };
+    assert!(waits.len() == 6 && waits.iter().all(|v| *v == waits[0]), "{values:?}");
+    assert_ne!(waits[0], *end, "time goes on afterwards");
 }

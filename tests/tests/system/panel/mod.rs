@@ -9,6 +9,7 @@
 )]
 
 mod accounts;
+mod align;
 mod cuts;
 mod display;
 mod figures;

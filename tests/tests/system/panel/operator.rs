@@ -137,6 +137,41 @@ fn a_start_in_the_middle_is_shown_and_confirmed() {
 }
 
 #[test]
+fn a_program_is_written_and_edited_in_the_page() {
+    let Some(stand) = Stand::start(DESKTOP) else { return };
+    let b = &stand.browser;
+    let file = || stand.printer.scratch.read("programs/own.ngc");
+    b.click("#program-new");
+    b.fill("#editor-name", "own.ngc");
+    b.fill("#editor-text", "G21 G90\nG1 X5 F600\nM2\n");
+    stand.picture("editor");
+    b.click("#editor-save");
+    b.until("!document.querySelector('dialog') && document.querySelector('.files .edit')");
+    assert_eq!(file(), "G21 G90\nG1 X5 F600\nM2\n");
+    // What is not saved is given up the second time only.
+    b.click(".files .edit");
+    b.until("document.querySelector('#editor-text')?.value.startsWith('G21')");
+    b.fill("#editor-text", "G0 Z1\n");
+    b.click("#editor-cancel");
+    b.until("document.querySelector('#editor-note').textContent.length > 0");
+    b.click("#editor-cancel");
+    b.until("!document.querySelector('dialog')");
+    assert_eq!(file(), "G21 G90\nG1 X5 F600\nM2\n");
+    // A wrong name is refused in words; ends of lines stay.
+    stand.printer.scratch.write("programs/own.ngc", "G21\r\nM2\r\n");
+    b.click(".files .edit");
+    b.until("document.querySelector('#editor-text')?.value === 'G21\\nM2\\n'");
+    b.run("document.querySelector('#editor-name').value = '../own'");
+    b.click("#editor-save");
+    b.until("document.querySelector('#editor-note').textContent.includes('no name of a program')");
+    b.run("document.querySelector('#editor-name').value = 'own.ngc'; document.querySelector('#editor-text').value = 'G20\\nM2\\n'");
+    b.click("#editor-save");
+    b.until("!document.querySelector('dialog')");
+    assert_eq!(file(), "G20\r\nM2\r\n");
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
 fn offsets_are_in_units_of_the_page_whatever_those_of_the_program() {
     let Some(stand) = Stand::start(DESKTOP) else { return };
     let b = &stand.browser;

@@ -1,4 +1,4 @@
-//! The simulated printer with its panel.
+//! A simulated machine with its panel: the printer, unless a test asks for another.
 
 use hal_tests::{
     programs::root,
@@ -8,6 +8,9 @@ use hal_tests::{
 use rustix::process::Signal;
 use serde_json::json;
 use std::{fs, path::Path};
+
+/// INI file of the machine, with the entries of the test.
+const INI: &str = "machine.ini";
 
 /// The machine and the panel; both end with it.
 #[derive(Debug)]
@@ -32,13 +35,22 @@ impl Printer {
         Self::with(role, &["--simulate"], "")
     }
 
+    /// Starts another machine of `configs` on the real clock, and a panel whose sessions have this role.
+    pub(super) fn of(machine: &str, role: &str) -> Self {
+        Self::begin(machine, role, &["--simulate"], "")
+    }
+
     /// Starts the printer on a clock, with these entries of `[REMOTE]`, and a panel whose sessions have this role.
     pub(super) fn with(role: &str, clock: &[&str], entries: &str) -> Self {
-        let scratch = Scratch::copy_of(&root().join("configs/printer"));
-        let ini = scratch.read("printer.ini");
+        Self::begin("printer", role, clock, entries)
+    }
+
+    fn begin(name: &str, role: &str, clock: &[&str], entries: &str) -> Self {
+        let scratch = Scratch::copy_of(&root().join("configs").join(name));
+        let ini = scratch.read(&format!("{name}.ini"));
         // A computer that tests keep busy answers late: the lease then lasts, while a jog still ends at once.
         let lasts = if entries.contains("LEASE_TIMEOUT") { "" } else { "LEASE_TIMEOUT = 60\n" };
-        scratch.write("printer.ini", format!("{ini}\n[REMOTE]\n{lasts}{entries}"));
+        scratch.write(INI, format!("{ini}\n[REMOTE]\n{lasts}{entries}"));
         fs::create_dir(scratch.path().join("programs")).unwrap();
         let machine = machine(&scratch, clock);
         let panel = panel(&scratch, role, &[]);
@@ -134,10 +146,7 @@ impl Printer {
 
     /// Runs a command of halcmd.
     pub(super) fn halcmd(&self, line: &str) -> String {
-        let words: Vec<_> = line.split(' ').collect();
-        let output = self.scratch.halcmd(&words);
-        assert_eq!(output.status, Some(0), "{line}: {output:?}");
-        output.stdout
+        self.scratch.told(line)
     }
 
     /// Returns a number that halcmd prints of a pin or signal.
@@ -190,14 +199,14 @@ fn is_address(file: &Path) -> bool {
 
 fn machine(scratch: &Scratch, clock: &[&str]) -> Running {
     let mut command = scratch.command(&[], "halrun");
-    let machine = scratch.start(command.args(clock).args(["--headless", "printer.ini"]));
+    let machine = scratch.start(command.args(clock).args(["--headless", INI]));
     until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
     machine
 }
 
 fn panel(scratch: &Scratch, role: &str, options: &[&str]) -> Running {
     let mut command = scratch.command(&[], "halpanel");
-    command.args(["--listen", "127.0.0.1:0", "--ini-file", "printer.ini", "--role", role]);
+    command.args(["--listen", "127.0.0.1:0", "--ini-file", INI, "--role", role]);
     command.args(["--programs", "programs", "--address-file", "address", "--audit", "audit"]);
     command.args(options);
     scratch.start(&mut command)

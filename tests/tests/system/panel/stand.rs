@@ -23,11 +23,20 @@ impl Stand {
     pub(super) fn start(screen: Screen) -> Option<Self> {
         // First, because without it nothing else is of use.
         Browser::is_there().then_some(())?;
-        let printer = Printer::start("integrator");
+        Some(Self::show(Printer::start("integrator"), screen))
+    }
+
+    /// Starts another machine of `configs` and its panel, and opens the page. `None` where there is no browser.
+    pub(super) fn of(machine: &str, screen: Screen) -> Option<Self> {
+        Browser::is_there().then_some(())?;
+        Some(Self::show(Printer::of(machine, "integrator"), screen))
+    }
+
+    fn show(printer: Printer, screen: Screen) -> Self {
         let browser = Browser::open(&printer.scratch, screen);
         browser.go(&printer.address());
         browser.until("document.querySelector('#machine-state')?.textContent");
-        Some(Self { browser, printer })
+        Self { browser, printer }
     }
 
     /// Takes control, leaves e-stop, switches on and homes, all in the page.

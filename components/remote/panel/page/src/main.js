@@ -37,6 +37,7 @@ async function run(session) {
   try {
     info = await getJson("/info");
     if (!info.joints) await addJoints(info);
+    info.hasAlign = (await getJson(listPath("components", ["align"]))).length > 0;
   } catch (error) {
     document.body.replaceChildren(el("main", { class: "sign-in" }, el("p", { role: "alert" }, error.message),
       el("button", { type: "button", onclick: () => location.reload() }, translator(prefs.get("language"))("refresh"))));

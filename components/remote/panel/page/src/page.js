@@ -1,5 +1,7 @@
 // The frame of the page: the bar at the top, the cards, the bar at the bottom of a phone.
 
+import { cameraCard } from "./align/camera.js";
+import { marksCard } from "./align/marks.js";
 import { ask, el, enable, mark, setText, show } from "./dom.js";
 import { releaseAll } from "./hold.js";
 import { signOut } from "./http.js";
@@ -34,6 +36,17 @@ const INTEGRATOR = [
   ["right", latencyCard], ["right", threadsCard], ["right", flightCard],
 ];
 
+/** Cards of the alignment of a part by marks. */
+const ALIGN = [
+  ["left", positionsCard], ["left", machineCard], ["left", jogCard], ["centre", cameraCard], ["centre", runCard], ["centre", programsCard],
+  ["right", marksCard], ["right", messagesCard],
+];
+/** Cards of the pages that show all of them on every screen. */
+const WHOLE = { integrate: INTEGRATOR, align: ALIGN };
+
+/** Returns the pages that this machine has. */
+const pagesOf = (info) => ["operate", ...(info.hasAlign ? ["align"] : []), "integrate"];
+
 /** Builds the page anew. */
 export function buildPage(ctx) {
   const { prefs, t, signal } = ctx;
@@ -54,7 +67,7 @@ export function buildPage(ctx) {
   prefs.listen(() => {
     document.body.dataset.group = prefs.get("group");
     for (const button of nav.children) mark(button, "aria-pressed", button.dataset.group === prefs.get("group"));
-    const page = prefs.get("page");
+    const page = pageOf(ctx);
     if (page === shown) return;
     shown = page;
     leave();
@@ -65,9 +78,15 @@ export function buildPage(ctx) {
   keepAwake(ctx);
 }
 
+/** Returns the chosen page; the first one where this machine has no such page. */
+function pageOf({ info, prefs }) {
+  const page = prefs.get("page");
+  return pagesOf(info).includes(page) ? page : "operate";
+}
+
 function columns(page, ctx) {
   const places = { left: [], centre: [], right: [] };
-  if (page === "integrate") for (const [place, make] of INTEGRATOR) places[place].push(make(ctx));
+  if (WHOLE[page]) for (const [place, make] of WHOLE[page]) places[place].push(make(ctx));
   else {
     for (const [place, group, make] of OPERATOR) {
       const box = make(ctx);
@@ -80,7 +99,7 @@ function columns(page, ctx) {
 
 function topBar(ctx) {
   const { info, session, store, prefs, t, run, signal } = ctx;
-  const pages = ["operate", "integrate"].map((page) =>
+  const pages = pagesOf(info).map((page) =>
     el("button", { type: "button", "data-page": page, onclick: () => prefs.set("page", page) }, t(`page.${page}`)));
   const lease = el("button", { type: "button", id: "lease", onclick: changeLease });
   const holder = el("span", { class: "note", id: "lease-holder" });
@@ -108,7 +127,7 @@ function topBar(ctx) {
   }
 
   prefs.listen(() => {
-    for (const button of pages) mark(button, "aria-pressed", button.dataset.page === prefs.get("page"));
+    for (const button of pages) mark(button, "aria-pressed", button.dataset.page === pageOf(ctx));
   }, signal);
   store.listen(() => {
     const [panel, link] = [store.get("panel"), store.get("link")];

@@ -100,6 +100,16 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
                 R[3 * [#<_metric> + #<_imperial> / 25.4]]"),
         ),
         (
+            "align-go",
+            json!({"x": 145.2, "y": -5}),
+            Ok("task.mdi text=G53 G0 X[145.2 * [#<_metric> + #<_imperial> / 25.4]] \
+                Y[-5 * [#<_metric> + #<_imperial> / 25.4]]"),
+        ),
+        ("align-go", json!({"x": 1}), Err("the command needs y")),
+        ("align-look", json!({"mark": 2}), Ok("align.look mark=2")),
+        ("align-look", json!({}), Err("the command needs mark")),
+        ("align-calibrate", json!({"mark": 2}), Err("the command has no argument 'mark'")),
+        (
             "tool-offset",
             json!({"tool": "3 M3", "z": 2}),
             Err("tool is the number of a tool, from 1"),

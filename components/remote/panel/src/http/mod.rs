@@ -1,5 +1,6 @@
 //! Requests over HTTP.
 
+mod align;
 mod graph;
 mod guard;
 mod lists;
@@ -19,7 +20,7 @@ use axum::{
     http::header,
     middleware,
     response::{IntoResponse as _, Response},
-    routing::{any, get},
+    routing::{any, get, post},
 };
 use std::sync::Arc;
 
@@ -50,6 +51,9 @@ pub(crate) fn router(panel: &Arc<Panel>) -> Router {
         .route("/flight", get(lists::flight))
         .route("/tools", get(machine::tools))
         .route("/offsets", get(machine::offsets))
+        .route("/align", get(align::state))
+        .route("/align/picture", get(align::picture))
+        .route("/programs/{name}/align", post(align::rewrite))
         .route("/programs/{name}/path", get(machine::path))
         .route("/programs", get(programs::list))
         .route("/programs/{name}", program)

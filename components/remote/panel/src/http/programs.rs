@@ -29,7 +29,7 @@ const MAX_LISTED: usize = 10_000;
 /// Longest name of a program in bytes.
 const MAX_NAME: usize = 200;
 /// Largest program in bytes.
-const MAX_BYTES: u64 = 256 << 20;
+pub(super) const MAX_BYTES: u64 = 256 << 20;
 
 impl Panel {
     /// Returns the path of a program.
@@ -52,7 +52,7 @@ impl Panel {
     }
 
     /// Refuses to change a file while a program runs: it may be one of its subroutines.
-    fn check_idle(&self, path: &std::path::Path) -> Result<(), Error> {
+    pub(crate) fn check_idle(&self, path: &std::path::Path) -> Result<(), Error> {
         let machine = self.machine.borrow();
         let Some(task) = &machine.task else { return Ok(()) };
         let runs = task.get("interpreter").and_then(serde_json::Value::as_u64) != Some(0);
@@ -64,9 +64,16 @@ impl Panel {
     }
 }
 
-fn disk(error: &io::Error) -> Error {
+pub(super) fn disk(error: &io::Error) -> Error {
     let code = if error.kind() == ErrorKind::NotFound { Code::NotFound } else { Code::Disk };
     Error::new(code, hal_output::reason(error))
+}
+
+/// Reads a file of at most this many bytes.
+pub(super) fn whole(path: &std::path::Path, most: u64) -> io::Result<Vec<u8>> {
+    let about = fs::metadata(path)?;
+    let readable = about.is_file() && about.len() <= most;
+    if readable { fs::read(path) } else { Err(ErrorKind::FileTooLarge.into()) }
 }
 
 /// Lists the programs.
@@ -101,13 +108,7 @@ pub(crate) async fn text(
     Path(name): Path<String>,
 ) -> Result<Response, Error> {
     let path = panel.program(&name)?;
-    let text = block_in_place(|| {
-        fs::metadata(&path).and_then(|about| {
-            let readable = about.is_file() && about.len() <= MAX_BYTES;
-            if readable { fs::read(&path) } else { Err(ErrorKind::FileTooLarge.into()) }
-        })
-    });
-    let text = text.map_err(|e| disk(&e))?;
+    let text = block_in_place(|| whole(&path, MAX_BYTES)).map_err(|e| disk(&e))?;
     Ok(([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
 }
 

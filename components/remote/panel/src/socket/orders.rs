@@ -22,7 +22,7 @@ use tokio::{sync::mpsc, time::sleep};
 
 /// Commands that the engine must know of as work under the lease.
 const STARTS: &[&str] =
-    &["run", "confirm", "resume", "step", "mdi", "home", "touch-off", "tool-offset"];
+    &["run", "confirm", "resume", "step", "mdi", "home", "touch-off", "tool-offset", "align-go"];
 /// Commands that begin motion or the power of it: refused while the machine's wiring permits no motion from afar.
 const WORK: &[&str] = &[
     "run",
@@ -33,6 +33,7 @@ const WORK: &[&str] = &[
     "home",
     "touch-off",
     "tool-offset",
+    "align-go",
     "jog",
     "on",
     "estop-reset",

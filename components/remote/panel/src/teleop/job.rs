@@ -223,11 +223,41 @@ pub(super) async fn end_lease(panel: &Panel, user: &User) {
     drop(panel.clients.give(&panel.engine, user.client).await);
 }
 
-/// Brakes and ends the job.
-pub(super) async fn cancel(panel: &Panel) {
+/// Brakes and ends the job; with `ends_command` its present command is executed to its end before.
+pub(super) async fn cancel(panel: &Panel, ends_command: bool) {
+    if ends_command && let Err(why) = end_command(panel).await {
+        panel.audit.note("teleop", 0, &json!("end of the command"), Err(&why));
+    }
     let abort = Request::Command { name: "task.abort".to_owned(), args: Vec::new() };
     if let Err(why) = panel.engine.stop(abort, true).await {
         panel.audit.note("teleop", 0, &json!("cancel"), Err(&why));
+    }
+}
+
+/// Pauses, and goes on to the end of the present command. The job rests there.
+async fn end_command(panel: &Panel) -> Result<(), Error> {
+    let request = |name: &str| Request::Command { name: name.to_owned(), args: Vec::new() };
+    panel.engine.call(request("task.pause")).await?;
+    loop {
+        {
+            let machine = panel.machine.borrow();
+            let (Some(task), Some(motion)) = (&machine.task, &machine.motion) else {
+                return Ok(());
+            };
+            if number(task, "interpreter") == 0 {
+                return Ok(());
+            }
+            let rests = motion.get("velocity").and_then(Json::as_f64) == Some(0.0);
+            if rests && motion.get("paused") == Some(&Json::Bool(true)) {
+                break;
+            }
+        }
+        sleep(LOOK).await;
+    }
+    let step = panel.engine.call(request("task.step")).await?;
+    match ticket(step) {
+        Some(ticket) => finish(panel, ticket).await.map_err(|why| Error::new(Kind::Refused, why)),
+        None => Ok(()),
     }
 }
 

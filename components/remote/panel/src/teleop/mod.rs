@@ -4,10 +4,12 @@ mod check;
 mod connection;
 mod job;
 mod service;
+mod settings;
 mod sign_in;
 
 use crate::server::Panel;
 use service::Service;
+pub(crate) use settings::Settings;
 use std::{
     io::Write as _,
     net::{IpAddr, Ipv4Addr, SocketAddr},
@@ -37,9 +39,9 @@ pub(crate) struct Teleop {
 
 impl Teleop {
     /// Begins to look at the pin.
-    pub(crate) fn start(panel: &Arc<Panel>, address: SocketAddr) -> Self {
+    pub(crate) fn start(panel: &Arc<Panel>, settings: Settings) -> Self {
         let (ends, end) = watch::channel(false);
-        let work = tokio::spawn(supervise(panel.clone(), address, end));
+        let work = tokio::spawn(supervise(panel.clone(), settings, end));
         Self { ends, work }
     }
 
@@ -51,7 +53,8 @@ impl Teleop {
 }
 
 /// Starts and stops the server until this program ends.
-async fn supervise(panel: Arc<Panel>, address: SocketAddr, end: watch::Receiver<bool>) {
+async fn supervise(panel: Arc<Panel>, settings: Settings, end: watch::Receiver<bool>) {
+    let address = settings.address.unwrap_or(ADDRESS);
     let pins = &panel.heart.teleop;
     let mut refused = false;
     while !*end.borrow() {
@@ -61,7 +64,8 @@ async fn supervise(panel: Arc<Panel>, address: SocketAddr, end: watch::Receiver<
         } else if !refused {
             match listen(&panel, address).await {
                 Ok(listener) => {
-                    Service::new(&panel, !address.ip().is_loopback()).run(&listener, &end).await;
+                    let is_network = !address.ip().is_loopback();
+                    Service::new(&panel, is_network, settings.clone()).run(&listener, &end).await;
                 }
                 Err(why) => {
                     refused = true;

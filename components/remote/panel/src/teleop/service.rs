@@ -4,6 +4,7 @@ use super::{
     check::Progress,
     connection,
     job::{self, Begun, User, number},
+    settings::Settings,
     sign_in,
 };
 use crate::{error::Error, server::Panel, session::Role, status::Joined};
@@ -32,6 +33,10 @@ const TLS_TIME: Duration = Duration::from_secs(10);
 /// Modes of the task's status in which a program runs.
 const AUTO: u64 = 1;
 
+/// Answers to clients that are not served.
+const FULL: &str = "DENEGADO OCUPADO too many connections, or the server stops\r\n";
+const NOT_ALLOWED: &str = "DENEGADO PERMISO [REMOTE]TELEOP_ALLOW does not have this address\r\n";
+
 /// Something that has happened beside the service.
 enum Notice {
     Bytes(u64, Vec<u8>),
@@ -55,6 +60,7 @@ pub(super) struct Service {
     panel: Arc<Panel>,
     /// TLS, at a network address.
     tls: Option<TlsAcceptor>,
+    settings: Settings,
     server: Server,
     connections: BTreeMap<u64, Connection>,
     events: mpsc::Sender<Notice>,
@@ -69,11 +75,12 @@ pub(super) struct Service {
 }
 
 impl Service {
-    pub(super) fn new(panel: &Arc<Panel>, is_network: bool) -> Self {
+    pub(super) fn new(panel: &Arc<Panel>, is_network: bool, settings: Settings) -> Self {
         let (events, happened) = mpsc::channel(MAX_SEGMENTS);
         Self {
             panel: panel.clone(),
             tls: panel.security.tls.as_ref().filter(|_| is_network).map(|t| t.acceptor.clone()),
+            settings,
             server: Server::default(),
             connections: BTreeMap::new(),
             events,
@@ -94,7 +101,10 @@ impl Service {
                 biased;
                 _ = look.tick() => self.look(*end.borrow()),
                 Some(event) = self.happened.recv() => self.take(event),
-                Ok((stream, _)) = listener.accept() => self.connect(stream),
+                Ok((stream, client)) = listener.accept() => match self.settings.admits(client.ip()) {
+                    true => self.connect(stream),
+                    false => refuse(stream, self.tls.is_none(), NOT_ALLOWED),
+                },
             }
             self.act();
         }
@@ -168,15 +178,7 @@ impl Service {
         drop(stream.set_nodelay(true));
         connection::keep_alive(&stream);
         let Some(id) = self.server.connect(self.now) else {
-            tokio::spawn(async move {
-                let mut stream = stream;
-                let full = b"DENEGADO OCUPADO too many connections, or the server stops\r\n";
-                if tls.is_none() {
-                    // A client that has gone needs no answer.
-                    drop(timeout(TLS_TIME, stream.write_all(full)).await);
-                }
-            });
-            return;
+            return refuse(stream, tls.is_none(), FULL);
         };
         let (answers, queue) = mpsc::channel(MAX_ANSWERS);
         let permits = Arc::new(Semaphore::new(1));
@@ -271,8 +273,8 @@ impl Service {
                 }
                 Action::Start { id, program } => self.start(id, program),
                 Action::Cancel => {
-                    let panel = self.panel.clone();
-                    tokio::spawn(async move { job::cancel(&panel).await });
+                    let (panel, ends_command) = (self.panel.clone(), self.settings.ends_command);
+                    tokio::spawn(async move { job::cancel(&panel, ends_command).await });
                 }
                 Action::Lose => self.lose(),
                 Action::Close(id) => {
@@ -328,6 +330,16 @@ impl Service {
         let Some(owner) = self.owner.clone() else { return };
         let panel = self.panel.clone();
         tokio::spawn(async move { job::end_lease(&panel, &owner).await });
+    }
+}
+
+/// Answers a client that is not served; one that would have to begin TLS for that gets no answer.
+fn refuse(mut stream: TcpStream, is_plain: bool, answer: &'static str) {
+    if is_plain {
+        tokio::spawn(async move {
+            // A client that has gone needs no answer.
+            drop(timeout(TLS_TIME, stream.write_all(answer.as_bytes())).await);
+        });
     }
 }
 

@@ -74,6 +74,32 @@ fn a_user_cancels() {
     use_case("cancel");
 }
 
+/// With `TELEOP_CANCEL = block` the line in progress is executed to its end, and the next one is not begun.
+#[test]
+fn a_cancelled_job_ends_at_the_end_of_its_command() {
+    let mut mill = Mill::start("ON_LOSS = hold\nTELEOP_CANCEL = block\n", &[]);
+    mill.ready();
+    play(
+        &mut mill,
+        "A> INGRESAR ana:TOKEN\nA< ACEPTADO\nA> ENVIAR_NUEVO G20 G61 G1 X0.5 F6\nA< RECIBIDO\n\
+         A> ENVIAR_AGREGAR G1 X2\nA< RECIBIDO\nA> EJECUTAR\nA starts\nA? AVANCE 5\n\
+         A> CANCELAR\nA< CANCELADO\nA> AVANCE\nA< AVANCE 100\nA> SALIR\nA< ADIOS\nA closed\n",
+    );
+    assert_eq!(mill.number("joint.0.pos-cmd"), 0.5);
+    assert_eq!(mill.halcmd("getp motion.in-position").trim(), "TRUE");
+}
+
+#[test]
+fn a_client_whose_address_is_not_listed_is_refused() {
+    let mill = Mill::start("ON_LOSS = hold\nTELEOP_ALLOW = 192.0.2.0/24\n", &[]);
+    let mut people = People::default();
+    let answer = people.ask(&mill, "A", "AVANCE");
+    assert!(answer.starts_with("DENEGADO PERMISO "), "{answer}");
+    assert_eq!(people.hear(&mill, "A"), "(closed)");
+    let mill = Mill::start("ON_LOSS = hold\nTELEOP_ALLOW = 192.0.2.0/24 127.0.0.0/8\n", &[]);
+    assert_eq!(people.ask(&mill, "B", "INGRESAR ana:TOKEN"), "ACEPTADO");
+}
+
 #[test]
 fn an_operator_adjusts() {
     use_case("adjust");

@@ -3,6 +3,7 @@
 import { ask, card, el, enable, setText } from "../dom.js";
 import { bytes } from "../format.js";
 import { getJson, programPath, request } from "../http.js";
+import { editProgram } from "./editor.js";
 import { Listing, Program } from "./listing.js";
 
 /** Makes the card of programs. */
@@ -16,6 +17,7 @@ export function programsCard(ctx) {
     listing.choose(line);
     store.merge("program", { chosen: line });
   });
+  const fresh = el("button", { type: "button", id: "program-new", onclick: () => edit(null) }, t("program.new"));
   const files = el("details", { open: true }, el("summary", {}, t("programs")), list);
   let loading = null;
 
@@ -31,7 +33,20 @@ export function programsCard(ctx) {
   function item(file) {
     const open = el("button", { type: "button", class: "plain", onclick: () => ctx.run("open", { program: file.name }) }, file.name);
     const remove = el("button", { type: "button", class: "small", "aria-label": `${t("program.delete")} ${file.name}`, onclick: () => removeFile(file.name) }, "✕");
-    return el("li", { class: "row spread" }, open, el("span", { class: "note" }, bytes(file.bytes)), remove);
+    const change = el("button", { type: "button", class: "small edit", "aria-label": `${t("program.edit")} ${file.name}`, onclick: () => edit(file.name), disabled: ctx.session.role === "viewer" }, "✎");
+    return el("li", { class: "row spread" }, open, el("span", { class: "note" }, bytes(file.bytes)), change, remove);
+  }
+
+  async function edit(file) {
+    const name = await editProgram(ctx, file);
+    if (name !== null) stored(name);
+  }
+
+  /** Shows a program that was stored; one that is open is read again. */
+  function stored(name) {
+    setText(note, t("program.uploaded", name));
+    if (store.get("program").name === name) load(name);
+    refresh();
   }
 
   async function removeFile(file) {
@@ -49,15 +64,12 @@ export function programsCard(ctx) {
       setText(note, t("program.uploading", file.name));
       try {
         await request("PUT", programPath(file.name), { body: file });
-        setText(note, t("program.uploaded", file.name));
-        // A program that is open is read again.
-        if (store.get("program").name === file.name) load(file.name);
+        stored(file.name);
       } catch (error) {
         setText(note, "");
         ctx.fail(error);
       }
     }
-    refresh();
   }
   input.addEventListener("change", () => {
     upload([...input.files]);
@@ -87,14 +99,14 @@ export function programsCard(ctx) {
     const file = (task.file ?? "").split("/").at(-1) || null;
     if (file !== (store.get("program").name ?? null)) load(file);
     listing.mark(task.interpreter ? motion.line || task.line || 0 : 0);
-    enable(input, ctx.session.role !== "viewer");
+    for (const control of [input, fresh]) enable(control, ctx.session.role !== "viewer");
   }, signal);
   signal.addEventListener("abort", () => loading?.abort());
   refresh();
 
   const box = card(
     "programs", t("program"), name, note, listing.node, files,
-    el("div", { class: "row" }, el("label", { class: "button", for: "upload" }, t("program.upload")), input,
+    el("div", { class: "row" }, el("label", { class: "button", for: "upload" }, t("program.upload")), input, fresh,
       el("button", { type: "button", onclick: refresh }, t("refresh"))),
   );
   box.addEventListener("dragover", (event) => event.preventDefault());

@@ -1,0 +1,231 @@
+//! Alignment: what the component align knows, live pictures of its camera, and programs that are rewritten to the part.
+
+use super::{
+    machine::encoded,
+    programs::{MAX_BYTES, disk, whole},
+};
+use crate::{
+    error::{Code, Error},
+    server::Panel,
+    session::{Role, Session},
+};
+use axum::{
+    Json,
+    extract::{Path, RawQuery, State},
+    http::{HeaderName, HeaderValue, header},
+    response::{IntoResponse as _, Response},
+};
+use hal_align::{
+    Matrix, Transform, Vector,
+    rewrite::{Arcs, Refusal, Rules, rewrite as rewritten},
+};
+use hal_protocol::{Reply, Request};
+use serde_json::{Value as Json_, json};
+use std::{
+    fs,
+    io::{self, BufRead as _, BufReader, Read as _},
+    path::{Path as FilePath, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
+use tokio::{
+    task::block_in_place,
+    time::{Instant, sleep},
+};
+
+/// Header with what is in a picture.
+const VIEW: HeaderName = HeaderName::from_static("x-ferrule-view");
+/// Time for which the component is asked for pictures, in seconds of machine time.
+const WATCHED: &str = "seconds=3";
+/// Time after which it is asked again.
+const AGAIN: Duration = Duration::from_secs(1);
+/// Time between two looks for a new picture.
+const LOOK: Duration = Duration::from_millis(30);
+/// Longest wait for a new picture.
+const WAIT: Duration = Duration::from_secs(5);
+/// Longest line before a picture, and largest picture, in bytes.
+const MAX_VIEW: u64 = 40 << 20;
+/// Begin of the name of a rewritten program.
+const ALIGNED: &str = "aligned-";
+/// Number of refused lines that are told.
+const MAX_TOLD: usize = 5;
+
+impl Panel {
+    /// Returns the file into which the component writes pictures.
+    pub(crate) fn view_file(&self) -> PathBuf {
+        self.place.folder().join(format!("panel-{}.view", self.place.name()))
+    }
+
+    /// Asks the component for pictures, once in a while for all who watch.
+    async fn ask_for_pictures(&self) -> Result<(), Error> {
+        let mut asked = self.viewed.lock().await;
+        if asked.is_some_and(|at| at.elapsed() < AGAIN) {
+            return Ok(());
+        }
+        let file = format!("file={}", self.view_file().display());
+        let args = vec![file, WATCHED.to_owned()];
+        self.engine.call(Request::Command { name: "align.watch".to_owned(), args }).await?;
+        *asked = Some(Instant::now());
+        Ok(())
+    }
+
+    /// Returns what the component knows, as the text of a JSON object.
+    async fn alignment(&self) -> Result<String, Error> {
+        let args = vec!["json=TRUE".to_owned()];
+        let asked = Request::Command { name: "align.status".to_owned(), args };
+        match self.engine.call(asked).await? {
+            Reply::Answer(told) => Ok(told.lines.concat()),
+            _ => Err(Error::new(Code::Refused, "align.status has no answer")),
+        }
+    }
+}
+
+/// Tells marks, fit and camera.
+pub(crate) async fn state(State(panel): State<Arc<Panel>>, _: Session) -> Result<Response, Error> {
+    let json = panel.alignment().await?;
+    Ok(([(header::CONTENT_TYPE, "application/json")], json).into_response())
+}
+
+/// Returns the next picture of the camera that is not the one of `after`.
+pub(crate) async fn picture(
+    State(panel): State<Arc<Panel>>,
+    _: Session,
+    RawQuery(query): RawQuery,
+) -> Result<Response, Error> {
+    let after = match query.as_deref() {
+        None | Some("") => None,
+        Some(query) => {
+            let number = query.strip_prefix("after=").and_then(|t| t.parse::<u64>().ok());
+            Some(number.ok_or_else(|| {
+                Error::new(Code::Malformed, format!("'{query}' is not after=NUMBER"))
+            })?)
+        }
+    };
+    let file = panel.view_file();
+    let begun = Instant::now();
+    loop {
+        panel.ask_for_pictures().await?;
+        let view = block_in_place(|| read_view(&file, after)).map_err(|e| disk(&e))?;
+        if let Some((head, bytes)) = view {
+            return answer(&head, bytes);
+        }
+        if begun.elapsed() >= WAIT {
+            return Err(Error::new(Code::NotFound, "no new picture has come within 5 s"));
+        }
+        sleep(LOOK).await;
+    }
+}
+
+/// Reads a picture with the line before it, unless its number is this one.
+fn read_view(file: &FilePath, after: Option<u64>) -> io::Result<Option<(Json_, Vec<u8>)>> {
+    let opened = match fs::File::open(file) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
+        opened => opened?,
+    };
+    let mut opened = BufReader::new(opened.take(MAX_VIEW));
+    let (mut line, mut bytes) = (Vec::new(), Vec::new());
+    opened.read_until(b'\n', &mut line)?;
+    let head: Json_ = serde_json::from_slice(&line)?;
+    if after.is_some() && head.get("number").and_then(Json_::as_u64) == after {
+        return Ok(None);
+    }
+    opened.read_to_end(&mut bytes)?;
+    Ok(Some((head, bytes)))
+}
+
+fn answer(head: &Json_, bytes: Vec<u8>) -> Result<Response, Error> {
+    let kind = match head.get("kind").and_then(Json_::as_str) {
+        Some("image/png") => "image/png",
+        Some("image/jpeg") => "image/jpeg",
+        _ => {
+            let why = head.get("problem").and_then(Json_::as_str).unwrap_or("there is no picture");
+            return Err(Error::new(Code::Refused, why));
+        }
+    };
+    let mut response = bytes.into_response();
+    response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(kind));
+    if let Ok(value) = HeaderValue::from_str(&encoded(&head.to_string())) {
+        response.headers_mut().insert(VIEW, value);
+    }
+    Ok(response)
+}
+
+/// Rewrites a program to the place of the part, and stores it beside the first.
+pub(crate) async fn rewrite(
+    State(panel): State<Arc<Panel>>,
+    session: Session,
+    Path(name): Path<String>,
+    Json(asked): Json<Json_>,
+) -> Result<Response, Error> {
+    session.needs(Role::Operator)?;
+    let arcs = match asked.get("arcs").and_then(Json_::as_str) {
+        None | Some("lines") => Arcs::Lines,
+        Some("refuse") => Arcs::Refuse,
+        Some(other) => {
+            return Err(Error::new(Code::Malformed, format!("arcs is {other}: lines or refuse")));
+        }
+    };
+    let source = panel.program(&name)?;
+    let new = format!("{ALIGNED}{name}");
+    let target = panel.program(&new)?;
+    let transform = place(&panel.alignment().await?)?;
+    panel.check_idle(&target)?;
+    let rules = Rules { arcs, header: Some(name), ..Rules::default() };
+    let done = block_in_place(|| {
+        let text = whole(&source, MAX_BYTES).map_err(|e| disk(&e))?;
+        let done = rewritten(&text, &transform, &rules).map_err(|all| refused(&all))?;
+        hal_output::write(&target, &done.text).map_err(|e| disk(&e))?;
+        Ok::<_, Error>(done)
+    })?;
+    panel.audit.note(&session.user, 0, &json!({ "align": new }), Ok(()));
+    Ok(Json(json!({
+        "name": new, "bytes": done.text.len(), "changed": done.changed, "arcs": done.arcs,
+        "chords": done.chords, "feed_is_uneven": done.feed_is_uneven,
+    }))
+    .into_response())
+}
+
+/// Returns the place of the part, from what the component tells.
+fn place(told: &str) -> Result<Transform, Error> {
+    let told: Json_ = serde_json::from_str(told).unwrap_or_default();
+    let is_solved = told.get("fit").is_some_and(Json_::is_object);
+    let numbers = told.get("place").and_then(Json_::as_array).filter(|_| is_solved);
+    let numbers: Vec<f64> = numbers.into_iter().flatten().filter_map(Json_::as_f64).collect();
+    let [m11, m12, m21, m22, x, y] = numbers.as_slice() else {
+        return Err(Error::new(Code::Conflict, "the marks do not give the place of the part yet"));
+    };
+    Ok(Transform { linear: Matrix::new(*m11, *m12, *m21, *m22), shift: Vector::new(*x, *y) })
+}
+
+/// Names the lines that cannot be rewritten.
+fn refused(all: &[Refusal]) -> Error {
+    let told = all.iter().take(MAX_TOLD).map(|r| format!("line {}: {}", r.line, r.reason));
+    let mut text = told.collect::<Vec<_>>().join("; ");
+    if all.len() > MAX_TOLD {
+        text.push_str(&format!("; and {} more", all.len() - MAX_TOLD));
+    }
+    Error::new(Code::Refused, text)
+}
+
+#[cfg(test)]
+mod tests {
+    //! Places that are known, and those that are not.
+
+    use super::{Code, place};
+
+    #[test]
+    fn only_a_place_that_is_solved_counts() {
+        let solved = r#"{"fit": {"rms": 0}, "place": [1.2, 0, 0, 1.1, 100, 50]}"#;
+        let found = place(solved).unwrap();
+        assert_eq!((found.linear.m11, found.shift.y), (1.2, 50.0));
+        for none in [
+            "",
+            "{}",
+            r#"{"fit": null, "place": [1, 0, 0, 1, 0, 0]}"#,
+            r#"{"fit": {}, "place": [1, 0, 0, 1, null, 0]}"#,
+            r#"{"fit": {}, "place": [1, 0, 0, 1, 0, 0, 0]}"#,
+        ] {
+            assert_eq!(place(none).unwrap_err().code, Code::Conflict, "{none}");
+        }
+    }
+}
