@@ -7,11 +7,12 @@ use crate::{
     presses::{PressQueue, Presses, STOPPED},
 };
 use hal_component::{
-    Arg, Builder, Call, Component, Error, In, Out, Period, Port, TicketHandle, Touch, Update,
+    Arg, Builder, Call, Clock, Component, Error, In, Out, Period, Port, TicketHandle, Touch, Update,
     abi::{ArgSpec, component_flags},
 };
 use hal_handheld::{
     FrameFormat, FrameReader, KeySet, Keypad, Press, frame::Received,
+    keypad::STALE,
     keys::{STOP, number_of},
     line::press_for,
 };
@@ -47,7 +48,9 @@ presses fail. Presses come from
 
 FALSE at `enable` releases the virtual key and forgets what waits; the handheld's own keys always pass.
 
-`device=PATH` is the serial line: frames are read from the handheld and written to the controller. On the virtual clock and
+`device=PATH` is the serial line: frames are read from the handheld and written to the controller, without handshake. Neither
+passes late: keys older than three periods are dropped, and a frame that could not leave gives way to the next. A line that
+fails for a second, such as an adapter that was pulled, is told of, and opened again when it is there. On the virtual clock and
 with `--simulate` neither the device nor the pipe is opened; the bytes come and go through the pins of type port, which
 serve in any case.
 
@@ -92,6 +95,13 @@ getp keypad.down-02 # -> TRUE
         commands(b, lines, &presses)?;
         let device = b.arg_text("device").unwrap_or_default();
         let baud = b.arg_int("baud").and_then(|n| u32::try_from(n).ok()).unwrap_or(115_200);
+        let frame_ms = 10_000.0 * format.size() as f64 / f64::from(baud);
+        if !device.is_empty() && frame_ms > period_ms {
+            let size = format.size();
+            return Err(Error::new(format!(
+                "a frame of {size} bytes takes {frame_ms:.1} ms at {baud} Bd, and period is {period_ms} ms"
+            )));
+        }
         let line = device::declare(b, "keypad.line", device, baud)?;
         let pipe = b.arg_text("pipe").unwrap_or_default();
         pipe::declare(b, pipe, lines, presses)?;
@@ -125,6 +135,7 @@ getp keypad.down-02 # -> TRUE
             reader: FrameReader::new(format),
             format,
             keypad: Keypad::default(),
+            clock: b.clock(),
             ticket: None,
             #[expect(clippy::cast_possible_truncation, reason = "2 to 1000 ms")]
             period_ns: (period_ms * 1e6) as i64,
@@ -216,6 +227,7 @@ struct Multiplexer {
     waiting: Out<u32>,
     physical: Out<bool>,
     line: Option<DeviceLine>,
+    clock: Clock,
     queue: PressQueue,
     #[state]
     reader: FrameReader,
@@ -259,7 +271,11 @@ impl Multiplexer {
     fn receive(&mut self, ns: i64) {
         let mut bytes = [0; BYTES];
         let mut count = match &mut self.line {
-            Some(line) => line.read(&mut bytes),
+            // Keys that were pressed before a pause of this function are no longer those under the fingers.
+            Some(line) => {
+                let stale = self.period_ns.saturating_mul(i64::from(STALE));
+                line.read_since(self.clock.now_ns().saturating_sub(stale), &mut bytes)
+            }
             None => 0,
         };
         count += read_port(self.frames_in.get(), bytes.get_mut(count..).unwrap_or_default());
