@@ -116,12 +116,12 @@ pub(crate) fn read_port(port: Port, into: &mut [u8]) -> usize {
 /// The device cannot be opened, or the line has no such speed.
 pub(crate) fn open(path: &str, baud: u32) -> Result<File, Error> {
     let fail =
-        |e: rustix::io::Errno| Error::new(format!("device {path}: {}", std::io::Error::from(e)));
+        |e: Errno| Error::new(format!("device {path}: {}", std::io::Error::from(e)));
     let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
     let opened = rustix::fs::open(path, flags, Mode::empty());
     // A device may permit reading alone.
     let opened = opened.or_else(|e| match e {
-        rustix::io::Errno::ACCESS | rustix::io::Errno::PERM => {
+        Errno::ACCESS | Errno::PERM => {
             let flags = OFlags::RDONLY | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
             rustix::fs::open(path, flags, Mode::empty())
         }
@@ -138,7 +138,7 @@ pub(crate) fn open(path: &str, baud: u32) -> Result<File, Error> {
             tcflush(&file, QueueSelector::IOFlush).map_err(fail)?;
         }
         // No terminal: a pipe, or a driver's own device.
-        Err(rustix::io::Errno::NOTTY) => {}
+        Err(Errno::NOTTY) => {}
         Err(e) => return Err(fail(e)),
     }
     Ok(file)
