@@ -75,6 +75,7 @@ fn arrows_point_only_downward() {
         (
             "halpanel",
             &[
+                "hal-align",
                 "hal-gcode",
                 "hal-ini",
                 "hal-job",

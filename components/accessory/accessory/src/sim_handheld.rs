@@ -2,7 +2,7 @@
 
 use crate::format::{CHECK, HEADER, MAP, PERIOD, SIZE, format};
 use hal_component::{
-    Arg, Builder, Component, Error, In, Out, Period, Port, Touch, Update,
+    Builder, Component, Error, In, Out, Period, Port, Touch, Update,
     abi::{ArgSpec, component_flags},
 };
 use hal_handheld::{FrameFormat, KeySet};

@@ -68,7 +68,7 @@ pub(crate) struct Bench {
 /// A mark of the job that was found.
 #[derive(Clone, Copy)]
 pub(crate) struct Measured {
-    /// Its place on the machine, in millimetres.
+    /// Place on the machine, in millimetres.
     pub(crate) place: Vector,
     /// Standard deviation of the place, in millimetres.
     pub(crate) uncertainty: f64,

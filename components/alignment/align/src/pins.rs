@@ -3,19 +3,36 @@
 use crate::eye::Scene;
 use hal_component::{Builder, Error, In, Out, Plain, Touch};
 
+/// Type of a pin. The derive macros take their place in the source from the types of fields, which must be that of the
+/// struct: here, and not where the table is.
+macro_rules! of_pin {
+    (f64) => {
+        f64
+    };
+    (bool) => {
+        bool
+    };
+    (i32) => {
+        i32
+    };
+    (u32) => {
+        u32
+    };
+}
+
 /// Results of the worker, each with the pin of its name: field, type, first value, documentation.
 macro_rules! results {
     ($($name:ident: $ty:ident = $first:tt, $doc:tt;)*) => {
         /// Latest results.
         #[derive(Clone, Copy, Debug, Default, Plain)]
         pub(crate) struct Results {
-            $(#[doc = $doc] pub(crate) $name: $ty,)*
+            $(#[doc = $doc] pub(crate) $name: of_pin!($ty),)*
         }
 
         /// Pins that show them.
         #[derive(Debug, Touch)]
         struct Shown {
-            $($name: Out<$ty>,)*
+            $($name: Out<of_pin!($ty)>,)*
         }
 
         impl Shown {

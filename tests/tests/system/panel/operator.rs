@@ -148,7 +148,7 @@ fn a_program_is_written_and_edited_in_the_page() {
     b.click("#editor-save");
     b.until("!document.querySelector('dialog') && document.querySelector('.files .edit')");
     assert_eq!(file(), "G21 G90\nG1 X5 F600\nM2\n");
-    // What is not saved is given up the second time only.
+    // What is not saved is discarded the second time only.
     b.click(".files .edit");
     b.until("document.querySelector('#editor-text')?.value.startsWith('G21')");
     b.fill("#editor-text", "G0 Z1\n");

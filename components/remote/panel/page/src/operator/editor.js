@@ -39,7 +39,7 @@ export async function editProgram(ctx, file) {
       dialog.remove();
       resolve(result);
     };
-    /** Leaves; what is not stored is given up the second time only. */
+    /** Leaves; what is not stored is discarded the second time only. */
     function give() {
       if (area.value === first || isWarned) return close(null);
       isWarned = true;
