@@ -43,7 +43,9 @@ fn judge(path: &Path, got: &str, is_update: bool) -> Result<(), String> {
         Err(e) => return Err(format!("{shown}: {e} (UPDATE_EXPECT=1 writes the file)")),
     };
     let difference = match difference(&expected, got) {
-        same if expected.lines().eq(got.lines()) => format!("{same}they differ in line ends only\n"),
+        same if expected.lines().eq(got.lines()) => {
+            format!("{same}they differ in line ends only\n")
+        }
         difference => difference,
     };
     Err(format!("{shown} (UPDATE_EXPECT=1 accepts what came):\n{difference}"))

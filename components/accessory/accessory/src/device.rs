@@ -1,8 +1,8 @@
 //! Serial lines and other character devices: a worker passes their bytes to a function, and the function's bytes to them.
 
 use hal_component::{
-    Builder, Clock, Error, Messages, Plain, Port, RingReader, RingWriter, SeqReader, SeqWriter, Touch,
-    Work,
+    Builder, Clock, Error, Messages, Plain, Port, RingReader, RingWriter, SeqReader, SeqWriter,
+    Touch, Work,
 };
 use hal_handheld::frame::MOST_BYTES;
 use rustix::{
@@ -96,7 +96,9 @@ impl DeviceLine {
         for (to, byte) in bytes.iter_mut().zip(frame) {
             *to = *byte;
         }
-        let word = |n: usize| bytes.iter().skip(n * 8).take(8).rev().fold(0, |w, b| w << 8 | u64::from(*b));
+        let word = |n: usize| {
+            bytes.iter().skip(n * 8).take(8).rev().fold(0, |w, b| w << 8 | u64::from(*b))
+        };
         let len = frame.len().min(MOST_BYTES) as u64;
         self.to.set(&LatestFrame { number: self.number, len, bytes: [word(0), word(1)] });
     }
@@ -115,8 +117,7 @@ pub(crate) fn read_port(port: Port, into: &mut [u8]) -> usize {
 /// # Errors
 /// The device cannot be opened, or the line has no such speed.
 pub(crate) fn open(path: &str, baud: u32) -> Result<File, Error> {
-    let fail =
-        |e: Errno| Error::new(format!("device {path}: {}", std::io::Error::from(e)));
+    let fail = |e: Errno| Error::new(format!("device {path}: {}", std::io::Error::from(e)));
     let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
     let opened = rustix::fs::open(path, flags, Mode::empty());
     // A device may permit reading alone.

@@ -7,11 +7,13 @@ use crate::{
     presses::{PressQueue, Presses, STOPPED},
 };
 use hal_component::{
-    Arg, Builder, Call, Clock, Component, Error, In, Out, Period, Port, TicketHandle, Touch, Update,
+    Arg, Builder, Call, Clock, Component, Error, In, Out, Period, Port, TicketHandle, Touch,
+    Update,
     abi::{ArgSpec, component_flags},
 };
 use hal_handheld::{
-    FrameFormat, FrameReader, KeySet, Keypad, Press, frame::Received,
+    FrameFormat, FrameReader, KeySet, Keypad, Press,
+    frame::Received,
     keypad::STALE,
     keys::{STOP, number_of},
     line::press_for,

@@ -77,7 +77,10 @@ getp usbjobs.medium # -> 0
             .or(""),
         &Arg::text("function", "Folder of the USB function in configfs.").or(""),
         &Arg::text("programs", "Folder whose files are jobs.").or(""),
-        &Arg::int("size", "Size of each new image; one that is there keeps its own.").or("64").within(36.0, 32_768.0).unit("MiB"),
+        &Arg::int("size", "Size of each new image; one that is there keeps its own.")
+            .or("64")
+            .within(36.0, 32_768.0)
+            .unit("MiB"),
         &Arg::bit("force", "TRUE permits that the medium is taken from a host that holds it.")
             .or("0"),
     ];

@@ -288,7 +288,7 @@ impl Controller {
             let at = place - origin;
             // There is no -0.000.
             let at = if at.abs() < 0.0005 { 0.0 } else { at };
-            *row = ScreenRow::of(letter).and_fixed(at, 10).and(" ").and(status.text());
+            *row = ScreenRow::of(letter).and_decimals(at, 3, 10).and(" ").and(status.text());
         }
         if let Some(last) = rows.last_mut() {
             *last = match self.menu {

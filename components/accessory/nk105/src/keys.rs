@@ -50,7 +50,8 @@ impl Controller {
             27 if is_idle => self.has_spindle = !self.has_spindle,
             28 if is_idle => {
                 self.is_fast = !self.is_fast;
-                self.message = ScreenRow::default().and_number(self.jog_speed() as i64, 0).and(" MM/S");
+                self.message =
+                    ScreenRow::default().and_decimals(self.jog_speed(), 0, 0).and(" MM/S");
             }
             15..=20 if self.is_step && is_idle && self.menu.is_none() => self.step_jog(key),
             // A key that is down already when a job ends moves nothing.
@@ -82,7 +83,8 @@ impl Controller {
                 self.message = ScreenRow::of("FEED ").and_number(i64::from(percent), 0);
             }
             None => {
-                self.message = ScreenRow::of("1 TO ").and_number(MOST_PERCENT.into(), 0).and(" ONLY");
+                self.message =
+                    ScreenRow::of("1 TO ").and_number(MOST_PERCENT.into(), 0).and(" ONLY");
             }
         }
         self.entry = ScreenRow::default();

@@ -40,12 +40,16 @@ impl ScreenRow {
         self.and_digits(number, 0, width)
     }
 
-    /// Returns the row with a further number with three decimals, at the end of a column of this width.
+    /// Returns the row with a further number with so many decimals, at the end of a column of this width.
     #[must_use]
-    pub fn and_fixed(self, number: f64, width: usize) -> Self {
-        #[expect(clippy::cast_possible_truncation, reason = "what is no number is 0, and others are at the ends")]
-        let thousandths = libm::round(number * 1000.0) as i64;
-        self.and_digits(thousandths, 3, width)
+    pub fn and_decimals(self, number: f64, decimals: u8, width: usize) -> Self {
+        let scale = (0..decimals).fold(1.0, |scale, _| scale * 10.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "what is no number is 0, and others are at the ends"
+        )]
+        let digits = libm::round(number * scale) as i64;
+        self.and_digits(digits, decimals.into(), width)
     }
 
     /// Appends a number, whose last `decimals` digits stand behind a point.
@@ -180,7 +184,7 @@ mod tests {
     #[test]
     fn numbers_read_as_they_are_formatted() {
         for n in [0.0, 0.001, -0.001, 1.0, -12.5, 99.999, -123_456.789, 0.0004, f64::NAN, 1e300] {
-            let row = ScreenRow::of("X").and_fixed(n, 10).and(" IDLE");
+            let row = ScreenRow::of("X").and_decimals(n, 3, 10).and(" IDLE");
             let kept = if n.is_nan() { 0.0 } else { n };
             let text: String = format!("X{kept:10.3} IDLE").chars().take(16).collect();
             if n < 1e9 {

@@ -7,7 +7,8 @@ use crate::{
 };
 use hal_align::{Alignment, Conditions, Fit, Mark, Matrix, Misfit, Model, Transform, Vector, fit};
 use hal_marks::{
-    Calibration, Camera, FoundMark, Mean, Search, Sight, Unfound, average, calibrate, choose, search,
+    Calibration, Camera, FoundMark, Mean, Search, Sight, Unfound, average, calibrate, choose,
+    search,
 };
 use std::{fmt, path::Path};
 

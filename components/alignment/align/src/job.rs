@@ -179,7 +179,9 @@ impl MarkJob {
                     _ => return Err(wrong(entry, usual)),
                 };
             }
-            _ => return Err(wrong(entry, "has no meaning: SOURCE, MATRIX, OFFSET, TIMEOUT, DELAY")),
+            _ => {
+                return Err(wrong(entry, "has no meaning: SOURCE, MATRIX, OFFSET, TIMEOUT, DELAY"));
+            }
         }
         Ok(())
     }

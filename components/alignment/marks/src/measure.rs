@@ -178,7 +178,8 @@ fn pixels(picture: &Picture, region: &Region) -> Vec<Pixel> {
             let near = |reach: usize| {
                 let (left, right) = (x.saturating_sub(reach), (x + reach + 1).min(region.width));
                 let (top, bottom) = (y.saturating_sub(reach), (y + reach + 1).min(region.height));
-                let sum = |x: usize, y: usize| sums.get(y * (region.width + 1) + x).copied().unwrap_or(0);
+                let sum =
+                    |x: usize, y: usize| sums.get(y * (region.width + 1) + x).copied().unwrap_or(0);
                 (sum(right, bottom) + sum(left, top)) - (sum(left, bottom) + sum(right, top))
             };
             let place = if region.is_filled(x, y) {

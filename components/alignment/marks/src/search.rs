@@ -142,7 +142,11 @@ pub fn search(picture: &Picture, wanted: &Search) -> Seen {
     let dark = dark(&values, width, height);
     let expected = expected(wanted);
     let whole = |n: f64| {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of pixels")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of pixels"
+        )]
         let whole = n as usize;
         whole
     };

@@ -34,7 +34,8 @@ fn stop_passes_the_presses_that_wait() {
     bench.run("keypad.update", 20 * MS);
     assert!(is_down(&bench, "14") && !is_down(&bench, "15"));
     assert_eq!(bench.get::<u32>("keypad.queue"), 1);
-    let failed = bench.tickets().iter().filter(|t| **t == TicketState::Failed("STOP was pressed")).count();
+    let failed =
+        bench.tickets().iter().filter(|t| **t == TicketState::Failed("STOP was pressed")).count();
     assert_eq!(failed, 5, "{:?}", bench.tickets());
     let mut pressed = Vec::new();
     for _ in 0..20 {
@@ -186,7 +187,7 @@ fn numbers_of_two_senders_stay_whole() {
     std::thread::scope(|scope| {
         let senders = [1, 2].map(|key| scope.spawn(sender(key)));
         loop {
-            let all_sent = senders.iter().all(|sender| sender.is_finished());
+            let all_sent = senders.iter().all(std::thread::ScopedJoinHandle::is_finished);
             match queue.take() {
                 Some(entry) => taken.push(entry.press),
                 None if all_sent => break,

@@ -136,7 +136,10 @@ fn no_file_of_the_folder_is_lost_and_none_is_sent_in_part() {
     }
     assert!(pass(4).contains(&"ready grows.nc".to_owned()));
     let said = bench.said();
-    assert_eq!(said.iter().filter(|line| line.contains("ERROR") || line.contains("wait")).count(), 0);
+    assert_eq!(
+        said.iter().filter(|line| line.contains("ERROR") || line.contains("wait")).count(),
+        0
+    );
 }
 
 /// An instance that begins while its image is presented leaves it; the kernel refuses to change `ro` beside an image.
@@ -179,9 +182,7 @@ fn another_size_changes_no_image_that_is_presented() {
     std::fs::write(&job, "M30\n").unwrap();
     let load = |size: &str| {
         let mut bench = Bench::new();
-        bench
-            .load::<UsbJobs>(&[&format!("folder={}", scratch.path("jobs")), size])
-            .unwrap();
+        bench.load::<UsbJobs>(&[&format!("folder={}", scratch.path("jobs")), size]).unwrap();
         bench.set("usbjobs.idle", true);
         bench.work("usbjobs", 8).unwrap();
         bench

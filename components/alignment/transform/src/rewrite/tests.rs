@@ -229,7 +229,9 @@ fn what_cannot_be_kept_is_refused_by_line() {
             .starts_with("2:0: this arc must become lines, and its block ends")
     );
     let inverse = "G21\no1 if [#1]\nG0 X10 Y0\nG3 I-10 F2\no1 endif\nG93\n";
-    assert!(refused(inverse, &stretched()).contains("2:0: this arc must become lines, and its feed"));
+    assert!(
+        refused(inverse, &stretched()).contains("2:0: this arc must become lines, and its feed")
+    );
     let inverse = "G93 G0 X10 Y0\nG3 I-10 F2\n";
     assert!(refused(inverse, &stretched()).contains("inverse time"));
     let singular = Transform { linear: Matrix::new(1.0, 2.0, 2.0, 4.0), shift: Vector::ZERO };
