@@ -153,6 +153,7 @@ impl Program<'_> {
                 if let Some(word) = &words.flow {
                     known.forget();
                     modal.forget_all();
+                    // Flow control takes these modes to another O-word, before this one or behind it.
                     if word.action != Action::Bare {
                         modal.modes.insert(modal.now);
                     }
@@ -178,10 +179,6 @@ impl Program<'_> {
                 }
             }
             known.assign(&words, self.options.expand);
-            // Flow control may bring these modes to any block that is rewritten, before this one or behind it.
-            if self.flow.any && !modal.modes.is_empty() {
-                modal.modes.insert(modal.now);
-            }
             ended = modal.ended && !self.flow.any;
             if out.text.len() > MAX_BYTES {
                 refusals.push(Refusal { line: number, column: 0, reason: Reason::TooLong });

@@ -71,7 +71,7 @@ pub(super) struct Modal {
     pub(super) carry: Vector,
     /// Coordinate system, in tenths of its G code.
     pub(super) system: Option<i32>,
-    /// Modes under which blocks were rewritten; with flow control also those that it may bring to such blocks.
+    /// Modes under which blocks were rewritten; with flow control also those at O-words.
     pub(super) modes: BTreeSet<Modes>,
     pub(super) has_feed: bool,
     /// The program has given its unit.

@@ -107,7 +107,7 @@ impl fmt::Display for Reason {
                 "M{code} restores modes, so that the blocks behind it are unclear: write the modes instead"
             ),
             Self::FlowWithModes => f.write_str(
-                "a program with O-words must keep one plane, one unit and one distance mode: G17, G20 or G21, G90 or G91, G90.1 or G91.1, from its first O-word or move in X and Y on",
+                "a program with O-words must keep one plane, one unit and one distance mode: G17, G20 or G21, G90 or G91, G90.1 or G91.1 at all its O-words and moves in X and Y",
             ),
             Self::OtherFile => f.write_str(
                 "this subroutine is not in this file, and would run without alignment: put it into the file",

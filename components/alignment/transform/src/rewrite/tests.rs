@@ -291,6 +291,8 @@ fn flow_control_stays_where_it_can_be_followed() {
         done("o<a> sub\nG1 X1 Y2\no<a> endsub\no<a> call\nG1 X3 Y4\nM2\n", &t),
         "o<a> sub\nG1 X-2.0000 Y1.0000\no<a> endsub\no<a> call\nG1 X-4.0000 Y3.0000\nM2\n"
     );
+    let pecks = "G90\no1 repeat [3]\nG1 X1 Y2\nG91\nZ-1\nG90\nX3 Y4\no1 endrepeat\nM2\n";
+    assert!(done(pecks, &t).contains("\nG91\nZ-1\nG90\n"));
     let preamble = "O100\nG20 G90\nG18\nG17\no1 if [#1]\nG1 X1 Y2\no1 endif\nG90 G1 X3 Y4\nM2\n";
     assert!(done(preamble, &t).contains("\nG90 G1 X-4.00000 Y3.00000\n"));
     assert!(refused("o1 repeat [5]\nG1 X1\no1 endrepeat\n", &t).starts_with("2:"));
