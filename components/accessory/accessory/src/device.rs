@@ -222,7 +222,7 @@ struct Pump {
 enum Exchange {
     /// Bytes have passed.
     Passed,
-    /// There is no byte in the device, and none for it.
+    /// No byte is in the device, and none waits for it.
     Nothing,
     /// Bytes wait in the device for room.
     Full,

@@ -24,7 +24,7 @@ pub(crate) struct ProgramsFolder {
     sent: BTreeMap<String, Mark>,
     /// Files whose failure was told, as they were.
     failed: BTreeMap<String, Mark>,
-    /// There was no look yet.
+    /// No look was made yet.
     is_first: bool,
     next: f64,
     is_lost: bool,
@@ -36,7 +36,7 @@ pub(crate) struct ProgramsFolder {
 pub(crate) struct Look {
     /// Names of the files that are new or have changed, and have not changed since the look before, sorted.
     pub(crate) changed: Vec<String>,
-    /// There are more files than are looked at, the first time.
+    /// True if the folder has more files than are looked at, the first time.
     pub(crate) is_crowded: bool,
     /// Reason why the folder cannot be read, the first time.
     pub(crate) failed: Option<std::io::Error>,

@@ -75,7 +75,7 @@ pub(crate) struct Measured {
     pub(crate) uncertainty: f64,
 }
 
-/// What the worker needs for a picture while the bench is free.
+/// Camera as the worker needs it for a picture while the bench is free.
 pub(crate) struct LentCamera {
     pictures: Pictures,
     wanted: Search,

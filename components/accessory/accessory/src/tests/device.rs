@@ -1,4 +1,4 @@
-//! What passes a serial line is never old, and a screen is whole however late its bytes are read.
+//! Serial lines pass nothing that is old, and a screen is whole however late its bytes are read.
 
 use super::{MS, frame, hardware, terminal};
 use crate::{keypad::KeypadComponent, lcd_reader::LcdReader};
