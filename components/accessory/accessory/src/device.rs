@@ -271,7 +271,7 @@ impl Pump {
         }
     }
 
-    /// Notes a failure. After a while it is told once, and the device is opened again if it can be.
+    /// Notes a failure. After a while it is reported once, and the device is opened again if it can be.
     fn failed(&mut self, now: i64) -> Option<File> {
         let since = *self.failed.get_or_insert(now);
         if now.saturating_sub(since) < FAILED_NS {

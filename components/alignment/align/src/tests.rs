@@ -246,7 +246,7 @@ fn the_camera_is_lent_while_a_picture_is_searched() {
     assert_eq!(bench.lock().unwrap().give_back(camera, searched, &mut look), Ok(Some(true)));
 }
 
-/// What the marks tell about the next one changes with each mark.
+/// The expected place of a mark changes with each mark before it.
 #[test]
 fn the_guess_follows_the_marks() {
     let folder = Folder::new("guess");
