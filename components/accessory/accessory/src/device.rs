@@ -28,7 +28,7 @@ const ROOM: usize = 4096;
 /// Number of bytes that are read at once.
 const CHUNK: usize = 1024;
 
-/// Time after which a device that fails is told of and opened again, and again, in nanoseconds.
+/// Time after which a failure of a device is reported, and between two attempts to open it again, in nanoseconds.
 const FAILED_NS: i64 = 1_000_000_000;
 
 /// Byte on its way to the function.
