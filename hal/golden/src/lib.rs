@@ -20,20 +20,34 @@ pub fn is_update() -> bool {
 /// Compares `got` with a golden file, or writes the file.
 ///
 /// # Errors
-/// The two differ: the file, the first lines that differ with some context, and the command that accepts them.
+/// The file is missing or cannot be read; or the two differ: the file, the first lines that differ with some context, and the
+/// command that accepts them.
 pub fn compare(path: &Path, got: &str) -> Result<(), String> {
-    let expected = fs::read_to_string(path).unwrap_or_default();
-    if expected == got {
+    judge(path, got, is_update())
+}
+
+fn judge(path: &Path, got: &str, is_update: bool) -> Result<(), String> {
+    let expected = fs::read_to_string(path);
+    if expected.as_deref().ok() == Some(got) {
         return Ok(());
     }
-    if is_update() {
+    if is_update {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, got).unwrap();
         return Ok(());
     }
     let root = fs::canonicalize(ROOT).unwrap();
     let shown = path.strip_prefix(root).unwrap_or(path).display();
-    let difference = difference(&expected, got);
+    let expected = match expected {
+        Ok(expected) => expected,
+        Err(e) => return Err(format!("{shown}: {e} (UPDATE_EXPECT=1 writes the file)")),
+    };
+    let difference = match difference(&expected, got) {
+        same if expected.lines().eq(got.lines()) => {
+            format!("{same}they differ in line ends only\n")
+        }
+        difference => difference,
+    };
     Err(format!("{shown} (UPDATE_EXPECT=1 accepts what came):\n{difference}"))
 }
 
@@ -86,4 +100,30 @@ pub fn differing(expected: &str, got: &str, same: fn(&str, &str) -> bool) -> Str
     part("  ", got.get(from..same).unwrap_or_default(), 3)
         + &part("- ", expected.get(same..).unwrap_or_default(), 10)
         + &part("+ ", got.get(same..).unwrap_or_default(), 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::judge;
+    use std::fs;
+
+    #[test]
+    fn a_missing_file_is_no_empty_text() {
+        let folder = std::env::temp_dir().join(format!("ferrule-golden-{}", std::process::id()));
+        let path = folder.join("expected");
+        let missing = judge(&path, "", false).unwrap_err();
+        assert!(missing.contains("UPDATE_EXPECT=1 writes the file"), "{missing}");
+        judge(&path, "", true).unwrap();
+        assert_eq!(judge(&path, "", false), Ok(()));
+        fs::write(&path, "one\ntwo\n").unwrap();
+        for ends in ["one\ntwo", "one\r\ntwo\n"] {
+            let told = judge(&path, ends, false).unwrap_err();
+            assert!(told.contains("line ends only"), "{told}");
+        }
+        let told = judge(&path, "one\nthree\n", false).unwrap_err();
+        assert!(told.contains("- two") && told.contains("+ three"), "{told}");
+        fs::write(&path, [0xff]).unwrap();
+        assert!(judge(&path, "", false).is_err());
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -1,56 +1,106 @@
 //! Serial lines and other character devices: a worker passes their bytes to a function, and the function's bytes to them.
 
-use hal_component::{Builder, Error, Messages, Plain, Port, RingReader, RingWriter, Touch, Work};
+use hal_component::{
+    Builder, Clock, Error, Messages, Plain, Port, RingReader, RingWriter, SeqReader, SeqWriter,
+    Touch, Work,
+};
+use hal_handheld::frame::MOST_BYTES;
 use rustix::{
     fs::{Mode, OFlags},
-    termios::{OptionalActions, tcgetattr, tcsetattr},
+    io::Errno,
+    termios::{
+        ControlModes, OptionalActions, QueueSelector, isatty, tcflush, tcgetattr, tcsetattr,
+    },
 };
 use std::{
     fs::File,
     io::{ErrorKind, Read as _, Write as _},
-    sync::{Arc, Mutex, PoisonError},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicI64, Ordering},
+    },
 };
 
 /// Period of the worker, in nanoseconds.
 const PERIOD_NS: i64 = 2_000_000;
-/// Number of bytes that wait in each direction.
+/// Number of bytes that wait for the function.
 const ROOM: usize = 4096;
 /// Number of bytes that are read at once.
 const CHUNK: usize = 1024;
 
-/// Byte on its way.
+/// Time after which a failure of a device is reported, and between two attempts to open it again, in nanoseconds.
+const FAILED_NS: i64 = 1_000_000_000;
+
+/// Byte on its way to the function.
 #[derive(Clone, Copy, Plain)]
-pub(crate) struct OneByte {
+pub(crate) struct ByteAt {
     /// The byte.
     value: u32,
+    /// Machine time at which it was read, in nanoseconds.
+    at: i64,
+}
+
+/// Latest frame for the device.
+#[derive(Clone, Copy, Default, Plain)]
+struct LatestFrame {
+    /// Number of the frame, from 1.
+    number: u64,
+    /// Number of its bytes.
+    len: u64,
+    /// The bytes, the first one in the lowest byte.
+    bytes: [u64; 2],
 }
 
 /// The function's end of a device.
 #[derive(Touch)]
 pub(crate) struct DeviceLine {
-    from: RingReader<OneByte>,
-    to: RingWriter<OneByte>,
+    from: RingReader<ByteAt>,
+    to: SeqWriter<LatestFrame>,
+    #[state]
+    number: u64,
+    /// Machine time of the last look at which no byte was left, in nanoseconds.
+    #[state]
+    empty: Arc<AtomicI64>,
 }
 
 impl DeviceLine {
-    /// Realtime. Takes bytes that have arrived; returns their number.
-    pub(crate) fn read(&mut self, into: &mut [u8]) -> usize {
+    /// Realtime. Takes bytes that were read at this time or later, and throws older ones away; returns their number.
+    pub(crate) fn read_since(&mut self, oldest: i64, into: &mut [u8]) -> usize {
         let mut count = 0;
-        for free in into {
+        for _ in 0..ROOM {
+            let Some(free) = into.get_mut(count) else { break };
             let Some(byte) = self.from.take() else { break };
-            *free = u8::try_from(byte.value).unwrap_or(0);
-            count += 1;
+            if byte.at >= oldest {
+                *free = u8::try_from(byte.value).unwrap_or(0);
+                count += 1;
+            }
         }
         count
     }
 
-    /// Realtime. Sends bytes; those for which there is no room are lost.
-    pub(crate) fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            if self.to.put(OneByte { value: u32::from(*byte) }).is_err() {
-                break;
-            }
+    /// Realtime. Takes a byte, with the machine time at which it was read.
+    pub(crate) fn take(&mut self) -> Option<(u8, i64)> {
+        self.from.take().map(|byte| (u8::try_from(byte.value).unwrap_or(0), byte.at))
+    }
+
+    /// Realtime. Returns the machine time of the last look at which no byte was left in the device. The bytes that were read
+    /// before it can be taken.
+    pub(crate) fn empty_at(&self) -> i64 {
+        self.empty.load(Ordering::Acquire) // Pairs with the store in `Pump::work`.
+    }
+
+    /// Realtime. Sends a frame of at most 16 bytes, instead of those before that have not left yet.
+    pub(crate) fn write(&mut self, frame: &[u8]) {
+        self.number = self.number.wrapping_add(1);
+        let mut bytes = [0; MOST_BYTES];
+        for (to, byte) in bytes.iter_mut().zip(frame) {
+            *to = *byte;
         }
+        let word = |n: usize| {
+            bytes.iter().skip(n * 8).take(8).rev().fold(0, |w, b| w << 8 | u64::from(*b))
+        };
+        let len = frame.len().min(MOST_BYTES) as u64;
+        self.to.set(&LatestFrame { number: self.number, len, bytes: [word(0), word(1)] });
     }
 }
 
@@ -61,18 +111,18 @@ pub(crate) fn read_port(port: Port, into: &mut [u8]) -> usize {
     if waiting > 0 && port.read(free) { waiting } else { 0 }
 }
 
-/// Opens a device that is not waited for. A serial line passes bytes as they are, at `baud`.
+/// Opens a device that is not waited for. A serial line passes bytes as they are, at `baud`, whatever its other wires say;
+/// what has arrived before is thrown away.
 ///
 /// # Errors
 /// The device cannot be opened, or the line has no such speed.
 pub(crate) fn open(path: &str, baud: u32) -> Result<File, Error> {
-    let fail =
-        |e: rustix::io::Errno| Error::new(format!("device {path}: {}", std::io::Error::from(e)));
+    let fail = |e: Errno| Error::new(format!("device {path}: {}", std::io::Error::from(e)));
     let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
     let opened = rustix::fs::open(path, flags, Mode::empty());
     // A device may permit reading alone.
     let opened = opened.or_else(|e| match e {
-        rustix::io::Errno::ACCESS | rustix::io::Errno::PERM => {
+        Errno::ACCESS | Errno::PERM => {
             let flags = OFlags::RDONLY | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
             rustix::fs::open(path, flags, Mode::empty())
         }
@@ -82,11 +132,14 @@ pub(crate) fn open(path: &str, baud: u32) -> Result<File, Error> {
     match tcgetattr(&file) {
         Ok(mut settings) => {
             settings.make_raw();
+            settings.control_modes -= ControlModes::CRTSCTS | ControlModes::CSTOPB;
+            settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
             settings.set_speed(baud).map_err(fail)?;
             tcsetattr(&file, OptionalActions::Now, &settings).map_err(fail)?;
+            tcflush(&file, QueueSelector::IOFlush).map_err(fail)?;
         }
         // No terminal: a pipe, or a driver's own device.
-        Err(rustix::io::Errno::NOTTY) => {}
+        Err(Errno::NOTTY) => {}
         Err(e) => return Err(fail(e)),
     }
     Ok(file)
@@ -108,22 +161,31 @@ pub(crate) fn declare(
     }
     let opened = Arc::new(Mutex::new(None));
     let slot = opened.clone();
+    let again = path.clone();
     b.on_open(move |_| {
         *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(open(&path, baud)?);
         Ok(())
     })?;
     let (in_writer, in_reader) = b.ring(ROOM);
-    let (out_writer, out_reader) = b.ring(ROOM);
+    let (out_writer, out_reader) = b.seqlock(LatestFrame::default());
+    let empty = Arc::new(AtomicI64::new(0));
     let pump = Pump {
         opened,
         device: None,
+        path: again,
+        baud,
         to: in_writer,
         from: out_reader,
+        number: 0,
         unsent: Vec::new(),
+        failed: None,
+        is_told: false,
+        empty: empty.clone(),
+        clock: b.clock(),
         messages: b.messages(),
     };
     b.worker(name, "Passes bytes from and to the device.", PERIOD_NS, 64, pump)?;
-    Ok(Some(DeviceLine { from: in_reader, to: out_writer }))
+    Ok(Some(DeviceLine { from: in_reader, to: out_writer, number: 0, empty }))
 }
 
 /// Worker of a device.
@@ -133,11 +195,37 @@ struct Pump {
     opened: Arc<Mutex<Option<File>>>,
     #[state]
     device: Option<File>,
-    to: RingWriter<OneByte>,
-    from: RingReader<OneByte>,
+    #[state]
+    path: String,
+    #[state]
+    baud: u32,
+    to: RingWriter<ByteAt>,
+    from: SeqReader<LatestFrame>,
+    /// Number of the last frame that was begun.
+    #[state]
+    number: u64,
+    /// Rest of that frame.
     #[state]
     unsent: Vec<u8>,
+    /// Machine time at which the device began to fail.
+    #[state]
+    failed: Option<i64>,
+    #[state]
+    is_told: bool,
+    #[state]
+    empty: Arc<AtomicI64>,
+    clock: Clock,
     messages: Messages,
+}
+
+/// Result of a look at a device.
+enum Exchange {
+    /// Bytes have passed.
+    Passed,
+    /// No byte is in the device, and none waits for it.
+    Nothing,
+    /// Bytes wait in the device for room.
+    Full,
 }
 
 impl Work for Pump {
@@ -148,13 +236,24 @@ impl Work for Pump {
         let Some(mut device) = self.device.take() else { return 0 };
         let mut done = 0;
         while done < items {
-            match self.exchange(&mut device) {
-                Ok(0) => break,
-                Ok(_) => done += 1,
+            let now = self.clock.now_ns();
+            match self.exchange(&mut device, now) {
+                Ok(Exchange::Passed) => {
+                    self.works();
+                    done += 1;
+                }
+                Ok(Exchange::Nothing) => {
+                    self.works();
+                    // Pairs with the load in `empty_at`: what was read before can be taken.
+                    self.empty.store(now, Ordering::Release);
+                    break;
+                }
+                Ok(Exchange::Full) => break,
                 Err(_) => {
-                    self.messages
-                        .error("a device has failed: no byte passes from or to it any more", &[]);
-                    return 0;
+                    if let Some(file) = self.failed(now) {
+                        device = file;
+                    }
+                    break;
                 }
             }
         }
@@ -164,37 +263,81 @@ impl Work for Pump {
 }
 
 impl Pump {
-    /// Passes what there is in both directions; returns the number of bytes.
-    fn exchange(&mut self, device: &mut File) -> std::io::Result<usize> {
+    /// Notes that the device works.
+    fn works(&mut self) {
+        self.failed = None;
+        if std::mem::take(&mut self.is_told) {
+            self.messages.warn("a device that had failed passes bytes again", &[]);
+        }
+    }
+
+    /// Notes a failure. After a while it is reported once, and the device is opened again if it can be.
+    fn failed(&mut self, now: i64) -> Option<File> {
+        let since = *self.failed.get_or_insert(now);
+        if now.saturating_sub(since) < FAILED_NS {
+            return None;
+        }
+        if !self.is_told {
+            self.is_told = true;
+            self.messages.error(
+                "a device has failed, and no byte passes from or to it: it is opened again as soon as it is there",
+                &[],
+            );
+        }
+        self.failed = Some(now);
+        let file = open(&self.path, self.baud).ok()?;
+        self.unsent.clear();
+        Some(file)
+    }
+
+    /// Passes what there is in both directions.
+    fn exchange(&mut self, device: &mut File, now: i64) -> std::io::Result<Exchange> {
         let mut buffer = [0; CHUNK];
         let room = ROOM.saturating_sub(usize::try_from(self.to.waiting()).unwrap_or(ROOM));
         let most = room.min(CHUNK);
         // Bytes for which there is no room stay in the device.
         let read = match device.read(buffer.get_mut(..most).unwrap_or_default()) {
+            // A terminal whose hardware or other end has gone.
+            Ok(0) if most > 0 && isatty(&*device) => return Err(Errno::IO.into()),
             Ok(read) => read,
-            // A terminal whose other end is closed.
-            Err(e) if e.kind() == ErrorKind::WouldBlock || e.raw_os_error() == Some(5) => 0,
+            Err(e) if e.kind() == ErrorKind::WouldBlock => 0,
             Err(e) => return Err(e),
         };
         for byte in buffer.iter().take(read) {
-            if self.to.put(OneByte { value: u32::from(*byte) }).is_err() {
+            if self.to.put(ByteAt { value: u32::from(*byte), at: now }).is_err() {
                 break;
             }
         }
-        while self.unsent.len() < CHUNK
-            && let Some(byte) = self.from.take()
-        {
-            self.unsent.push(u8::try_from(byte.value).unwrap_or(0));
+        let sent = self.send(device)?;
+        Ok(match (read, sent) {
+            (0, 0) if most > 0 => Exchange::Nothing,
+            (0, 0) => Exchange::Full,
+            _ => Exchange::Passed,
+        })
+    }
+
+    /// Sends the rest of a frame, or else the latest frame; returns the number of bytes.
+    fn send(&mut self, device: &mut File) -> std::io::Result<usize> {
+        let latest = self.from.get();
+        if self.unsent.is_empty() && latest.number != self.number {
+            self.number = latest.number;
+            let bytes = latest.bytes.iter().flat_map(|word| word.to_le_bytes());
+            self.unsent.extend(bytes.take(usize::try_from(latest.len).unwrap_or(0)));
         }
         if self.unsent.is_empty() {
-            return Ok(read);
+            return Ok(0);
         }
         match device.write(&self.unsent) {
             Ok(sent) => {
                 self.unsent.drain(..sent);
-                Ok(read + sent)
+                Ok(sent)
             }
-            Err(e) if e.kind() == ErrorKind::WouldBlock || e.raw_os_error() == Some(5) => Ok(read),
+            Err(e) if e.kind() == ErrorKind::WouldBlock => {
+                // The line does not move: what waits in it is old by the time it does.
+                let _: Result<(), Errno> = tcflush(&*device, QueueSelector::OFlush);
+                self.unsent.clear();
+                Ok(0)
+            }
             Err(e) => Err(e),
         }
     }

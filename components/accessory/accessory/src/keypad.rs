@@ -4,31 +4,25 @@ use crate::{
     device::{self, DeviceLine, read_port},
     format::{CHECK, HEADER, MAP, PERIOD, SIZE, format},
     pipe::{self, Lines},
+    presses::{PressQueue, Presses, STOPPED},
 };
 use hal_component::{
-    Arg, Builder, Call, Component, Error, In, Out, Period, Port, Receiver, Sender, TicketHandle,
-    Touch, Update,
+    Arg, Builder, Call, Clock, Component, Error, In, Out, Period, Port, TicketHandle, Touch,
+    Update,
     abi::{ArgSpec, component_flags},
 };
 use hal_handheld::{
-    FrameFormat, FrameReader, KeySet, Keypad, Press, frame::Received, keys::number_of,
+    FrameFormat, FrameReader, KeySet, Keypad, Press,
+    frame::Received,
+    keypad::STALE,
+    keys::{STOP, number_of},
     line::press_for,
 };
 
-/// Largest number of presses that wait.
-pub(crate) const WAITING: usize = 64;
 /// Largest number of bytes that are read in a cycle.
 const BYTES: usize = 64;
 /// Time without a byte after which a frame that has begun is lost, in nanoseconds.
 const SILENCE_NS: i64 = 10_000_000;
-
-/// Press that waits.
-#[derive(Clone, Copy)]
-pub(crate) struct WaitingPress {
-    pub(crate) press: Press,
-    /// Ticket of the command, at its last press.
-    pub(crate) ticket: Option<TicketHandle>,
-}
 
 /// `loadrt keypad`.
 pub(crate) struct KeypadComponent;
@@ -44,16 +38,21 @@ frame, if that is younger than three periods; the virtual key; and the keys whos
 a wrong check byte, one without its end, and as many bytes without a header are dropped and counted in `bad-frames`.
 
 A virtual key is down for three periods, or for a time in milliseconds, and then up for two, so that the controller tells
-equal keys apart: four keys take 400 ms. At most 64 presses wait. They come from
+equal keys apart: four keys take 400 ms. At most 64 presses wait. STOP waits for none of them: it releases another virtual
+key, forgets the presses that came before it, also those in the pipe, and is down in the next frame; the commands of forgotten
+presses fail. Presses come from
 
 - the commands `keypad.press` and `keypad.type`, which are refused as a whole if not all of it has room;
 - a named pipe (`pipe=PATH`, made if it does not exist): each line is `N`, the number of a key, or `N MS`, at most 32
-  bytes. Any number of programs may write, each line in one write. While 64 presses wait, the pipe is not
-  read, and writers wait. A wrong line presses nothing: it is counted in `bad-lines`, and a message says why.
+  bytes. Any number of programs may write, each line in one write. While 64 presses wait, later lines wait, too,
+  but STOP among the first 16384 of them does not; behind those, writers wait. A wrong line presses nothing: it is counted in
+  `bad-lines`, and a message says why.
 
 FALSE at `enable` releases the virtual key and forgets what waits; the handheld's own keys always pass.
 
-`device=PATH` is the serial line: frames are read from the handheld and written to the controller. On the virtual clock and
+`device=PATH` is the serial line: frames are read from the handheld and written to the controller, without handshake. Neither
+passes late: keys older than three periods are dropped, and a frame that could not leave gives way to the next. A line that
+fails for a second, such as an adapter that was pulled, is told of, and opened again when it is there. On the virtual clock and
 with `--simulate` neither the device nor the pipe is opened; the bytes come and go through the pins of type port, which
 serve in any case.
 
@@ -94,13 +93,20 @@ getp keypad.down-02 # -> TRUE
         let format = format(b)?;
         let period_ms = b.arg_float("period").unwrap_or(20.0);
         let lines = Lines { keys: format.keys(), period_ms };
-        let (sender, receiver) = b.queue(WAITING);
-        commands(b, lines, &sender)?;
+        let (presses, queue) = Presses::make(b);
+        commands(b, lines, &presses)?;
         let device = b.arg_text("device").unwrap_or_default();
         let baud = b.arg_int("baud").and_then(|n| u32::try_from(n).ok()).unwrap_or(115_200);
+        let frame_ms = 10_000.0 * format.size() as f64 / f64::from(baud);
+        if !device.is_empty() && frame_ms > period_ms {
+            let size = format.size();
+            return Err(Error::new(format!(
+                "a frame of {size} bytes takes {frame_ms:.1} ms at {baud} Bd, and period is {period_ms} ms"
+            )));
+        }
         let line = device::declare(b, "keypad.line", device, baud)?;
         let pipe = b.arg_text("pipe").unwrap_or_default();
-        pipe::declare(b, pipe, lines, sender.clone())?;
+        pipe::declare(b, pipe, lines, presses)?;
         let mut keys = Vec::new();
         let mut downs = Vec::new();
         for key in 1..=format.keys() {
@@ -120,18 +126,18 @@ getp keypad.down-02 # -> TRUE
             frames_in: b.item("keypad.frames-in", "Bytes from the handheld.", Port::default())?,
             frames_out: b.item("keypad.frames-out", "Bytes to the controller.", Port::default())?,
             bad_frames: b.item("keypad.bad-frames", "Number of frames that were dropped.", 0)?,
-            queue: b.item("keypad.queue", "Number of presses that wait.", 0)?,
+            waiting: b.item("keypad.queue", "Number of presses that wait.", 0)?,
             physical: b.item(
                 "keypad.physical",
                 "True while good frames arrive from the handheld.",
                 false,
             )?,
             line,
-            receiver,
-            sender,
+            queue,
             reader: FrameReader::new(format),
             format,
             keypad: Keypad::default(),
+            clock: b.clock(),
             ticket: None,
             #[expect(clippy::cast_possible_truncation, reason = "2 to 1000 ms")]
             period_ns: (period_ms * 1e6) as i64,
@@ -142,7 +148,7 @@ getp keypad.down-02 # -> TRUE
     }
 }
 
-fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Sender<WaitingPress>) -> Result<(), Error> {
+fn commands(b: &mut Builder<'_>, lines: Lines, queue: &Presses) -> Result<(), Error> {
     const PRESS: &[&ArgSpec] = &[
         &Arg::text("key", "Name of the key, or its number.").required(),
         &Arg::int("hold", "Time for which it is down; three periods without it.")
@@ -198,23 +204,16 @@ fn key_number(name: &str, keys: u8) -> Result<u8, Error> {
 }
 
 /// Puts all presses in the queue, or none.
-fn put(call: &Call<'_>, queue: &Sender<WaitingPress>, presses: &[Press]) -> Result<(), Error> {
-    let free = WAITING.saturating_sub(queue.waiting());
-    if presses.len() > free {
-        let count = presses.len();
+fn put(call: &Call<'_>, queue: &Presses, presses: &[Press]) -> Result<(), Error> {
+    if presses.is_empty() {
+        return Ok(());
+    }
+    let mut queue = queue.lock();
+    let (count, free) = (presses.len(), queue.room(presses));
+    if count > free {
         return Err(Error::new(format!("{count} keys, and there is room for {free}")));
     }
-    let Some((last, first)) = presses.split_last() else { return Ok(()) };
-    let ticket = call.ticket()?;
-    let entries = first.iter().map(|press| WaitingPress { press: *press, ticket: None });
-    let last = WaitingPress { press: *last, ticket: Some(ticket) };
-    for entry in entries.chain([last]) {
-        if queue.send(entry).is_err() {
-            // The pipe's worker took the room in between.
-            ticket.fail("the queue is full");
-            return Ok(());
-        }
-    }
+    queue.send(presses, Some(call.ticket()?));
     Ok(())
 }
 
@@ -227,12 +226,11 @@ struct Multiplexer {
     frames_in: In<Port>,
     frames_out: Out<Port>,
     bad_frames: Out<u32>,
-    queue: Out<u32>,
+    waiting: Out<u32>,
     physical: Out<bool>,
     line: Option<DeviceLine>,
-    receiver: Receiver<WaitingPress>,
-    #[state]
-    sender: Sender<WaitingPress>,
+    clock: Clock,
+    queue: PressQueue,
     #[state]
     reader: FrameReader,
     #[state]
@@ -254,7 +252,12 @@ impl Update for Multiplexer {
     fn update(&mut self, period: Period) {
         self.receive(period.ns());
         if !self.enable.get() {
-            self.forget();
+            self.forget("keypad.enable is FALSE");
+            self.queue.forget("keypad.enable is FALSE");
+        }
+        // STOP itself is never cut short: a second press of it comes after the first.
+        if self.queue.look_for_stop() && self.keypad.virtual_key() != Some(STOP) {
+            self.forget(STOPPED);
         }
         self.elapsed_ns = self.elapsed_ns.saturating_add(period.ns());
         if self.elapsed_ns >= self.period_ns {
@@ -262,7 +265,7 @@ impl Update for Multiplexer {
             self.elapsed_ns = (self.elapsed_ns - self.period_ns) % self.period_ns;
             self.send();
         }
-        self.queue.set(u32::try_from(self.sender.waiting()).unwrap_or(u32::MAX));
+        self.waiting.set(self.queue.waiting());
     }
 }
 
@@ -270,7 +273,11 @@ impl Multiplexer {
     fn receive(&mut self, ns: i64) {
         let mut bytes = [0; BYTES];
         let mut count = match &mut self.line {
-            Some(line) => line.read(&mut bytes),
+            // Keys that were pressed before a pause of this function are no longer those under the fingers.
+            Some(line) => {
+                let stale = self.period_ns.saturating_mul(i64::from(STALE));
+                line.read_since(self.clock.now_ns().saturating_sub(stale), &mut bytes)
+            }
             None => 0,
         };
         count += read_port(self.frames_in.get(), bytes.get_mut(count..).unwrap_or_default());
@@ -286,16 +293,11 @@ impl Multiplexer {
         self.bad_frames.set(self.bad_frames.get().wrapping_add(bad));
     }
 
-    /// Forgets the virtual key and what waits.
-    fn forget(&mut self) {
+    /// Releases the virtual key; its command fails for this reason.
+    fn forget(&mut self, why: &'static str) {
         self.keypad.release();
-        let mut ended = self.ticket.take();
-        for _ in 0..=WAITING {
-            if let Some(ticket) = ended.take() {
-                ticket.fail("keypad.enable is FALSE");
-            }
-            let Some(entry) = self.receiver.take() else { return };
-            ended = entry.ticket;
+        if let Some(ticket) = self.ticket.take() {
+            ticket.fail(why);
         }
     }
 
@@ -312,7 +314,7 @@ impl Multiplexer {
         }
         let mut taken = None;
         let keys = self.keypad.period(held, || {
-            taken = self.receiver.take();
+            taken = self.queue.take();
             taken.map(|entry| entry.press)
         });
         if let Some(entry) = taken {

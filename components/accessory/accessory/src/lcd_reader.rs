@@ -66,7 +66,7 @@ The text on a controller's display, from the bytes that the controller sends to 
 
 The decoder is that of the ST7920's serial protocol, with four rows of 16 characters. Bytes may arrive in pieces of any
 length at any time. A screen is whole when the bus has been quiet for `quiet` milliseconds after its last byte, so that
-nobody sees a half-drawn one; it is new if its text differs from the one before. Characters outside ASCII are `?`.
+nobody sees a half-drawn one, also if a device is read late; it is new if its text differs from the one before. Characters outside ASCII are `?`.
 
 The text is for readers, each with a counter of its own, and no reader can delay the bus. A record has 71 bytes: the 64
 characters row by row, the reader's counter as five digits, CR and LF. A reader first gets the present screen and later only
@@ -277,13 +277,16 @@ struct Reading {
 impl Update for Reading {
     fn update(&mut self, _: Period) {
         let mut bytes = [0; BYTES];
-        let mut count = match &mut self.line {
-            Some(line) => line.read(&mut bytes),
-            None => 0,
+        let count = read_port(self.bus.get(), &mut bytes);
+        let bytes = bytes.get(..count).unwrap_or_default();
+        let is_new = match &mut self.line {
+            Some(line) => {
+                let is_new = from_device(line, &mut self.decoded);
+                bytes.iter().for_each(|byte| self.decoded.take(*byte, self.clock.now_ns()));
+                is_new
+            }
+            None => self.decoded.feed(bytes, self.clock.now_ns()),
         };
-        count += read_port(self.bus.get(), bytes.get_mut(count..).unwrap_or_default());
-        let now = self.clock.now_ns();
-        let is_new = self.decoded.feed(bytes.get(..count).unwrap_or_default(), now);
         if is_new || !self.is_begun {
             self.is_begun = true;
             self.publish();
@@ -292,6 +295,24 @@ impl Update for Reading {
         self.frames.set(self.decoded.decoder().frames());
         self.errors.set(self.decoded.decoder().errors());
     }
+}
+
+/// Realtime. Takes bytes of a device. Returns whether a new screen is complete. The bus was quiet only if a look found nothing
+/// in the device: a worker that is late may hold the rest of a screen.
+fn from_device(line: &mut DeviceLine, decoded: &mut Screens<St7920>) -> bool {
+    let empty = line.empty_at();
+    let (mut is_new, mut is_polled) = (false, false);
+    for _ in 0..BYTES {
+        let Some((byte, at)) = line.take() else {
+            // All bytes before that look are taken.
+            return if is_polled { is_new } else { decoded.poll(empty) };
+        };
+        if at > empty && !is_polled {
+            (is_new, is_polled) = (decoded.poll(empty), true);
+        }
+        decoded.take(byte, at);
+    }
+    is_new
 }
 
 impl Reading {

@@ -2,7 +2,7 @@
 //!
 //! | module | subject |
 //! |---|---|
-//! | `keypad`, `pipe` | physical and virtual keys; the pipe whose lines press keys |
+//! | `keypad`, `presses`, `pipe` | physical and virtual keys; presses that wait; the pipe whose lines press keys |
 //! | `lcd_reader`, `readers` | the display as text; the socket for its readers |
 //! | `usbjobs`, `usb_orders`, `programs_folder` | jobs on a medium with two images; its commands; a folder whose files are jobs |
 //! | `sim_nk105`, `sim_medium`, `sim_handheld` | the controller and the handheld, simulated |
@@ -15,6 +15,7 @@ mod format;
 mod keypad;
 mod lcd_reader;
 mod pipe;
+mod presses;
 mod programs_folder;
 mod readers;
 mod sim_handheld;

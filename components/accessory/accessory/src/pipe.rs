@@ -1,18 +1,25 @@
 //! The pipe whose lines press keys: any number of programs write to it.
 
-use hal_component::{Builder, Error, Messages, Out, Sender, Touch, Work};
-use hal_handheld::{BadLine, LineReader, line::parse};
+use hal_component::{Builder, Error, Messages, Out, Touch, Work};
+use hal_handheld::{BadLine, LineReader, Press, keys::STOP, line::parse};
 use rustix::fs::{CWD, FileType, Mode, OFlags, fstat, mkfifoat, open};
 use std::{
+    collections::VecDeque,
     fs::File,
     io::{ErrorKind, Read as _},
     sync::{Arc, Mutex, PoisonError},
 };
 
-use crate::keypad::{WAITING, WaitingPress};
+use crate::presses::Presses;
 
 /// Period of the worker, in nanoseconds.
 const PERIOD_NS: i64 = 5_000_000;
+/// Largest number of presses that are read while there is no room for them, to find STOP among them.
+const AHEAD: usize = 16_384;
+/// Number of bytes of a line without its end that count as an item of work.
+const PIECE: usize = 4096;
+/// Number of bytes that a pipe holds.
+const PIPE_BYTES: usize = 65_536;
 
 /// Opens a pipe, or makes it.
 ///
@@ -52,7 +59,7 @@ pub(crate) fn declare(
     b: &mut Builder<'_>,
     path: String,
     lines: Lines,
-    queue: Sender<WaitingPress>,
+    queue: Presses,
 ) -> Result<(), Error> {
     let doc = "Number of lines of the pipe that pressed nothing.";
     let bad_lines = b.item("keypad.bad-lines", doc, 0)?;
@@ -71,6 +78,8 @@ pub(crate) fn declare(
         lines,
         reader: LineReader::default(),
         read: Vec::new(),
+        ahead: VecDeque::new(),
+        stop: 0,
         queue,
         bad_lines,
         messages: b.messages(),
@@ -92,7 +101,14 @@ struct PipeReader {
     /// Bytes that have been read, and whose lines have not.
     #[state]
     read: Vec<u8>,
-    queue: Sender<WaitingPress>,
+    /// Presses that have been read, and for which there was no room yet.
+    #[state]
+    ahead: VecDeque<Press>,
+    /// Number of the last press of STOP whose forgotten lines are gone.
+    #[state]
+    stop: u64,
+    #[state]
+    queue: Presses,
     bad_lines: Out<u32>,
     messages: Messages,
 }
@@ -102,19 +118,56 @@ impl Work for PipeReader {
         if let Some(pipe) = self.opened.lock().unwrap_or_else(PoisonError::into_inner).take() {
             self.pipe = Some(pipe);
         }
-        for done in 0..items {
-            if self.queue.waiting() >= WAITING || !self.one_line() {
-                return done;
-            }
+        let mut done = 0;
+        self.send();
+        while done < items && self.ahead.len() < AHEAD && self.one_line() {
+            self.send();
+            done += 1;
         }
-        items
+        done
     }
 }
 
 impl PipeReader {
-    /// Reads one line; returns false if there is none.
+    /// Sends presses for which there is room, unless another sender has pressed STOP after them.
+    fn send(&mut self) {
+        let queue = self.queue.clone();
+        let mut queue = queue.lock();
+        if queue.stop() != self.stop {
+            self.stop = queue.stop();
+            drop(queue);
+            return self.forget();
+        }
+        while let Some(press) = self.ahead.front().copied()
+            && queue.room(&[press]) > 0
+        {
+            queue.send(&[press], None);
+            self.ahead.pop_front();
+        }
+        self.stop = queue.stop();
+    }
+
+    /// Forgets what is in the pipe. A line whose end is not there yet is a later one.
+    fn forget(&mut self) {
+        self.ahead.clear();
+        for byte in self.read.drain(..) {
+            let _: Option<_> = self.reader.feed(byte);
+        }
+        let mut buffer = [0; PIECE];
+        for _ in 0..PIPE_BYTES / PIECE {
+            let Some(Ok(read)) = self.pipe.as_mut().map(|pipe| pipe.read(&mut buffer)) else {
+                return;
+            };
+            for byte in buffer.iter().take(read) {
+                let _: Option<_> = self.reader.feed(*byte);
+            }
+        }
+    }
+
+    /// Reads one line, or a piece of an endless one; returns false if there is none.
     fn one_line(&mut self) -> bool {
-        loop {
+        let mut bytes = 0;
+        while bytes < PIECE {
             let mut used = 0;
             let mut line = None;
             for byte in &self.read {
@@ -133,6 +186,7 @@ impl PipeReader {
             match self.pipe.as_mut().map(|pipe| pipe.read(&mut buffer)) {
                 Some(Ok(read)) if read > 0 => {
                     self.read.extend_from_slice(buffer.get(..read).unwrap_or_default());
+                    bytes += read;
                 }
                 Some(Err(e)) if e.kind() != ErrorKind::WouldBlock => {
                     self.messages
@@ -143,14 +197,20 @@ impl PipeReader {
                 _ => return false,
             }
         }
+        true
     }
 
     fn take(&mut self, line: Result<usize, BadLine>) {
         let press = line
             .and_then(|len| parse(self.reader.line(len), self.lines.keys, self.lines.period_ms));
         match press {
-            // The worker alone fills the queue beyond the commands' last look: there was room.
-            Ok(press) => drop(self.queue.send(WaitingPress { press, ticket: None })),
+            Ok(press) => {
+                if press.key == STOP {
+                    self.ahead.clear();
+                }
+                self.ahead.push_back(press);
+                self.send();
+            }
             Err(bad) => {
                 self.bad_lines.set(self.bad_lines.get().wrapping_add(1));
                 self.messages.warn(message(bad), &[f64::from(self.lines.keys)]);

@@ -10,7 +10,11 @@ use hal_component::{
 };
 use hal_storage::{
     Configfs, Folder, Gadget, NotEjected, Phase, Rules, Side, Storage, StorageError, StorageEvent,
-    folder::read_bounded, ledger::StoredJob, safe_name, storage::MOST_BYTES,
+    folder::read_bounded,
+    ledger::StoredJob,
+    name::is_same,
+    safe_name,
+    storage::{MOST_BYTES, MOST_WAITING},
 };
 use std::{
     io,
@@ -50,8 +54,9 @@ The folder must exist. It holds `a.img` and `b.img` (FAT32, sparse), `state` (th
 there is no storage, and the commands are refused.
 
 `programs=PATH` names a folder whose files are jobs, such as the programs of `halpanel`, to which a browser uploads: a file that
-appears there or changes is sent, at most a second later. Files that are there at the start are sent unless the
-image has a job of their name. Names that begin with a dot are left out.
+appears there or changes is sent when two looks, a second apart, find it equal. Files that are there at the first look are sent
+unless the image has a job of their name. Those for which there is no room have their turn after a swap; one that
+fails is told once, and tried again. Names that begin with a dot, and files beyond the first 1024 by their names, are left out.
 
 With `function=PATH`, the folder of a function `mass_storage` of the kernel's USB gadgets (configfs, such as
 `/sys/kernel/config/usb_gadget/g1/functions/mass_storage.0`), the host is a real one, and the medium is read-only for it. Otherwise,
@@ -72,7 +77,10 @@ getp usbjobs.medium # -> 0
             .or(""),
         &Arg::text("function", "Folder of the USB function in configfs.").or(""),
         &Arg::text("programs", "Folder whose files are jobs.").or(""),
-        &Arg::int("size", "Size of each image.").or("64").within(36.0, 32_768.0).unit("MiB"),
+        &Arg::int("size", "Size of each new image; one that is there keeps its own.")
+            .or("64")
+            .within(36.0, 32_768.0)
+            .unit("MiB"),
         &Arg::bit("force", "TRUE permits that the medium is taken from a host that holds it.")
             .or("0"),
     ];
@@ -282,13 +290,28 @@ impl UsbWorker {
         });
         let failed = look.failed.map(|e| StorageError::Keeping("the folder of programs".into(), e));
         self.events(failed.into_iter());
+        if look.is_crowded {
+            self.messages.error(
+                "the folder of programs has more than 1024 files: only the first by their names are jobs",
+                &[],
+            );
+        }
         for name in look.changed {
+            // Files beyond those that can wait have their turn after a swap.
+            let room = storage.waiting().len() < MOST_WAITING;
+            let safe = safe_name(&name).unwrap_or_default();
+            let waits = storage.waiting().iter().any(|other| is_same(other, &safe));
+            if !room && !waits {
+                continue;
+            }
             let read = read_bounded(&programs.file(&name), MOST_BYTES);
             let sent = match read {
                 Ok(bytes) => storage.send(&name, &bytes).map(drop),
                 Err(e) => Err(StorageError::Keeping(format!("file {name}").into(), e)),
             };
-            self.events(sent.err().into_iter());
+            if programs.note(&name, sent.is_ok()) {
+                self.events(sent.err().into_iter());
+            }
         }
         self.programs = Some(programs);
     }

@@ -127,6 +127,12 @@ impl FrameFormat {
         Ok(made)
     }
 
+    /// Returns the length of a frame in bytes.
+    #[must_use]
+    pub const fn size(&self) -> usize {
+        self.size
+    }
+
     /// Returns the number of keys.
     #[must_use]
     pub const fn keys(&self) -> u8 {

@@ -61,6 +61,12 @@ impl Keypad {
         self.down == 0 && self.up == 0
     }
 
+    /// Returns the virtual key that is down, or was down last and keeps others waiting.
+    #[must_use]
+    pub const fn virtual_key(&self) -> Option<u8> {
+        if self.is_free() { None } else { Some(self.key) }
+    }
+
     /// Releases the virtual key, at once.
     pub const fn release(&mut self) {
         (self.down, self.up) = (0, 0);

@@ -3,6 +3,9 @@
 /// Largest number of a key.
 pub const MOST_KEYS: u8 = 48;
 
+/// Number of the key STOP.
+pub const STOP: u8 = 14;
+
 /// Names of the keys of an NK105's handheld, in the order of their numbers from 1.
 pub const NAMES: [&str; 29] = [
     "1", "2", "3", "4", "5", "6", "7", "8", "9", "0", ".", "-", "OK", "STOP", "X+", "X-", "Y+",

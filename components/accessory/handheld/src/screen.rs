@@ -29,17 +29,21 @@ impl<D: Decode> Screens<D> {
         Self { decoder, quiet_ns, last_byte: 0, is_quiet: true, shown, number: 1 }
     }
 
-    /// Takes bytes that arrived at a time. Returns whether a new screen was complete before them.
+    /// Takes bytes that arrived at a time, with no byte before them for as long as none was taken. Returns whether a new
+    /// screen was complete before them.
     pub fn feed(&mut self, bytes: &[u8], now: i64) -> bool {
         let is_new = self.poll(now);
-        if !bytes.is_empty() {
-            (self.last_byte, self.is_quiet) = (now, false);
-        }
-        bytes.iter().for_each(|byte| self.decoder.feed(*byte));
+        bytes.iter().for_each(|byte| self.take(*byte, now));
         is_new
     }
 
-    /// Advances to a time. Returns whether a new screen is complete: the bus is quiet, and the text differs.
+    /// Takes a byte that arrived at this time or before.
+    pub fn take(&mut self, byte: u8, at: i64) {
+        (self.last_byte, self.is_quiet) = (at, false);
+        self.decoder.feed(byte);
+    }
+
+    /// Advances to a time until which there is no further byte. Returns whether a new screen is complete: the bus is quiet, and the text differs.
     pub fn poll(&mut self, now: i64) -> bool {
         if self.is_quiet || now.saturating_sub(self.last_byte) < self.quiet_ns {
             return false;

@@ -5,7 +5,6 @@ use crate::{
     motion::Motion,
     panel::{Panel, ScreenRow},
 };
-use core::fmt;
 use hal_handheld::{KeySet, st7920::ROWS};
 
 /// Speed of rapids and of fast jogs, in mm/s.
@@ -54,13 +53,14 @@ pub enum JobStop {
     Travel(u32),
 }
 
-impl fmt::Display for JobStop {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl JobStop {
+    /// Returns its text on the display.
+    fn row(self) -> ScreenRow {
         match self {
-            Self::NoMedium => f.write_str("NO MEDIUM"),
-            Self::Unreadable => f.write_str("BAD FILE"),
-            Self::Line(line) => write!(f, "ERR LINE {line}"),
-            Self::Travel(line) => write!(f, "LIMIT LINE {line}"),
+            Self::NoMedium => ScreenRow::of("NO MEDIUM"),
+            Self::Unreadable => ScreenRow::of("BAD FILE"),
+            Self::Line(line) => ScreenRow::of("ERR LINE ").and_number(line.into(), 0),
+            Self::Travel(line) => ScreenRow::of("LIMIT LINE ").and_number(line.into(), 0),
         }
     }
 }
@@ -201,7 +201,7 @@ impl Controller {
     /// Notes whether frames arrive. Without the handheld nobody could press STOP: a job is held.
     fn link(&mut self, is_linked: bool) {
         if self.is_linked && !is_linked {
-            self.say(format_args!("NO HANDHELD"));
+            self.say("NO HANDHELD");
             if self.mode == Mode::Run {
                 self.mode = Mode::Hold;
             }
@@ -209,7 +209,7 @@ impl Controller {
         self.is_linked = is_linked;
     }
 
-    pub(crate) fn say(&mut self, text: fmt::Arguments<'_>) {
+    pub(crate) fn say(&mut self, text: &str) {
         self.message = ScreenRow::of(text);
     }
 
@@ -246,12 +246,12 @@ impl Controller {
                 Next::Step(step) => self.step(step),
                 Next::End => {
                     self.stop(medium);
-                    self.say(format_args!("DONE"));
+                    self.say("DONE");
                     return;
                 }
                 Next::Failed(why) => {
                     self.stop(medium);
-                    self.say(format_args!("{why}"));
+                    self.message = why.row();
                     return;
                 }
             }
@@ -278,21 +278,21 @@ impl Controller {
 
     fn rows(&self, medium: &mut impl Medium) -> [ScreenRow; ROWS] {
         let status = [
-            ScreenRow::of(format_args!("{}", self.mode.text())),
-            ScreenRow::of(format_args!("F{}", self.percent)),
-            ScreenRow::of(format_args!("T{:3}", self.tool)),
+            ScreenRow::of(self.mode.text()),
+            ScreenRow::of("F").and_number(self.percent.into(), 0),
+            ScreenRow::of("T").and_number(self.tool.into(), 3),
         ];
         let mut rows = [ScreenRow::default(); ROWS];
-        let axes = ['X', 'Y', 'Z'].into_iter().zip(self.motion.place).zip(self.origin);
+        let axes = ["X", "Y", "Z"].into_iter().zip(self.motion.place).zip(self.origin);
         for ((row, ((letter, place), origin)), status) in rows.iter_mut().zip(axes).zip(status) {
             let at = place - origin;
             // There is no -0.000.
             let at = if at.abs() < 0.0005 { 0.0 } else { at };
-            *row = ScreenRow::of(format_args!("{letter}{at:10.3} {}", status.text()));
+            *row = ScreenRow::of(letter).and_decimals(at, 3, 10).and(" ").and(status.text());
         }
         if let Some(last) = rows.last_mut() {
             *last = match self.menu {
-                Some(index) => ScreenRow::of(format_args!(">{}", medium.name(index).text())),
+                Some(index) => ScreenRow::of(">").and(medium.name(index).text()),
                 None if !self.entry.is_empty() => self.entry,
                 None => self.message,
             };

@@ -102,11 +102,12 @@ pub fn read(text: &[u8], origin: [f64; 3], travel: f64) -> Result<Vec<JobStep>, 
     let mut way = Way::new(it.state.frame, Position::default());
     let mut reader = JobReader { steps: Vec::new(), feed: 0.0, origin, travel };
     let mut calls = Vec::new();
+    // Calls without a step, such as F, are no progress either.
     let (mut idle, mut line) = (0_u32, 0);
     loop {
         let going =
             step(&mut it, &Empty, Answers { probe_trips: false, functions: None }, &mut calls);
-        idle = if calls.is_empty() { idle + 1 } else { 0 };
+        let steps = reader.steps.len();
         if idle > 1_000_000 {
             return Err(WrongJob::Endless(line));
         }
@@ -114,6 +115,7 @@ pub fn read(text: &[u8], origin: [f64; 3], travel: f64) -> Result<Vec<JobStep>, 
             line = issued.line;
             reader.call(&issued.call, &mut way, it.state.frame.unit.millimetres(), line)?;
         }
+        idle = if reader.steps.len() == steps { idle + 1 } else { 0 };
         match going {
             Ok(true) => {}
             Ok(false) => return Ok(reader.steps),

@@ -35,22 +35,23 @@ impl Controller {
             21 => self.run_or_pause(medium),
             22 if is_idle => {
                 self.origin = self.place();
-                self.say(format_args!("ORIGIN"));
+                self.say("ORIGIN");
             }
             23 if is_idle && self.menu.is_none() => {
                 self.motion.go([0.0; 3], FAST);
-                self.say(format_args!("HOME"));
+                self.say("HOME");
             }
             24 if is_idle => {
                 self.is_step = !self.is_step;
                 let text = if self.is_step { "STEP 0.1" } else { "CONTINUOUS" };
-                self.say(format_args!("{text}"));
+                self.say(text);
             }
             25 | 26 => self.choose(key == 26, medium),
             27 if is_idle => self.has_spindle = !self.has_spindle,
             28 if is_idle => {
                 self.is_fast = !self.is_fast;
-                self.say(format_args!("{} MM/S", self.jog_speed()));
+                self.message =
+                    ScreenRow::default().and_decimals(self.jog_speed(), 0, 0).and(" MM/S");
             }
             15..=20 if self.is_step && is_idle && self.menu.is_none() => self.step_jog(key),
             // A key that is down already when a job ends moves nothing.
@@ -79,9 +80,12 @@ impl Controller {
         match percent.filter(|n| (1..=MOST_PERCENT).contains(n)) {
             Some(percent) => {
                 self.percent = percent;
-                self.say(format_args!("FEED {percent}"));
+                self.message = ScreenRow::of("FEED ").and_number(i64::from(percent), 0);
             }
-            None => self.say(format_args!("1 TO {MOST_PERCENT} ONLY")),
+            None => {
+                self.message =
+                    ScreenRow::of("1 TO ").and_number(MOST_PERCENT.into(), 0).and(" ONLY");
+            }
         }
         self.entry = ScreenRow::default();
     }
@@ -94,8 +98,8 @@ impl Controller {
             Mode::Idle => {
                 self.entry = ScreenRow::default();
                 match medium.files() {
-                    None => self.say(format_args!("NO MEDIUM")),
-                    Some(0) => self.say(format_args!("NO FILES")),
+                    None => self.say("NO MEDIUM"),
+                    Some(0) => self.say("NO FILES"),
                     Some(_) => self.menu = Some(0),
                 }
             }
@@ -119,7 +123,7 @@ impl Controller {
         match medium.files() {
             None | Some(0) => {
                 self.menu = None;
-                self.say(format_args!("NO MEDIUM"));
+                self.say("NO MEDIUM");
             }
             Some(count) if index >= count => self.menu = Some(0),
             Some(_) => {}
@@ -152,7 +156,7 @@ impl Controller {
         }
         let is_asked = velocity.iter().any(|v| *v != 0.0);
         if is_asked && !self.motion.jog(velocity, seconds) {
-            self.say(format_args!("LIMIT"));
+            self.say("LIMIT");
         }
         self.mode = if is_asked { Mode::Jog } else { Mode::Idle };
     }

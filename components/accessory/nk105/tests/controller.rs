@@ -29,7 +29,7 @@ impl Medium for Files {
         (!self.is_gone).then(|| u32::try_from(self.files.len()).unwrap())
     }
     fn name(&mut self, index: u32) -> ScreenRow {
-        ScreenRow::of(format_args!("{}", self.files[index as usize].0))
+        ScreenRow::of(self.files[index as usize].0)
     }
     fn open(&mut self, index: u32, origin: [f64; 3]) {
         self.trouble = None;
@@ -330,4 +330,18 @@ fn the_origin_is_the_zero_of_the_job() {
     assert_eq!(rig.row(0), "X     1.000 IDLE");
     rig.keys("RUN DOWN OK");
     assert_eq!(rig.row(3), "LIMIT LINE 1");
+}
+
+/// Calls that make no step of a job, such as F, are no progress.
+#[test]
+fn a_program_without_an_end_is_refused() {
+    for endless in ["F#1", "#2=1"] {
+        let text = format!("o1 while [1]\n#1=[#1+1]\n{endless}\no1 endwhile\n");
+        let why = read(text.as_bytes(), [0.0; 3], 500.0).unwrap_err();
+        assert!(matches!(why, WrongJob::Endless(_)), "{why}");
+    }
+    let long =
+        "o1 repeat [100]\no2 repeat [10000]\n#1=[#1+1]\no2 endrepeat\nG4 P1\no1 endrepeat\nM2\n";
+    // The end stops the spindle, which is a step, too.
+    assert_eq!(read(long.as_bytes(), [0.0; 3], 500.0).unwrap().len(), 101);
 }

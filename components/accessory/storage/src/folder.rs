@@ -15,7 +15,7 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Returns the place in this folder, for images of this many bytes.
+    /// Returns the place in this folder; new images have this many bytes.
     ///
     /// # Errors
     /// There is no such folder, or nothing can be made in it.
@@ -44,12 +44,15 @@ impl Folder {
 /// The file cannot be read, is no regular file, or is longer.
 pub fn read_bounded(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     // A pipe would block the reader until somebody writes.
-    if !fs::metadata(path)?.is_file() {
+    let data = fs::metadata(path)?;
+    if !data.is_file() {
         return Err(io::Error::new(ErrorKind::InvalidInput, "it is no regular file"));
     }
     let mut bytes = Vec::new();
-    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
+    if data.len() <= most {
+        File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    }
+    if data.len() > most || bytes.len() as u64 > most {
         return Err(io::Error::new(ErrorKind::FileTooLarge, "the file is too large"));
     }
     Ok(bytes)
@@ -59,19 +62,14 @@ impl Bay for Folder {
     type Image = File;
 
     fn blank(&mut self, side: Side) -> io::Result<()> {
-        let file = self.image(side)?;
-        file.set_len(0)?;
+        let path = self.image_path(side);
+        let file = OpenOptions::new().write(true).create(true).truncate(true).open(path)?;
         file.set_len(self.size)
     }
 
     fn image(&mut self, side: Side) -> io::Result<File> {
-        let path = self.image_path(side);
-        let file =
-            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
-        if file.metadata()?.len() != self.size {
-            file.set_len(self.size)?;
-        }
-        Ok(file)
+        // An image keeps the length that it was made with: the host may see it, and its file system fills it.
+        OpenOptions::new().read(true).write(true).open(self.image_path(side))
     }
 
     fn flush(&mut self, side: Side) -> io::Result<()> {

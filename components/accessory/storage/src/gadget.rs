@@ -18,10 +18,10 @@ pub enum NotEjected {
 
 /// USB device with one medium.
 pub trait Gadget {
-    /// Presents an image, after no other is presented.
+    /// Presents an image, also after a process before this one has left another.
     ///
     /// # Errors
-    /// The device does not take it.
+    /// The device does not take it, or the host holds the other one.
     fn present(&mut self, side: Side) -> io::Result<()>;
 
     /// Takes the image from the host.
@@ -59,6 +59,10 @@ impl Configfs {
         Ok(Self { lun, images })
     }
 
+    fn get(&self, attribute: &str) -> io::Result<String> {
+        Ok(fs::read_to_string(self.lun.join(attribute))?.trim_end().to_owned())
+    }
+
     fn set(&self, attribute: &str, text: &str) -> io::Result<()> {
         // An attribute is written by one call, and never made.
         let mut file =
@@ -69,12 +73,22 @@ impl Configfs {
 
 impl Gadget for Configfs {
     fn present(&mut self, side: Side) -> io::Result<()> {
-        self.set("ro", "1")?;
         let [a, b] = &self.images;
         let path = if side == Side::A { a } else { b };
         let text = path.to_str();
         let text =
             text.ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "the path is not UTF-8"))?;
+        // What a process before this one has presented stays if it is this image. The kernel refuses `ro` beside any image.
+        let (shown, is_read_only) = (self.get("file")?, self.get("ro")? == "1");
+        if shown == text && is_read_only {
+            return Ok(());
+        }
+        if !shown.is_empty() {
+            self.set("file", "")?;
+        }
+        if !is_read_only {
+            self.set("ro", "1")?;
+        }
         self.set("file", text)
     }
 

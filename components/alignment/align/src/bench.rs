@@ -7,7 +7,7 @@ use crate::{
 };
 use hal_align::{Alignment, Conditions, Fit, Mark, Matrix, Misfit, Model, Transform, Vector, fit};
 use hal_marks::{
-    Calibration, Camera, FoundMark, Mean, Picture, Sight, Unfound, average, calibrate, choose,
+    Calibration, Camera, FoundMark, Mean, Search, Sight, Unfound, average, calibrate, choose,
     search,
 };
 use std::{fmt, path::Path};
@@ -60,6 +60,8 @@ pub(crate) struct Bench {
     pub(crate) sights: Vec<Sight>,
     /// Number of pictures that were drawn, as a seed of their noise.
     drawn: u64,
+    /// Place of the part as far as the marks so far tell, once it was needed.
+    guessed: Option<Transform>,
     /// Text of the last failure.
     pub(crate) problem: String,
 }
@@ -71,6 +73,34 @@ pub(crate) struct Measured {
     pub(crate) place: Vector,
     /// Standard deviation of the place, in millimetres.
     pub(crate) uncertainty: f64,
+}
+
+/// Camera as the worker needs it for a picture while the bench is free.
+pub(crate) struct LentCamera {
+    pictures: Pictures,
+    wanted: Search,
+    number: u64,
+}
+
+/// Picture that was searched, and its size.
+type Searched = ((usize, usize), Result<FoundMark, Unfound>);
+
+impl LentCamera {
+    /// Takes the next picture and searches it, which may last. The error is a text.
+    pub(crate) fn search(&mut self, at: Vector, scene: Scene) -> Result<Option<Searched>, String> {
+        let picture = match &mut self.pictures {
+            Pictures::None => return Err("the job has no camera: [CAMERA]SOURCE".to_owned()),
+            Pictures::Table(_) if scene.stalls => None,
+            Pictures::Table(table) => {
+                Some(table.picture(at, Vector::new(scene.x, scene.y), scene.light, self.number))
+            }
+            Pictures::Files(source) => source.take().map_err(|problem| problem.to_string())?,
+        };
+        Ok(picture.map(|picture| {
+            let size = (picture.width(), picture.height());
+            (size, choose(&search(&picture, &self.wanted), Camera::middle(size)))
+        }))
+    }
 }
 
 /// Look in progress.
@@ -120,45 +150,49 @@ impl Bench {
         }
     }
 
-    /// Takes the next picture of a look. Returns whether the look has all of them; `None` without a picture yet.
-    pub(crate) fn picture(
-        &mut self,
-        look: &mut Look,
-        at: Vector,
-        scene: Scene,
-    ) -> Result<Option<bool>, Failure> {
-        self.drawn = self.drawn.wrapping_add(1);
-        let picture = match &mut self.job.pictures {
-            Pictures::None => {
-                return self.fail(Failure::NoPicture, "the job has no camera: [CAMERA]SOURCE");
+    /// Returns whether pictures may still show what was there before a look, which began so many seconds ago.
+    pub(crate) fn is_early(&mut self, seconds: f64) -> bool {
+        match &mut self.job.pictures {
+            Pictures::Files(source) if source.is_live() && seconds < self.job.delay => {
+                source.skip();
+                true
             }
-            Pictures::Table(_) if scene.stalls => Ok(None),
-            Pictures::Table(table) => {
-                Ok(Some(table.picture(at, Vector::new(scene.x, scene.y), scene.light, self.drawn)))
-            }
-            Pictures::Files(source) => source.take(),
-        };
-        match picture {
-            Err(problem) => self.fail(Failure::NoPicture, problem),
-            Ok(None) => Ok(None),
-            Ok(Some(picture)) => self.searched(look, &picture).map(Some),
+            _ => false,
         }
     }
 
-    /// Searches a picture.
-    fn searched(&mut self, look: &mut Look, picture: &Picture) -> Result<bool, Failure> {
-        look.size = (picture.width(), picture.height());
-        let (wanted, frames) = (self.job.wanted(), self.job.frames);
-        let middle = Camera::middle(look.size);
-        match choose(&search(picture, &wanted), middle) {
-            Ok(found) => look.found.push(found),
-            Err(why @ Unfound::Ambiguous(..)) => return self.fail(Failure::Ambiguous, why),
-            Err(why) => {
-                let text = format!("a {} was expected: {why}", wanted.text());
+    /// Lends the camera to the worker, until it is given back.
+    pub(crate) fn lend(&mut self) -> LentCamera {
+        self.drawn = self.drawn.wrapping_add(1);
+        let pictures = core::mem::replace(&mut self.job.pictures, Pictures::None);
+        LentCamera { pictures, wanted: self.job.wanted(), number: self.drawn }
+    }
+
+    /// Takes the camera back with the next picture of a look. Returns whether the look has all of them; `None` without a picture
+    /// yet.
+    pub(crate) fn give_back(
+        &mut self,
+        camera: LentCamera,
+        searched: Result<Option<Searched>, String>,
+        look: &mut Look,
+    ) -> Result<Option<bool>, Failure> {
+        self.job.pictures = camera.pictures;
+        match searched {
+            Err(problem) => return self.fail(Failure::NoPicture, problem),
+            Ok(None) => return Ok(None),
+            Ok(Some((size, Ok(found)))) => {
+                look.size = size;
+                look.found.push(found);
+            }
+            Ok(Some((_, Err(why @ Unfound::Ambiguous(..))))) => {
+                return self.fail(Failure::Ambiguous, why);
+            }
+            Ok(Some((_, Err(why)))) => {
+                let text = format!("a {} was expected: {why}", camera.wanted.text());
                 return self.fail(Failure::NoMark, text);
             }
         }
-        Ok(look.found.len() >= frames)
+        Ok(Some(look.found.len() >= self.job.frames))
     }
 
     /// Ends a look: the mean of its pictures.
@@ -242,6 +276,7 @@ impl Bench {
     fn forget_fit(&mut self) {
         self.fit = None;
         self.live = None;
+        self.guessed = None;
     }
 
     /// Forgets all marks.
@@ -280,10 +315,14 @@ impl Bench {
     }
 
     /// Fills in what all marks tell together; `mark` is the selected one.
-    pub(crate) fn tell(&self, mark: u32, results: &mut Results) {
+    pub(crate) fn tell(&mut self, mark: u32, results: &mut Results) {
         let marks = self.marks();
         results.marks = i32::try_from(marks.len()).unwrap_or(i32::MAX);
         let index = usize::try_from(mark).ok().and_then(|n| n.checked_sub(1));
+        // A fit of many marks takes too long for every period.
+        if index.is_some() && self.guessed.is_none() {
+            self.guessed = Some(self.guess(&marks));
+        }
         if let Some(place) = index.and_then(|n| self.expected(n, &marks)) {
             let aim = place - self.job.camera.offset;
             (results.aim_x, results.aim_y) = (aim.x, aim.y);
@@ -313,6 +352,9 @@ impl Bench {
 
     /// Returns the place of the part as far as the marks so far tell.
     pub(crate) fn guess(&self, marks: &[Mark]) -> Transform {
+        if let Some(guessed) = self.guessed {
+            return guessed;
+        }
         let options = |model| Conditions { model, tolerance: 1e9, mirror: self.job.options.mirror };
         for model in [Model::Affine, Model::Similarity, Model::Shift] {
             if let Ok(found) = fit(marks, &options(model)) {

@@ -33,7 +33,11 @@ pub(crate) struct MarkJob {
     pub(crate) camera: Camera,
     /// Longest wait for a picture, in seconds.
     pub(crate) timeout: f64,
+    /// Longest time from the light to the file of a live picture, in seconds.
+    pub(crate) delay: f64,
     pub(crate) pictures: Pictures,
+    /// Kind of their origin: none, sim or files.
+    pub(crate) source: &'static str,
 }
 
 impl Default for MarkJob {
@@ -50,7 +54,9 @@ impl Default for MarkJob {
             near: Vector::ZERO,
             camera: Camera { linear, offset: Vector::ZERO },
             timeout: 5.0,
+            delay: 1.0,
             pictures: Pictures::None,
+            source: "none",
         }
     }
 }
@@ -149,6 +155,7 @@ impl MarkJob {
             }
             "OFFSET" => self.camera.offset = vector(entry)?,
             "TIMEOUT" => self.timeout = between(entry, 0.01, 600.0)?,
+            "DELAY" => self.delay = between(entry, 0.0, 60.0)?,
             "SOURCE" => {
                 let usual = "must be 'sim FILE', 'files FOLDER' or 'live FOLDER'";
                 let (kind, name) = entry
@@ -161,6 +168,7 @@ impl MarkJob {
                     let files = files.map_err(|e| wrong(entry, &e.to_string()))?;
                     Ok(Pictures::Files(Box::new(files)))
                 };
+                self.source = if kind == "sim" { "sim" } else { "files" };
                 self.pictures = match kind {
                     "sim" => {
                         let table = Table::read(&path).map_err(|e| e.to_string())?;
@@ -171,7 +179,9 @@ impl MarkJob {
                     _ => return Err(wrong(entry, usual)),
                 };
             }
-            _ => return Err(wrong(entry, "has no meaning: SOURCE, MATRIX, OFFSET, TIMEOUT")),
+            _ => {
+                return Err(wrong(entry, "has no meaning: SOURCE, MATRIX, OFFSET, TIMEOUT, DELAY"));
+            }
         }
         Ok(())
     }

@@ -49,8 +49,8 @@ Alignment by marks: a camera on the machine finds them, and the part's place goe
 tells where the mark is expected on the machine), their `KIND` (circle or
 square), `SIZE` in mm, `INK` (dark or bright), `FRAMES` (pictures of a look, 5), `MODEL`, `TOLERANCE` and `MIRROR` as of
 `halgcode align`, and `NEAR = X Y`, the place where the file's origin is expected. Section CAMERA has `SOURCE` (`sim FILE`, a
-simulated table; `files FOLDER`, pictures in the order of their names; `live FOLDER`, pictures that appear after a look began, as
-`halcamera` writes them), `MATRIX = m11 m12 m21 m22` from pixels to mm, `OFFSET = X Y` from the machine's position to the middle of
+simulated table; `files FOLDER`, pictures in the order of their names; `live FOLDER`, pictures that appear `DELAY` seconds
+(1) after a look began, as `halcamera` writes them: a camera and its network may take so long from the light to the file), `MATRIX = m11 m12 m21 m22` from pixels to mm, `OFFSET = X Y` from the machine's position to the middle of
 the picture, and `TIMEOUT` in seconds for a picture. `mark` selects a mark; `aim-x` and `aim-y` are the position from which the camera should
 see it, as far as the marks before it tell.
 

@@ -1,6 +1,6 @@
 //! State of the alignment as lines, and as JSON for programs.
 
-use crate::{bench::Bench, job::Pictures};
+use crate::bench::Bench;
 use hal_align::{Matrix, Transform, Vector};
 use serde_json::{Value as Json, json};
 
@@ -75,11 +75,7 @@ impl Bench {
             json!({ "theta": parts.turn, "x": parts.shift.x, "y": parts.shift.y })
         });
         let place = self.fit.as_ref().map_or_else(|| self.guess(&found), |fit| fit.transform);
-        let source = match &self.job.pictures {
-            Pictures::None => "none",
-            Pictures::Table(_) => "sim",
-            Pictures::Files(_) => "files",
-        };
+        let source = self.job.source;
         let m = self.job.camera.linear;
         json!({
             "marks": marks.collect::<Vec<_>>(),

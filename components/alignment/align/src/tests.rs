@@ -59,6 +59,18 @@ fn wrong_jobs_are_refused_with_their_place() {
 
 const SCENE: Scene = Scene { light: 1.0, x: 0.0, y: 0.0, stalls: false };
 
+/// Takes the next picture of a look, as the worker does.
+fn picture(
+    bench: &mut Bench,
+    look: &mut Look,
+    at: Vector,
+    scene: Scene,
+) -> Result<Option<bool>, Failure> {
+    let mut camera = bench.lend();
+    let searched = camera.search(at, scene);
+    bench.give_back(camera, searched, look)
+}
+
 #[test]
 fn a_mark_is_measured_on_the_simulated_table() {
     let folder = Folder::new("table");
@@ -72,7 +84,7 @@ fn a_mark_is_measured_on_the_simulated_table() {
     let mut look = Look::default();
     let at = Vector::new(45.0, 8.0);
     let mut pictures = 0;
-    while bench.picture(&mut look, at, SCENE).unwrap() == Some(false) {
+    while picture(&mut bench, &mut look, at, SCENE).unwrap() == Some(false) {
         pictures += 1;
     }
     assert_eq!(pictures, 2);
@@ -88,9 +100,9 @@ fn a_mark_is_measured_on_the_simulated_table() {
     // A dark table, a stalled camera, a wrong place.
     let mut look = Look::default();
     let dark = Scene { light: 0.0, ..SCENE };
-    assert_eq!(bench.picture(&mut look, at, dark), Err(Failure::NoMark));
-    assert_eq!(bench.picture(&mut look, at, Scene { stalls: true, ..SCENE }), Ok(None));
-    assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Err(Failure::NoMark));
+    assert_eq!(picture(&mut bench, &mut look, at, dark), Err(Failure::NoMark));
+    assert_eq!(picture(&mut bench, &mut look, at, Scene { stalls: true, ..SCENE }), Ok(None));
+    assert_eq!(picture(&mut bench, &mut look, Vector::ZERO, SCENE), Err(Failure::NoMark));
     assert!(
         bench
             .status()
@@ -120,14 +132,14 @@ fn pictures_of_a_folder_are_taken_in_their_order_and_garbage_is_named() {
     let mut results = Results::default();
     for n in 0..2_u32 {
         let mut look = Look::default();
-        assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Ok(Some(true)));
+        assert_eq!(picture(&mut bench, &mut look, Vector::ZERO, SCENE), Ok(Some(true)));
         bench.measure(&look, 1, Vector::ZERO, &mut results).unwrap();
         assert!((results.x + 0.1 * f64::from(n)).abs() < 1e-3, "{}", results.x);
     }
     let mut look = Look::default();
-    assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Err(Failure::NoPicture));
+    assert_eq!(picture(&mut bench, &mut look, Vector::ZERO, SCENE), Err(Failure::NoPicture));
     assert!(bench.status().last().unwrap().ends_with("2.jpg: the picture is cut off or broken"));
-    assert_eq!(bench.picture(&mut look, Vector::ZERO, SCENE), Ok(None));
+    assert_eq!(picture(&mut bench, &mut look, Vector::ZERO, SCENE), Ok(None));
 }
 
 /// Pictures for people come while they are asked for, from where the machine is, and change nothing that is measured.
@@ -184,4 +196,77 @@ fn a_view_shows_the_marks_at_the_present_position_and_measures_nothing() {
     assert!((2..=5).contains(&head["number"].as_u64().unwrap()), "{head}");
     fs::remove_file(&file).unwrap();
     assert_eq!(measured(false), mark);
+}
+
+/// Pictures that come within the camera's delay show the place before: they are skipped.
+#[test]
+fn live_pictures_of_the_time_before_are_skipped() {
+    let folder = Folder::new("live");
+    let table = b"[TABLE]\nMARK = circle 0 0 4\nPICTURE = 320 240\n";
+    let table = hal_marks::Table::parse("t", table).unwrap();
+    let pictures = folder.0.join("pictures");
+    fs::create_dir(&pictures).unwrap();
+    let job = "[JOB]\nMARK = 0 0\nSIZE = 4\nFRAMES = 5\n[CAMERA]\nSOURCE = live pictures\nTIMEOUT = 0.5\n";
+    let job = format!("job={}", folder.write("job.ini", job).display());
+    let mut bench = hal_bench::Bench::new();
+    bench.load::<crate::Align>(&[&job]).unwrap();
+    bench.set("align.still", true);
+    // 25 pictures in a second; the camera is a second behind the machine, which stood 0.5 mm to the left.
+    let pass = |n: u32| {
+        let place = Vector::new(if n < 25 { -0.5 } else { 0.0 }, 0.0);
+        let png = table.picture(place, Vector::ZERO, 1.0, u64::from(n)).png();
+        fs::write(pictures.join(format!("{n:04}.png")), png).unwrap();
+        bench.run("align", 1_000_000);
+        bench.work("align", 1).unwrap();
+        bench.pass(40_000_000);
+    };
+    bench.command("align.look", &["mark=1"]).unwrap();
+    (0..40).for_each(pass);
+    bench.run("align", 1_000_000);
+    assert!(bench.get::<bool>("align.found") && !bench.get::<bool>("align.busy"));
+    let x = bench.get::<f64>("align.x");
+    assert!(x.abs() < 0.01, "{x}");
+}
+
+/// The bench is free while a picture is searched: status and touch do not wait for it.
+#[test]
+fn the_camera_is_lent_while_a_picture_is_searched() {
+    let folder = Folder::new("lent");
+    folder.write("table.conf", "[TABLE]\nMARK = circle 10 20 4\n");
+    let job = "[JOB]\nMARK = 10 20\nSIZE = 4\nFRAMES = 1\n[CAMERA]\nSOURCE = sim table.conf\n";
+    let bench = std::sync::Mutex::new(Bench::default());
+    bench.lock().unwrap().open(&folder.write("job.ini", job)).unwrap();
+    let mut camera = bench.lock().unwrap().lend();
+    let searched = camera.search(Vector::new(10.0, 20.0), SCENE);
+    let state = bench.try_lock().unwrap().json();
+    assert_eq!(state["camera"]["source"], "sim");
+    let mark = hal_align::Mark { file: Vector::ZERO, machine: Vector::new(1.0, 2.0) };
+    bench.try_lock().unwrap().touch(mark).unwrap();
+    let mut look = Look::default();
+    assert_eq!(bench.lock().unwrap().give_back(camera, searched, &mut look), Ok(Some(true)));
+}
+
+/// The expected place of a mark changes with each mark before it.
+#[test]
+fn the_guess_follows_the_marks() {
+    let folder = Folder::new("guess");
+    let job = "[JOB]\nMARK = 0 0\nMARK = 100 0\n";
+    let mut bench = Bench::default();
+    bench.open(&folder.write("job.ini", job)).unwrap();
+    let aim = |bench: &mut Bench| {
+        let mut results = Results::default();
+        bench.tell(2, &mut results);
+        (results.aim_x, results.aim_y)
+    };
+    let touch = |bench: &mut Bench, file: Vector, machine: Vector| {
+        bench.touch(hal_align::Mark { file, machine }).unwrap();
+    };
+    assert_eq!(aim(&mut bench), (100.0, 0.0));
+    touch(&mut bench, Vector::ZERO, Vector::new(5.0, 6.0));
+    assert_eq!(aim(&mut bench), (105.0, 6.0));
+    touch(&mut bench, Vector::new(0.0, 50.0), Vector::new(5.0, 106.0));
+    let (x, y) = aim(&mut bench);
+    assert!((x - 205.0).abs() < 1e-9 && (y - 6.0).abs() < 1e-9, "{x} {y}");
+    bench.clear();
+    assert_eq!(aim(&mut bench), (100.0, 0.0));
 }

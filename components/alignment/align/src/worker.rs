@@ -15,6 +15,8 @@ use std::sync::{Arc, Mutex, atomic::Ordering::Relaxed};
 struct Progress {
     event: EyeEvent,
     look: Look,
+    /// Machine time of its begin, in nanoseconds.
+    begun: i64,
     /// Machine time of the last picture, in nanoseconds.
     since: i64,
 }
@@ -67,7 +69,7 @@ impl Worker {
 
     /// Goes on with an event. Returns its result when it is done.
     fn go_on(&mut self, progress: &mut Progress) -> Option<Result<(), Failure>> {
-        let Progress { event, look, since } = progress;
+        let Progress { event, look, begun, since } = progress;
         let at = Vector::new(event.x, event.y);
         let mut bench = lock(&self.bench);
         match event.action {
@@ -79,7 +81,17 @@ impl Worker {
             Action::Calibrate => return Some(bench.calibrate()),
             Action::Look(_) | Action::Sight => {}
         }
-        let taken = bench.picture(look, at, event.scene);
+        let early = (self.clock.now_ns() - *begun) as f64 / 1e9;
+        if bench.is_early(early) && !self.shared.moved.load(Relaxed) {
+            *since = self.clock.now_ns();
+            return None;
+        }
+        // Commands may use the bench while a picture is read and searched.
+        let mut camera = bench.lend();
+        drop(bench);
+        let searched = camera.search(at, event.scene);
+        let mut bench = lock(&self.bench);
+        let taken = bench.give_back(camera, searched, look);
         if self.shared.moved.load(Relaxed) {
             return Some(Err(Failure::Moved));
         }
@@ -134,7 +146,10 @@ impl Work for Worker {
             let begun = lock(&self.bench).begin(mark);
             let since = self.clock.now_ns();
             match begun {
-                Ok(()) => self.progress = Some(Progress { event, look: Look::default(), since }),
+                Ok(()) => {
+                    let look = Look::default();
+                    self.progress = Some(Progress { event, look, begun: since, since });
+                }
                 Err(failure) => self.end(&event, Err(failure)),
             }
         }

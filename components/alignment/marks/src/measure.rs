@@ -172,19 +172,23 @@ fn pixel(picture: &Picture, region: &Region, x: usize, y: usize) -> (f64, f64, f
 /// Returns the pixels of a region and around it, by their place.
 fn pixels(picture: &Picture, region: &Region) -> Vec<Pixel> {
     let mut out = Vec::with_capacity(region.width * region.height);
+    let sums = sums(region);
     for y in 0..region.height {
         for x in 0..region.width {
-            let any = |reach: usize, wanted: bool| {
-                (y.saturating_sub(reach)..=y + reach).any(|ny| {
-                    (x.saturating_sub(reach)..=x + reach)
-                        .any(|nx| region.is_filled(nx, ny) == wanted)
-                })
+            let near = |reach: usize| {
+                let (left, right) = (x.saturating_sub(reach), (x + reach + 1).min(region.width));
+                let (top, bottom) = (y.saturating_sub(reach), (y + reach + 1).min(region.height));
+                let sum =
+                    |x: usize, y: usize| sums.get(y * (region.width + 1) + x).copied().unwrap_or(0);
+                (sum(right, bottom) + sum(left, top)) - (sum(left, bottom) + sum(right, top))
             };
             let place = if region.is_filled(x, y) {
-                if any(INSIDE, false) { Place::Edge } else { Place::Core }
-            } else if any(OUTSIDE, true) {
+                // The frame keeps this neighbourhood within the rectangle.
+                let all = near(INSIDE) as usize == (2 * INSIDE + 1) * (2 * INSIDE + 1);
+                if all { Place::Core } else { Place::Edge }
+            } else if near(OUTSIDE) > 0 {
                 Place::Edge
-            } else if any(FRAME - 1, true) {
+            } else if near(FRAME - 1) > 0 {
                 Place::Background
             } else {
                 continue;
@@ -198,6 +202,23 @@ fn pixels(picture: &Picture, region: &Region) -> Vec<Pixel> {
         }
     }
     out
+}
+
+/// Returns the number of filled pixels left of and above each corner of a pixel.
+fn sums(region: &Region) -> Vec<u32> {
+    let columns = region.width + 1;
+    let mut sums = vec![0; columns * (region.height + 1)];
+    for y in 0..region.height {
+        let mut row = 0;
+        for x in 0..region.width {
+            row += u32::from(region.is_filled(x, y));
+            let above = sums.get(y * columns + x + 1).copied().unwrap_or(0);
+            if let Some(sum) = sums.get_mut((y + 1) * columns + x + 1) {
+                *sum = above + row;
+            }
+        }
+    }
+    sums
 }
 
 /// Returns the light on the background.

@@ -21,49 +21,122 @@ pub(crate) const FRAME: usize = 8;
 /// Regions of fewer pixels are noise.
 const LEAST: usize = 30;
 
-/// Returns the regions of dark pixels that touch by sides or corners.
-pub(crate) fn regions(dark: &[bool], width: usize, height: usize) -> Vec<Region> {
+/// Largest number of regions that are looked at.
+const MAX_REGIONS: usize = 10_000;
+
+/// Limits beyond which a region is no mark, so that it needs no map of its pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Largest number of dark pixels.
+    pub(crate) pixels: usize,
+    /// Largest width and height.
+    pub(crate) side: usize,
+}
+
+/// Region beyond the limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LargeRegion {
+    /// Middle of its rectangle.
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    /// Number of dark pixels.
+    pub(crate) pixels: usize,
+    /// Longer side of its rectangle.
+    pub(crate) side: usize,
+}
+
+/// Passes on the regions of dark pixels that touch by sides or corners, one after the other.
+pub(crate) fn regions(
+    dark: &[bool],
+    width: usize,
+    height: usize,
+    limits: Limits,
+    mut each: impl FnMut(Result<&Region, LargeRegion>),
+) {
     let mut seen = vec![false; dark.len()];
-    let mut out = Vec::new();
-    let mut stack: Vec<(usize, usize)> = Vec::new();
+    let mut stack: Vec<u32> = Vec::new();
+    let mut pixels: Vec<u32> = Vec::new();
+    let index = |at: usize| u32::try_from(at).unwrap_or(0);
+    let mut regions = 0;
     for start in 0..dark.len() {
         if !dark.get(start).copied().unwrap_or(false) || seen.get(start).copied().unwrap_or(true) {
             continue;
         }
-        let mut pixels = Vec::new();
-        stack.push((start % width, start / width));
+        pixels.clear();
+        let mut around = PixelBox { left: usize::MAX, top: usize::MAX, right: 0, bottom: 0 };
+        let mut count = 0_usize;
+        stack.push(index(start));
         if let Some(s) = seen.get_mut(start) {
             *s = true;
         }
-        while let Some((x, y)) = stack.pop() {
-            pixels.push((x, y));
+        while let Some(at) = stack.pop() {
+            let at = usize::try_from(at).unwrap_or(0);
+            let (x, y) = (at % width, at / width);
+            around.take(x, y);
+            count += 1;
+            // Of a large region only the number and the rectangle matter.
+            if count <= limits.pixels {
+                pixels.push(index(at));
+            }
             for ny in y.saturating_sub(1)..(y + 2).min(height) {
                 for nx in x.saturating_sub(1)..(x + 2).min(width) {
                     let at = ny * width + nx;
                     if let (Some(true), Some(s @ false)) = (dark.get(at), seen.get_mut(at)) {
                         *s = true;
-                        stack.push((nx, ny));
+                        stack.push(index(at));
                     }
                 }
             }
         }
-        if pixels.len() >= LEAST {
-            out.push(Region::of(&pixels, width, height));
+        if count < LEAST {
+            continue;
+        }
+        if count > limits.pixels || around.side() > limits.side {
+            let (x, y) = around.middle();
+            each(Err(LargeRegion { x, y, pixels: count, side: around.side() }));
+        } else {
+            each(Ok(&Region::of(&pixels, &around, width, height)));
+        }
+        regions += 1;
+        if regions >= MAX_REGIONS {
+            return;
         }
     }
-    out
+}
+
+/// Rectangle around pixels.
+struct PixelBox {
+    left: usize,
+    top: usize,
+    right: usize,
+    bottom: usize,
+}
+
+impl PixelBox {
+    fn take(&mut self, x: usize, y: usize) {
+        (self.left, self.right) = (self.left.min(x), self.right.max(x));
+        (self.top, self.bottom) = (self.top.min(y), self.bottom.max(y));
+    }
+
+    /// Returns the longer side.
+    fn side(&self) -> usize {
+        (self.right - self.left).max(self.bottom - self.top) + 1
+    }
+
+    fn middle(&self) -> (f64, f64) {
+        ((self.left + self.right + 1) as f64 / 2.0, (self.top + self.bottom + 1) as f64 / 2.0)
+    }
 }
 
 impl Region {
-    fn of(pixels: &[(usize, usize)], width: usize, height: usize) -> Self {
-        let columns = pixels.iter().map(|p| p.0);
-        let rows = pixels.iter().map(|p| p.1);
-        let (left, right) = (columns.clone().min().unwrap_or(0), columns.max().unwrap_or(0));
-        let (top, bottom) = (rows.clone().min().unwrap_or(0), rows.max().unwrap_or(0));
+    fn of(pixels: &[u32], around: &PixelBox, width: usize, height: usize) -> Self {
+        let PixelBox { left, top, right, bottom } = *around;
         let own_width = right - left + 1 + 2 * FRAME;
         let own_height = bottom - top + 1 + 2 * FRAME;
         let mut dark = vec![false; own_width * own_height];
-        for (x, y) in pixels {
+        for at in pixels {
+            let at = usize::try_from(*at).unwrap_or(0);
+            let (x, y) = (at % width, at / width);
             let at = (y - top + FRAME) * own_width + (x - left + FRAME);
             if let Some(to) = dark.get_mut(at) {
                 *to = true;
@@ -118,4 +191,26 @@ fn fill(dark: &[bool], width: usize, height: usize) -> Vec<bool> {
         }
     }
     filled
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line from corner to corner, and a square of 20 pixels beside it: a map of the line would be the whole picture.
+    #[test]
+    fn a_large_region_has_no_map() {
+        const N: usize = 1000;
+        let is_dark = |x: usize, y: usize| x.abs_diff(y) < 2 || (700..720).contains(&x) && y < 20;
+        let dark: Vec<bool> = (0..N * N).map(|at| is_dark(at % N, at / N)).collect();
+        let mut found = Vec::new();
+        regions(&dark, N, N, Limits { pixels: 4000, side: 100 }, |region| {
+            found.push(region.map(|r| (r.left, r.top, r.dark.len(), r.area(), r.at_border)));
+        });
+        let line = LargeRegion { x: 500.0, y: 500.0, pixels: 3 * N - 2, side: N };
+        assert_eq!(found, [Err(line), Ok((692, -8, 36 * 36, 400, true))]);
+        regions(&dark, N, N, Limits { pixels: 399, side: N }, |region| {
+            assert!(region.is_err());
+        });
+    }
 }

@@ -3,7 +3,7 @@
 use crate::{
     measure::{FoundMark, Measures, measure},
     picture::Picture,
-    region::{Region, regions},
+    region::{FRAME, Limits, Region, regions},
     threshold::dark,
 };
 use core::{f64::consts::PI, fmt};
@@ -76,6 +76,8 @@ pub enum Rejected {
     Border,
     /// An area in square pixels, and the expected one.
     Area(f64, f64),
+    /// A length in pixels, and the largest one of a mark.
+    Side(f64, f64),
     /// A region that differs too little from the background.
     Faint,
     /// A shape: roundness, elongation, squareness.
@@ -90,6 +92,9 @@ impl fmt::Display for Rejected {
             Self::Border => f.write_str("it touches the border of the picture"),
             Self::Area(got, wanted) => {
                 write!(f, "its area is {got:.0} square pixels, and {wanted:.0} are expected")
+            }
+            Self::Side(got, most) => {
+                write!(f, "it is {got:.0} pixels long, and a mark has at most {most:.0}")
             }
             Self::Faint => f.write_str("it differs too little from the background"),
             Self::Shape(r, e, s) => write!(
@@ -112,6 +117,8 @@ pub struct Seen {
 
 /// Largest deviation of the area, as a part of the expected one.
 const AREA: f64 = 0.3;
+/// Largest area before the exact one is known, as a part of the expected one.
+const ROUGH_MOST: f64 = (1.0 + AREA) * 1.4;
 /// Least roundness.
 const ROUND: f64 = 0.85;
 /// Largest elongation.
@@ -119,9 +126,6 @@ const ELONGATED: f64 = 1.2;
 /// Largest squareness of a circle, and least of a square.
 const CIRCLE: f64 = 0.2;
 const SQUARE: f64 = 0.7;
-/// Largest number of regions that are looked at.
-const MAX_REGIONS: usize = 10_000;
-
 /// Searches a picture for marks.
 #[must_use]
 pub fn search(picture: &Picture, wanted: &Search) -> Seen {
@@ -136,12 +140,34 @@ pub fn search(picture: &Picture, wanted: &Search) -> Seen {
     };
     let values: Vec<f32> = picture.pixels().iter().map(value).collect();
     let dark = dark(&values, width, height);
-    for region in regions(&dark, width, height).iter().take(MAX_REGIONS) {
-        match judge(picture, region, wanted) {
+    let expected = expected(wanted);
+    let whole = |n: f64| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of pixels"
+        )]
+        let whole = n as usize;
+        whole
+    };
+    let limits = Limits {
+        pixels: whole(expected * ROUGH_MOST),
+        side: whole(2.0 * wanted.size).saturating_add(2 * FRAME),
+    };
+    regions(&dark, width, height, limits, |region| match region {
+        Ok(region) => match judge(picture, region, wanted) {
             Ok(mark) => seen.marks.push(mark),
             Err(reason) => seen.rejected.push((middle(region), reason)),
+        },
+        Err(large) => {
+            let reason = if large.pixels > limits.pixels {
+                Rejected::Area(large.pixels as f64, expected)
+            } else {
+                Rejected::Side(large.side as f64, limits.side as f64)
+            };
+            seen.rejected.push((Vector::new(large.x, large.y), reason));
         }
-    }
+    });
     seen
 }
 
@@ -152,16 +178,21 @@ fn middle(region: &Region) -> Vector {
     )
 }
 
-/// Judges a region.
-fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<FoundMark, Rejected> {
-    let expected = match wanted.kind {
+/// Returns the area of the wanted marks in square pixels.
+fn expected(wanted: &Search) -> f64 {
+    match wanted.kind {
         MarkKind::Circle => PI / 4.0 * wanted.size * wanted.size,
         MarkKind::Square => wanted.size * wanted.size,
-    };
+    }
+}
+
+/// Judges a region.
+fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<FoundMark, Rejected> {
+    let expected = expected(wanted);
     let fits = |area: f64| (1.0 - AREA) * expected <= area && area <= (1.0 + AREA) * expected;
     let rough = region.area() as f64;
     // The threshold lies anywhere in a blurred edge: the exact area follows.
-    if rough < expected * (1.0 - AREA) * 0.7 || expected * (1.0 + AREA) * 1.4 < rough {
+    if rough < expected * (1.0 - AREA) * 0.7 || expected * ROUGH_MOST < rough {
         return Err(Rejected::Area(rough, expected));
     }
     if region.at_border {

@@ -10,7 +10,10 @@ use std::{
 
 /// Origin of pictures.
 pub trait Source: Send {
-    /// Forgets pictures that were taken before now.
+    /// Returns whether pictures come while they are taken.
+    fn is_live(&self) -> bool;
+
+    /// Forgets the pictures that are there already, if others come.
     fn skip(&mut self);
 
     /// Returns the next picture, if there is one yet.
@@ -84,6 +87,10 @@ impl Files {
 }
 
 impl Source for Files {
+    fn is_live(&self) -> bool {
+        self.is_live
+    }
+
     fn skip(&mut self) {
         if self.is_live
             && let Ok(names) = self.names()

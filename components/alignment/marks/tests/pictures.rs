@@ -306,3 +306,16 @@ fn check_part(begin: &str, end: &str, new: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
     hal_golden::check_part(&path, begin, end, &format!("\n\n{}\n\n", new.trim()));
 }
+
+/// A hatched board: each stripe is as long as the picture, so that a map of each would take a multiple of the picture's area.
+#[test]
+fn long_stripes_are_told_by_their_length() {
+    const SIDE: usize = 2400;
+    let stripe = |at| if (at % SIDE + at / SIDE) % 16 < 5 { 40 } else { 220 };
+    let picture = hal_marks::Picture::new(SIDE, SIDE, (0..SIDE * SIDE).map(stripe).collect());
+    let wanted = Search { kind: MarkKind::Circle, size: 100.0, ink: Ink::Dark };
+    let seen = search(&picture, &wanted);
+    assert!(seen.marks.is_empty() && seen.rejected.len() > 250, "{}", seen.rejected.len());
+    let long = seen.rejected.iter().filter(|(_, why)| why.to_string().contains("pixels long"));
+    assert!(long.count() > 200);
+}

@@ -44,13 +44,22 @@ pub struct Rules {
     pub start: Option<Vector>,
     /// Evaluate expressions and parameters that the program itself sets.
     pub expand: bool,
+    /// The machine's own unit, in which a program without G20 and G21 is, is the inch.
+    pub inches: bool,
     /// Name of the source for a comment at the top, if there shall be one.
     pub header: Option<String>,
 }
 
 impl Default for Rules {
     fn default() -> Self {
-        Self { arcs: Arcs::Lines, tolerance: 0.005, start: None, expand: false, header: None }
+        Self {
+            arcs: Arcs::Lines,
+            tolerance: 0.005,
+            start: None,
+            expand: false,
+            inches: false,
+            header: None,
+        }
     }
 }
 
@@ -67,6 +76,8 @@ pub struct Rewritten {
     pub chords: usize,
     /// True if feeds of a program with unequal scales stay as they are.
     pub feed_is_uneven: bool,
+    /// True if blocks were changed before the first G20 or G21, in the machine's unit.
+    pub unit_is_assumed: bool,
 }
 
 /// Block that cannot be rewritten.
@@ -118,7 +129,7 @@ impl Program<'_> {
     fn run(&self, text: &[u8]) -> Result<Rewritten, Vec<Refusal>> {
         let mut out = Rewritten::default();
         let mut refusals = Vec::new();
-        let mut modal = Modal::new(self.options.start);
+        let mut modal = Modal::new(self.options.start, self.options.inches);
         let mut known = Known::default();
         let mut words = Words::default();
         let (mut header, mut begun, mut ended) = (self.options.header.is_some(), false, false);
@@ -139,9 +150,13 @@ impl Program<'_> {
             }
             begun = begun || !body.trim_ascii().is_empty();
             let done = words.read(body, self.options.expand.then_some(&known)).and_then(|()| {
-                if words.flow.is_some() {
+                if let Some(word) = &words.flow {
                     known.forget();
                     modal.forget_all();
+                    // Flow control takes these modes to another O-word, before this one or behind it.
+                    if word.action != Action::Bare {
+                        modal.modes.insert(modal.now);
+                    }
                     return self.flow.check(&words).map(|()| None);
                 }
                 block::block(self, &mut modal, &words, body, end)
@@ -170,12 +185,26 @@ impl Program<'_> {
                 return Err(refusals);
             }
         }
-        if self.flow.any && modal.modes.len() > 1 {
-            let line = self.flow.first;
-            refusals.push(Refusal { line, column: 0, reason: Reason::FlowWithModes });
+        if let Some(reason) = self.unclear(&modal, &out) {
+            refusals.push(Refusal { line: self.flow.first, column: 0, reason });
         }
+        out.unit_is_assumed = modal.unit_is_assumed;
         out.feed_is_uneven = modal.has_feed && !self.transform.is_even();
         if refusals.is_empty() { Ok(out) } else { Err(refusals) }
+    }
+
+    /// Returns what flow control makes unclear, at the end of the program.
+    fn unclear(&self, modal: &Modal, out: &Rewritten) -> Option<Reason> {
+        if !self.flow.any {
+            return None;
+        }
+        if modal.modes.len() > 1 {
+            Some(Reason::FlowWithModes)
+        } else if modal.any_inverse_time && out.arcs > 0 {
+            Some(Reason::InverseTime)
+        } else {
+            None
+        }
     }
 
     /// Returns the comment at the top.

@@ -229,6 +229,7 @@ mod tests {
             toplevel: Some(toplevel),
             task: 0,
             timeout: Duration::from_secs(10),
+            stands_still: false,
         };
         (Process::start(&setup).unwrap(), folder)
     }

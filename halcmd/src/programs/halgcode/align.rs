@@ -30,6 +30,7 @@ enum Setting {
     Tolerance,
     Start,
     Expand,
+    Inch,
     Header,
     Output,
     Help,
@@ -82,6 +83,11 @@ const OPTIONS: &[Opt<Setting>] = &[
         ..Opt::flag(Setting::Expand, 'e')
     },
     Opt {
+        long: Some("inch"),
+        help: "the machine's own unit, in force until G20 or G21, is the inch",
+        ..Opt::flag(Setting::Inch, 'i')
+    },
+    Opt {
         long: Some("header"),
         help: "a comment with the place of the part and the source",
         ..Opt::flag(Setting::Header, 'H')
@@ -127,6 +133,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     alignment.options.mirror |= is_given(Setting::Mirror);
     let mut options = Rules {
         expand: is_given(Setting::Expand),
+        inches: is_given(Setting::Inch),
         header: is_given(Setting::Header).then(|| name_of(file)),
         ..Rules::default()
     };
@@ -165,7 +172,12 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
             return Ok(ExitCode::FAILURE);
         }
     };
-    let report = report(&transform, fit.as_ref(), &done);
+    let mut report = report(&transform, fit.as_ref(), &done);
+    if done.unit_is_assumed && !options.inches {
+        report.push_str(
+            "warning: X and Y before the first G20 or G21 are taken as mm; --inch if the machine's unit is the inch\n",
+        );
+    }
     match last(Setting::Output).map(PathBuf::from) {
         None => {
             print_error(&report);

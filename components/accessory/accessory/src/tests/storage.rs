@@ -73,7 +73,7 @@ fn a_folder_of_programs_is_sent() {
         bench
     };
     let settle = |bench: &Bench| {
-        for _ in 0..12 {
+        for _ in 0..40 {
             bench.pass(100 * MS);
             bench.work("usbjobs", 8).unwrap();
         }
@@ -95,4 +95,105 @@ fn a_folder_of_programs_is_sent() {
     settle(&bench);
     let lost = bench.said().into_iter().filter(|line| line.contains("the folder of programs"));
     assert_eq!(lost.count(), 1);
+}
+
+/// More files than can wait all arrive; a file that is being written waits until it is whole.
+#[test]
+fn no_file_of_the_folder_is_lost_and_none_is_sent_in_part() {
+    let scratch = Scratch::new("many");
+    let programs = scratch.0.join("programs");
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
+    let args = [
+        format!("folder={}", scratch.path("jobs")),
+        format!("programs={}", programs.display()),
+        "size=36".to_owned(),
+    ];
+    let mut bench = Bench::new();
+    bench.load::<UsbJobs>(&args.each_ref().map(String::as_str)).unwrap();
+    bench.set("usbjobs.idle", true);
+    let pass = |seconds: u32| {
+        for _ in 0..seconds * 10 {
+            bench.pass(100 * MS);
+            bench.work("usbjobs", 1000).unwrap();
+        }
+        bench.command("usbjobs.status", &[]).unwrap()
+    };
+    // The folder is not there at first.
+    pass(2);
+    std::fs::create_dir(&programs).unwrap();
+    let name = |n: u32| programs.join(format!("{n:02}.nc"));
+    for n in 0..70 {
+        std::fs::write(name(n), "M30\n").unwrap();
+    }
+    let status = pass(8);
+    assert_eq!(status.iter().filter(|line| line.starts_with("ready")).count(), 70, "{status:?}");
+    // A file that grows is not sent before it has stopped.
+    let mut text = "G0 X1\n".to_owned();
+    for _ in 0..5 {
+        std::fs::write(programs.join("grows.nc"), &text).unwrap();
+        assert!(!pass(1).iter().any(|line| line.contains("grows.nc")));
+        text.push_str("G0 X2\n");
+    }
+    assert!(pass(4).contains(&"ready grows.nc".to_owned()));
+    let said = bench.said();
+    assert_eq!(
+        said.iter().filter(|line| line.contains("ERROR") || line.contains("wait")).count(),
+        0
+    );
+}
+
+/// An instance that begins while its image is presented leaves it; the kernel refuses to change `ro` beside an image.
+#[test]
+fn an_image_that_is_presented_stays_and_another_goes() {
+    let scratch = Scratch::new("again");
+    let lun = scratch.0.join("mass_storage.0/lun.0");
+    std::fs::create_dir_all(&lun).unwrap();
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
+    let args = [
+        format!("folder={}", scratch.path("jobs")),
+        format!("function={}", scratch.path("mass_storage.0")),
+        "size=36".to_owned(),
+    ];
+    for (shown, read_only, wanted) in [
+        ("", "0\n", "1\n"),
+        // A blank tells that nobody wrote it.
+        ("jobs/a.img", "1 \n", "1 \n"),
+        ("jobs/b.img", "1 \n", "1 \n"),
+    ] {
+        let shown = if shown.is_empty() { String::new() } else { scratch.path(shown) };
+        std::fs::write(lun.join("file"), format!("{shown}\n")).unwrap();
+        std::fs::write(lun.join("ro"), read_only).unwrap();
+        let mut bench = hardware();
+        bench.load::<UsbJobs>(&args.each_ref().map(String::as_str)).unwrap();
+        bench.work("usbjobs", 8).unwrap();
+        assert_eq!(bench.get::<i32>("usbjobs.medium"), 1);
+        let file = std::fs::read_to_string(lun.join("file")).unwrap();
+        assert!(file.trim_end().ends_with("jobs/a.img"), "{file}");
+        assert_eq!(std::fs::read_to_string(lun.join("ro")).unwrap(), wanted);
+    }
+}
+
+/// Another size is that of the next image: the presented one keeps its length and its jobs.
+#[test]
+fn another_size_changes_no_image_that_is_presented() {
+    let scratch = Scratch::new("size");
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
+    let job = scratch.path("part.nc");
+    std::fs::write(&job, "M30\n").unwrap();
+    let load = |size: &str| {
+        let mut bench = Bench::new();
+        bench.load::<UsbJobs>(&[&format!("folder={}", scratch.path("jobs")), size]).unwrap();
+        bench.set("usbjobs.idle", true);
+        bench.work("usbjobs", 8).unwrap();
+        bench
+    };
+    let len = |image: &str| std::fs::metadata(scratch.path(image)).unwrap().len() >> 20;
+    let bench = load("size=40");
+    drop(bench);
+    let bench = load("size=36");
+    assert_eq!(len("jobs/a.img"), 40);
+    bench.command("usbjobs.send", &[&format!("file={job}")]).unwrap();
+    bench.work("usbjobs", 100).unwrap();
+    assert_eq!(bench.command("usbjobs.status", &[]).unwrap(), ["serving image B", "ready part.nc"]);
+    assert_eq!((len("jobs/a.img"), len("jobs/b.img")), (40, 36));
 }

@@ -67,14 +67,14 @@ pub(super) fn block(
             if let Motion::Arc(left) = modal.motion
                 && takes_arc(modal, words)
             {
-                modal.modes.insert(modal.now);
+                modal.rewrote();
                 return arc::arc(program, modal, line, &codes, left, end).map(Some);
             }
             motion(&mut line, modal, program, &codes, moves)?
         }
     };
     if changed {
-        modal.modes.insert(modal.now);
+        modal.rewrote();
     }
     let new = || New { text: line.edits.apply(raw), chords: 0 };
     Ok((changed || swapped).then(new))

@@ -45,6 +45,7 @@ pub(super) fn codes(modal: &mut Modal, words: &Words) -> Result<Codes, (u32, Rea
                 0 | 10 | 600 => out.stops = true,
                 20 | 300 => (out.stops, modal.ended) = (true, !words.deletable),
                 190 => out.orients = true,
+                720 | 730 => return Err((word.column(), Reason::RestoredModes(code / 10))),
                 980 | 990 => return Err((word.column(), Reason::OtherFile)),
                 _ => {}
             }
@@ -60,13 +61,12 @@ pub(super) fn codes(modal: &mut Modal, words: &Words) -> Result<Codes, (u32, Rea
             180 => modal.now.plane = ArcPlane::Zx,
             190 => modal.now.plane = ArcPlane::Yz,
             171 | 181 | 191 => modal.now.plane = ArcPlane::Other,
-            200 => modal.now.inches = true,
-            210 => modal.now.inches = false,
+            200 | 210 => (modal.now.inches, modal.has_unit) = (code == 200, true),
             900 => modal.now.incremental = false,
             910 => modal.now.incremental = true,
             901 => modal.now.centre_is_absolute = true,
             911 => modal.now.centre_is_absolute = false,
-            930 => modal.inverse_time = true,
+            930 => (modal.inverse_time, modal.any_inverse_time) = (true, true),
             940 | 950 => modal.inverse_time = false,
             280 | 300 => out.usage = Use::Return(code),
             530 => out.usage = Use::Machine,

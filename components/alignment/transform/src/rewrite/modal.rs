@@ -59,6 +59,8 @@ pub(super) struct Modal {
     /// Motion that the result has in force, if it differs from that of the source.
     pub(super) written: Option<Motion>,
     pub(super) inverse_time: bool,
+    /// The program has had G93.
+    pub(super) any_inverse_time: bool,
     /// The tool's radius is compensated (G41, G42).
     pub(super) compensated: bool,
     /// Position in the file, in millimetres.
@@ -69,25 +71,30 @@ pub(super) struct Modal {
     pub(super) carry: Vector,
     /// Coordinate system, in tenths of its G code.
     pub(super) system: Option<i32>,
-    /// Modes under which blocks were rewritten.
+    /// Modes under which blocks were rewritten; with flow control also those at O-words.
     pub(super) modes: BTreeSet<Modes>,
     pub(super) has_feed: bool,
+    /// The program has given its unit.
+    pub(super) has_unit: bool,
+    /// Blocks were rewritten before that.
+    pub(super) unit_is_assumed: bool,
     pub(super) ended: bool,
 }
 
 impl Modal {
     /// Returns the state before the first line.
-    pub(super) fn new(start: Option<Vector>) -> Self {
+    pub(super) fn new(start: Option<Vector>, inches: bool) -> Self {
         Self {
             now: Modes {
                 plane: ArcPlane::Xy,
-                inches: false,
+                inches,
                 incremental: false,
                 centre_is_absolute: false,
             },
             motion: Motion::Unknown,
             written: None,
             inverse_time: false,
+            any_inverse_time: false,
             compensated: false,
             x: start.map(|s| s.x),
             y: start.map(|s| s.y),
@@ -96,6 +103,8 @@ impl Modal {
             system: None,
             modes: BTreeSet::new(),
             has_feed: false,
+            has_unit: false,
+            unit_is_assumed: false,
             ended: false,
         }
     }
@@ -111,6 +120,12 @@ impl Modal {
         self.forget_position();
         self.motion = Motion::Unknown;
         self.written = None;
+    }
+
+    /// Notes that a block was rewritten.
+    pub(super) fn rewrote(&mut self) {
+        self.modes.insert(self.now);
+        self.unit_is_assumed |= !self.has_unit;
     }
 
     /// Returns the place in X and Y, if both are known.

@@ -36,6 +36,8 @@ pub enum Reason {
     ArcAndStop,
     /// Modes that block delete may leave out.
     DeletedMode,
+    /// M72 or M73, which restore modes that were saved.
+    RestoredModes(i32),
     /// Flow control between blocks in different modes.
     FlowWithModes,
     /// A subroutine that is not in this file.
@@ -100,8 +102,12 @@ impl fmt::Display for Reason {
             Self::DeletedMode => f.write_str(
                 "block delete (/) may leave out this mode, so that the blocks behind it are unclear",
             ),
+            Self::RestoredModes(code) => write!(
+                f,
+                "M{code} restores modes, so that the blocks behind it are unclear: write the modes instead"
+            ),
             Self::FlowWithModes => f.write_str(
-                "a program with O-words must keep one plane, one unit and one distance mode: G17, G20 or G21, G90 or G91, G90.1 or G91.1",
+                "a program with O-words must keep one plane, one unit and one distance mode: G17, G20 or G21, G90 or G91, G90.1 or G91.1 at all its O-words and moves in X and Y",
             ),
             Self::OtherFile => f.write_str(
                 "this subroutine is not in this file, and would run without alignment: put it into the file",

@@ -194,10 +194,29 @@ fn what_cannot_be_kept_is_refused_by_line() {
         ("/G91", "1:0: block delete (/) may leave out this mode"),
         ("o<else> call", "1:0: this subroutine is not in this file"),
         ("M98 P5", "1:1: this subroutine is not in this file"),
+        ("M70\nG91\nM72\nG1 X1 Y1", "3:1: M72 restores modes"),
+        ("M73", "1:1: M73 restores modes"),
         ("G1 X", "1:"),
         ("G1 (X", "1:4: Unclosed comment"),
         (
             "o1 if [1]\nG0 X1 Y1\nG91\nX1\no1 endif",
+            "1:0: a program with O-words must keep one plane",
+        ),
+        // Modes that change where nothing is rewritten, and reach what is.
+        (
+            "G21 G90\no1 if [#1 EQ 1]\nG91\no1 endif\nG1 X10 Y10 F100\nM2",
+            "2:0: a program with O-words must keep one plane",
+        ),
+        (
+            "G90\no1 if [#1 EQ 1]\nG20\no1 endif\nG1 X10 Y10 F100\nM2",
+            "2:0: a program with O-words must keep one plane",
+        ),
+        (
+            "G90 G0 X1 Y1\no<down> sub\nG91 G1 Z-1\no<down> endsub\no<down> call\nG1 X5 Y5\nM2",
+            "2:0: a program with O-words must keep one plane",
+        ),
+        (
+            "o<a> sub\nG1 X1 Y2\no<a> endsub\nG20\no<a> call\nM2",
             "1:0: a program with O-words must keep one plane",
         ),
     ] {
@@ -208,6 +227,10 @@ fn what_cannot_be_kept_is_refused_by_line() {
     assert!(
         refused(stop, &stretched())
             .starts_with("2:0: this arc must become lines, and its block ends")
+    );
+    let inverse = "G21\no1 if [#1]\nG0 X10 Y0\nG3 I-10 F2\no1 endif\nG93\n";
+    assert!(
+        refused(inverse, &stretched()).contains("2:0: this arc must become lines, and its feed")
     );
     let inverse = "G93 G0 X10 Y0\nG3 I-10 F2\n";
     assert!(refused(inverse, &stretched()).contains("inverse time"));
@@ -232,6 +255,35 @@ fn a_start_and_parameters_can_be_given() {
     assert!(run(text, &t, &expand).unwrap_err().starts_with("5:4: the value of X"));
 }
 
+/// The machine sets the parameters from 5061 on; what the program wrote into them says nothing.
+#[test]
+fn parameters_of_the_machine_are_not_known() {
+    let t = similar(0.0, 1.0, 100.0, 50.0);
+    let expand = Rules { expand: true, ..Rules::default() };
+    for n in [5061, 5070, 5161, 5221, 5399, 5400, 5420, 5601] {
+        let text = format!("#{n}=3\nG38.2 Z-5 F50\nG1 X#{n} Y1\n");
+        assert!(run(&text, &t, &expand).unwrap_err().starts_with("3:4: the value of X"), "{n}");
+    }
+    let own = "#5000=3\nG38.2 Z-5 F50\nG1 X#5000 Y1\n";
+    assert!(run(own, &t, &expand).unwrap().ends_with("G1 X103.0000 Y51.0000\n"));
+}
+
+#[test]
+fn the_unit_before_g20_and_g21_is_that_of_the_machine() {
+    let t = similar(0.0, 1.0, 25.4, 2.54);
+    let inches = Rules { inches: true, ..Rules::default() };
+    assert_eq!(run("G0 X1 Y0\n", &t, &inches).unwrap(), "G0 X2.00000 Y0.10000\n");
+    for (text, is_assumed) in [
+        ("G0 X1 Y1\nG21\n", true),
+        ("G21 G0 X1 Y1\n", false),
+        ("G0 Z5\nG20\nG0 X1 Y1\n", false),
+        ("G0 Z5\n", false),
+    ] {
+        let done = rewrite(text.as_bytes(), &t, &Rules::default()).unwrap();
+        assert_eq!(done.unit_is_assumed, is_assumed, "{text}");
+    }
+}
+
 #[test]
 fn flow_control_stays_where_it_can_be_followed() {
     let t = similar(90.0, 1.0, 0.0, 0.0);
@@ -239,6 +291,10 @@ fn flow_control_stays_where_it_can_be_followed() {
         done("o<a> sub\nG1 X1 Y2\no<a> endsub\no<a> call\nG1 X3 Y4\nM2\n", &t),
         "o<a> sub\nG1 X-2.0000 Y1.0000\no<a> endsub\no<a> call\nG1 X-4.0000 Y3.0000\nM2\n"
     );
+    let pecks = "G90\no1 repeat [3]\nG1 X1 Y2\nG91\nZ-1\nG90\nX3 Y4\no1 endrepeat\nM2\n";
+    assert!(done(pecks, &t).contains("\nG91\nZ-1\nG90\n"));
+    let preamble = "O100\nG20 G90\nG18\nG17\no1 if [#1]\nG1 X1 Y2\no1 endif\nG90 G1 X3 Y4\nM2\n";
+    assert!(done(preamble, &t).contains("\nG90 G1 X-4.00000 Y3.00000\n"));
     assert!(refused("o1 repeat [5]\nG1 X1\no1 endrepeat\n", &t).starts_with("2:"));
 }
 

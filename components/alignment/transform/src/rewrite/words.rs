@@ -129,6 +129,9 @@ fn number(expr: &Expr, known: Option<&Known>) -> Option<f64> {
     }
 }
 
+/// Last numbered parameter that the program alone sets: the machine sets those behind it, such as the place of a probe.
+const LAST_OWN: i32 = 5000;
+
 /// Parameters that the program has set, on a way without flow control.
 #[derive(Default)]
 pub(super) struct Known {
@@ -167,6 +170,7 @@ impl Known {
         }
         for (index, target, value) in new {
             match (index, target, value) {
+                (Some(n), _, _) if n > LAST_OWN => None,
                 (Some(n), _, Some(value)) => self.numbered.insert(n, value),
                 (Some(n), _, None) => self.numbered.remove(&n),
                 (None, Target::Named(name), Some(value)) => self.named.insert(name.clone(), value),
