@@ -45,6 +45,23 @@ impl Engine {
         Ok(Self { jobs, waiting, stops: Arc::default() })
     }
 
+    /// Returns the way to an engine that answers so.
+    #[cfg(test)]
+    pub(crate) fn that(
+        mut answer: impl FnMut(Request) -> Result<Reply, Error> + Send + 'static,
+    ) -> Self {
+        let (jobs, queue) = sync_channel::<Job>(MAX_WAITING + MAX_STOPS);
+        let waiting = Arc::new(AtomicUsize::new(0));
+        let left = waiting.clone();
+        thread::spawn(move || {
+            while let Ok(job) = queue.recv() {
+                left.fetch_sub(1, Relaxed);
+                drop(job.answer.send(answer(job.request)));
+            }
+        });
+        Self { jobs, waiting, stops: Arc::default() }
+    }
+
     /// Returns the number of stops so far.
     pub(crate) fn stops(&self) -> u64 {
         *self.stops.lock().unwrap_or_else(PoisonError::into_inner)
