@@ -207,7 +207,7 @@ impl Stage {
 
 /// Returns the address of a client's computer.
 fn computer(client: &str) -> IpAddr {
-    Ipv4Addr::new(192, 0, 2, client.as_bytes()[0]).into()
+    Ipv4Addr::new(192, 0, 2, *client.as_bytes().first().unwrap()).into()
 }
 
 fn transcripts() -> Vec<(String, String)> {
