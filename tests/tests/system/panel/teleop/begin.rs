@@ -18,7 +18,9 @@ fn ask(mill: &Mill, people: &mut People) {
 
 #[test]
 fn what_is_stopped_while_a_start_is_checked_does_not_move_by_it() {
-    let mill = Mill::start("ON_LOSS = hold\n", &[]);
+    // RS274-D has no loops.
+    let edits = [("maxnc.ini", "DIALECT = rs274d\n", "")];
+    let mill = Mill::with("ON_LOSS = hold\n", &[], &edits);
     mill.ready();
     // A program of the user with the name that the job's once had.
     mill.scratch.write("teleop.ngc", "mine");
