@@ -72,6 +72,11 @@ impl Accounts {
         Ok(Self { list, nobody: hash("nobody has this password")?, tries: Mutex::default() })
     }
 
+    /// Returns whether there is an account of this name.
+    pub(crate) fn has(&self, user: &str) -> bool {
+        self.list.contains_key(user)
+    }
+
     /// Returns the role of who signs in. This takes a while.
     pub(crate) fn check(&self, user: &str, password: &str) -> Result<Role, Wrong> {
         let mut tries = self.tries.lock().map_err(|_| Wrong::Haste)?;

@@ -124,12 +124,32 @@ fn serve(mut client: Client, jobs: &Receiver<Job>, waiting: &AtomicUsize) {
 mod tests {
     //! Stops, and requests that wait.
 
-    use super::{Code, Engine, Error, MAX_STOPS, MAX_WAITING, Reply, Request, sync_channel};
+    use super::{
+        Arc, AtomicUsize, Code, Engine, Error, Job, MAX_STOPS, MAX_WAITING, Relaxed, Reply,
+        Request, sync_channel, thread,
+    };
     use std::{
         pin::pin,
-        sync::Arc,
         task::{Context, Poll, Waker},
     };
+
+    impl Engine {
+        /// Returns the way to an engine that answers so.
+        pub(crate) fn that(
+            mut answer: impl FnMut(Request) -> Result<Reply, Error> + Send + 'static,
+        ) -> Self {
+            let (jobs, queue) = sync_channel::<Job>(MAX_WAITING + MAX_STOPS);
+            let waiting = Arc::new(AtomicUsize::new(0));
+            let left = waiting.clone();
+            thread::spawn(move || {
+                while let Ok(job) = queue.recv() {
+                    left.fetch_sub(1, Relaxed);
+                    drop(job.answer.send(answer(job.request)));
+                }
+            });
+            Self { jobs, waiting, stops: Arc::default() }
+        }
+    }
 
     /// Sends a request; returns the refusal, or `None` while it waits for its answer.
     fn refusal(request: impl Future<Output = Result<Reply, Error>>) -> Option<Code> {

@@ -51,7 +51,8 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
     let scale = Unit::Millimetre.to(machine.settings.unit);
     let machine_unit = machine.settings.unit;
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
-    let world = World::with_functions(machine, std::collections::BTreeMap::new());
+    // Functions in Python have effects, and a look at a path has none.
+    let world = World { machine, hal: std::collections::BTreeMap::new(), functions: None };
     start(&mut it, &world)?;
     it.load(&file.display().to_string(), world::program(file)?);
     let mut way = Way::new(it.state.frame, it.state.position);
@@ -62,8 +63,7 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
     geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0 });
     let (begun, mut out) = (Instant::now(), Vec::new());
     for n in 0_u32.. {
-        let functions = world.functions.as_ref();
-        let answers = Answers { probe_trips: true, functions };
+        let answers = Answers { probe_trips: true, functions: None };
         let going = step(&mut it, &world, answers, &mut out);
         for issued in out.drain(..) {
             match &issued.call {

@@ -8,7 +8,6 @@ use std::{
     },
     thread,
 };
-use teleop::LIVENESS_MS;
 
 /// Interval of the exchange, in nanoseconds of machine time.
 const INTERVAL_NS: u64 = 4_000_000;
@@ -61,10 +60,10 @@ pub(crate) struct Heart {
     pub(crate) hold: AtomicBool,
     /// True while the machine's wiring allows motion from afar.
     pub(crate) allowed: AtomicBool,
-    /// True while this program sends pulses back for a teleoperated job.
-    keeps: AtomicBool,
-    /// Machine time in milliseconds of the last line of that job's client: its silence ends the beats.
-    pub(crate) heard: AtomicU32,
+    /// Number of the lease of a teleoperated job, under which this program sends pulses back; 0 without one.
+    keeps: AtomicU32,
+    /// Machine time in milliseconds up to which it does: the silence of that job's client ends the beats.
+    pub(crate) answers_until: AtomicU32,
     /// Pins of teleoperation.
     pub(crate) teleop: Teleop,
 }
@@ -91,17 +90,16 @@ pub(crate) struct Teleop {
 }
 
 impl Heart {
-    /// Begins or ends to send pulses back for a teleoperated job.
-    pub(crate) fn keep(&self, keeps: bool) {
-        self.keeps.store(keeps, Relaxed);
+    /// Begins to send pulses back under the lease of a teleoperated job; 0 ends it.
+    pub(crate) fn keep(&self, lease: u64) {
+        self.keeps.store(u32::try_from(lease).unwrap_or(0), Relaxed);
     }
 
-    /// Sends a pulse back, unless the client of the job has been silent too long.
-    fn echo(&self, pulse: u32) {
-        let silence = u64::from(pulse.wrapping_sub(self.heard.load(Relaxed)));
-        // What was heard after the pulse was made is no silence.
-        if self.keeps.load(Relaxed) && (silence <= LIVENESS_MS || silence > u64::from(u32::MAX / 2))
-        {
+    /// Sends a pulse back that was made under this lease, if it is that of a teleoperated job whose client is there.
+    fn echo(&self, pulse: u32, lease: u32) {
+        let is_own = lease != 0 && lease == self.keeps.load(Relaxed);
+        let until = self.answers_until.load(Relaxed);
+        if is_own && until.wrapping_sub(pulse).cast_signed() >= 0 {
             self.beat.store(pulse, Relaxed);
         }
     }
@@ -134,12 +132,15 @@ pub(crate) fn start(place: &Place, teleop: (bool, u16)) -> Result<Arc<Heart>, St
     let beat = move || {
         let count = |n: u64| u32::try_from(n).unwrap_or(u32::MAX);
         while client.call(Request::Sleep { ns: INTERVAL_NS }).is_ok() {
-            shared.pulse.store(count(page.get(PULSE)), Relaxed);
-            shared.lease.store(count(page.get(LEASE)), Relaxed);
+            // In this order: a lease that still lasts is the one under which the pulse was made.
+            let pulse = count(page.get(PULSE));
+            let lease = count(page.get(LEASE));
+            shared.pulse.store(pulse, Relaxed);
+            shared.lease.store(lease, Relaxed);
             shared.permit.store(page.get(PERMIT) & 1 != 0, Relaxed);
             shared.hold.store(page.get(HOLD) & 1 != 0, Relaxed);
             shared.allowed.store(page.get(ALLOWED) & 1 != 0, Relaxed);
-            shared.echo(count(page.get(PULSE)));
+            shared.echo(pulse, lease);
             for (pin, value) in shared.written() {
                 if page.own(pin) != Some(value) {
                     page.set(pin, value);
@@ -181,4 +182,35 @@ fn join(client: &mut Client) -> Result<PinPage, hal_protocol::Failure> {
         client.call(Request::Net { signal, pins })?;
     }
     Ok(page)
+}
+
+#[cfg(test)]
+mod tests {
+    //! Pulses that are sent back for a job, and those that are not.
+
+    use super::{Heart, Relaxed};
+
+    #[test]
+    fn pulses_are_sent_back_under_the_lease_of_the_job_alone() {
+        let heart = Heart::default();
+        let beat = |pulse, lease| {
+            heart.echo(pulse, lease);
+            heart.beat.load(Relaxed)
+        };
+        heart.answers_until.store(10_000, Relaxed);
+        assert_eq!(beat(20, 3), 0, "without a job");
+        heart.keep(3);
+        assert_eq!(beat(40, 3), 40);
+        // A page takes the lease: its own beats keep it.
+        assert_eq!(beat(60, 4), 40, "the lease of a page");
+        assert_eq!(beat(80, 0), 40, "no lease");
+        assert_eq!(beat(10_000, 3), 10_000);
+        assert_eq!(beat(10_001, 3), 10_000, "the client is silent");
+        // The number begins again at 0.
+        heart.answers_until.store(5, Relaxed);
+        assert_eq!(beat(u32::MAX, 3), u32::MAX);
+        heart.keep(0);
+        assert_eq!(beat(1, 3), u32::MAX, "after the job");
+        assert_eq!(beat(2, 0), u32::MAX, "after the job, and without a lease");
+    }
 }

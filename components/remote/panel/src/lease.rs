@@ -27,12 +27,15 @@ pub(crate) struct Holder {
     answered: Instant,
 }
 
-/// A client of the socket.
+/// A client: a page, another program at the socket, or a user of teleoperation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Client {
     pub(crate) client: u64,
     pub(crate) user: String,
     pub(crate) role: Role,
+    /// False for a user of teleoperation, who has no page: the lease is theirs for a job alone.
+    #[serde(skip)]
+    pub(crate) has_page: bool,
 }
 
 #[derive(Debug, Default)]
@@ -70,12 +73,21 @@ impl Clients {
         self.changed.send_modify(|n| *n += 1);
     }
 
-    /// Adds a client and returns its number.
+    /// Adds a client of the socket and returns its number.
     pub(crate) fn enter(&self, session: &Session) -> u64 {
+        self.add(session, true)
+    }
+
+    /// Adds a user of teleoperation and returns their number.
+    pub(crate) fn enter_without_page(&self, session: &Session) -> u64 {
+        self.add(session, false)
+    }
+
+    fn add(&self, session: &Session, has_page: bool) -> u64 {
+        let (user, role) = (session.user.clone(), session.role);
         let client = self.with(|table| {
             table.last += 1;
-            let client =
-                Client { client: table.last, user: session.user.clone(), role: session.role };
+            let client = Client { client: table.last, user, role, has_page };
             table.clients.insert(table.last, client);
             table.last
         });
@@ -106,7 +118,7 @@ impl Clients {
         self.with(|table| table.holder.as_ref().filter(|h| h.client == client).map(|h| h.number))
     }
 
-    /// Notes that the holder has answered a pulse; returns false for everybody else.
+    /// Notes that the holder has answered a pulse, or is there for a teleoperated job; returns false for everybody else.
     pub(crate) fn answered(&self, client: u64) -> bool {
         self.with(|table| match &mut table.holder {
             Some(holder) if holder.client == client => {
@@ -182,6 +194,11 @@ impl Clients {
         let to = self.with(|table| table.clients.get(&to).cloned());
         let to = to.filter(|to| to.role >= Role::Operator);
         let to = to.ok_or_else(|| Error::new(Code::NotFound, "there is no such operator"))?;
+        if !to.has_page {
+            let text =
+                format!("{} has no page: a user of teleoperation has the lease for a job", to.user);
+            return Err(Error::new(Code::Conflict, text));
+        }
         self.end(engine, number).await?;
         let taken = self.begin(engine, to.client, &to.user).await;
         drop(asking);
@@ -224,3 +241,6 @@ impl Clients {
 pub(crate) fn no_lease() -> Error {
     Error::new(Code::Lease, "this needs the control lease: take it first")
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

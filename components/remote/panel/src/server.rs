@@ -243,3 +243,6 @@ where
     // A client that has gone needs no answer.
     drop(served);
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,11 +10,13 @@ mod line;
 mod requests;
 mod server;
 mod session;
+mod visitors;
 mod words;
 
 pub use answer::{Answer, Reason};
 pub use client::{Client, End, News};
 pub use line::MAX_LINE;
-pub use server::{Action, LIVENESS_MS, LOGIN_MS, MAX_SESSIONS, Machine, Server};
+pub use server::{Action, LIVENESS_MS, MAX_SESSIONS, Machine, Server};
 pub use session::MAX_PROGRAM;
+pub use visitors::{IDLE_MS, LOGIN_MS};
 pub use words::{CODES, Code, CodeRow, REQUESTS, RequestRow, Word};

@@ -19,11 +19,20 @@ impl Server {
     /// Executes the requests that have arrived, up to one whose answer comes later.
     pub(crate) fn work(&mut self, id: u64, now: u64) {
         loop {
-            let Some(session) = self.sessions.get_mut(&id) else { return };
-            if session.wait.is_some() || session.closes {
+            if self.is_stopped() {
                 return;
             }
-            let Some(line) = session.lines.next() else { return };
+            let Some(session) = self.sessions.get_mut(&id).filter(|s| !s.closes) else { return };
+            if session.wait == Some(Wait::Start) {
+                if session.hold() {
+                    self.cancel_start(id);
+                }
+                return;
+            }
+            if session.wait.is_some() {
+                return;
+            }
+            let Some(line) = session.next_line() else { return };
             session.heard = now;
             if let Some(payload) = session.payload.take() {
                 session.read(payload, &line);
@@ -31,6 +40,15 @@ impl Server {
                 self.request(id, &line);
             }
             self.count_refusals(id);
+        }
+    }
+
+    /// Cancels the start of a client's job: nothing shall begin to move.
+    fn cancel_start(&mut self, id: u64) {
+        if let Some(CurrentJob { owner, phase: Phase::Starts, .. }) = self.job
+            && owner == Some(id)
+        {
+            self.cancel(true);
         }
     }
 
@@ -88,6 +106,15 @@ impl Server {
                 Some(CurrentJob { owner, phase: Phase::Runs, .. }) if owner == Some(id) => {
                     self.cancel(true);
                     self.wait(id, Wait::Cancel);
+                }
+                Some(CurrentJob { owner, phase: Phase::Ends { by_owner: true }, .. })
+                    if owner == Some(id) =>
+                {
+                    self.wait(id, Wait::Cancel);
+                }
+                Some(CurrentJob { owner, phase: Phase::Cancelled, .. }) if owner == Some(id) => {
+                    self.job = None;
+                    self.tell(Some(id), &Answer::Cancelado);
                 }
                 Some(CurrentJob { owner, .. }) if owner == Some(id) => {
                     self.refuse(id, Code::Ocupado, "the server stops".to_owned());

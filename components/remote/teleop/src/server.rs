@@ -9,10 +9,6 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// Number of users that are logged in at the same time.
 pub const MAX_SESSIONS: usize = 16;
-/// Number of connections that have not logged in yet.
-const MAX_STRANGERS: usize = 16;
-/// Longest time from the connection to the login, in milliseconds.
-pub const LOGIN_MS: u64 = 60_000;
 /// Longest silence of the owner of a running job, in milliseconds.
 pub const LIVENESS_MS: u64 = 10_000;
 /// Number of bytes of a connection that may wait while a request is executed.
@@ -64,6 +60,8 @@ pub(crate) enum Phase {
     Ends {
         by_owner: bool,
     },
+    /// Cancelled by its owner before it began: only the answer is missing.
+    Cancelled,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +69,8 @@ pub(crate) struct CurrentJob {
     /// Number of the connection that runs it; `None` once it is gone.
     pub(crate) owner: Option<u64>,
     pub(crate) phase: Phase,
+    /// True once the machine executes it.
+    has_begun: bool,
     /// True once the loss of its client has been told.
     lost: bool,
 }
@@ -79,27 +79,16 @@ pub(crate) struct CurrentJob {
 #[derive(Debug, Default)]
 pub struct Server {
     pub(crate) sessions: BTreeMap<u64, Session>,
-    last: u64,
+    pub(crate) last: u64,
     pub(crate) job: Option<CurrentJob>,
     pub(crate) machine: Machine,
     /// True after the first job.
     had_job: bool,
-    stops: bool,
+    pub(crate) stops: bool,
     pub(crate) actions: VecDeque<Action>,
 }
 
 impl Server {
-    /// Adds a connection; `None` if there are too many that have not logged in.
-    pub fn connect(&mut self, now: u64) -> Option<u64> {
-        let strangers = self.sessions.values().filter(|s| s.user.is_none()).count();
-        if self.stops || strangers >= MAX_STRANGERS {
-            return None;
-        }
-        self.last += 1;
-        self.sessions.insert(self.last, Session::new(now));
-        Some(self.last)
-    }
-
     /// Takes bytes of a connection.
     pub fn receive(&mut self, id: u64, bytes: &[u8], now: u64) {
         if let Some(session) = self.sessions.get_mut(&id) {
@@ -110,7 +99,7 @@ impl Server {
 
     /// Returns whether a connection has sent more than fits until the request before is answered.
     pub fn is_full(&self, id: u64) -> bool {
-        self.sessions.get(&id).is_some_and(|s| s.lines.waiting() > MAX_WAITING)
+        self.sessions.get(&id).is_some_and(|s| s.lines.waiting() + s.held_bytes > MAX_WAITING)
     }
 
     /// Returns the bytes for a connection.
@@ -164,21 +153,28 @@ impl Server {
     pub fn started(&mut self, result: Result<(), Reason>, now: u64) {
         let Some(job) = &mut self.job else { return };
         let owner = job.owner;
-        match result {
-            Ok(()) => {
-                job.phase = Phase::Runs;
+        match (result, job.phase) {
+            (Ok(()), phase) => {
+                job.has_begun = true;
                 // The owner could say nothing while the program was checked.
                 if let Some(session) = owner.and_then(|id| self.sessions.get_mut(&id)) {
                     session.heard = now;
                 }
-                if self.stops {
-                    self.cancel(false);
-                } else if owner.is_none() {
-                    self.lose();
+                if phase == Phase::Starts {
+                    job.phase = Phase::Runs;
+                    if owner.is_none() {
+                        self.lose();
+                    }
                 }
             }
-            Err(why) => {
+            // The requests before its CANCELAR are answered first.
+            (Err(_), Phase::Ends { by_owner: true }) if owner.is_some() => {
+                job.phase = Phase::Cancelled;
+            }
+            (Err(why), phase) => {
                 self.job = None;
+                let stopped = phase == Phase::Ends { by_owner: false };
+                let why = if stopped { stopping() } else { why };
                 self.tell(owner, &Answer::ErrorEjecutar(why));
             }
         }
@@ -191,10 +187,8 @@ impl Server {
         self.had_job = true;
         self.machine.progress = None;
         let answer = match (job.phase, result) {
-            (Phase::Ends { by_owner: true }, _) => Answer::Cancelado,
-            (Phase::Ends { by_owner: false }, _) => {
-                Answer::ErrorEjecutar(Reason::new(Code::Detenido, "the server stops"))
-            }
+            (Phase::Ends { by_owner: true } | Phase::Cancelled, _) => Answer::Cancelado,
+            (Phase::Ends { by_owner: false }, _) => Answer::ErrorEjecutar(stopping()),
             (Phase::Starts | Phase::Runs, Ok(())) => Answer::Terminado,
             (Phase::Starts | Phase::Runs, Err(why)) => Answer::ErrorEjecutar(why),
         };
@@ -208,16 +202,9 @@ impl Server {
         self.machine = machine;
     }
 
-    /// Ends connections that do not log in, and notes a silent owner.
+    /// Ends connections that do not log in and users who have been idle, and notes a silent owner.
     pub fn poll(&mut self, now: u64) {
-        let late = |s: &Session| s.user.is_none() && !s.closes && now >= s.since + LOGIN_MS;
-        let late: Vec<u64> =
-            self.sessions.iter().filter(|(_, s)| late(s)).map(|(id, _)| *id).collect();
-        for id in late {
-            let why = Reason::new(Code::Orden, "nobody has logged in for a minute");
-            self.tell(Some(id), &Answer::Error(why));
-            self.close(id);
-        }
+        self.end_idle(now);
         let Some(CurrentJob { owner: Some(owner), phase: Phase::Runs, .. }) = self.job else {
             return;
         };
@@ -232,7 +219,8 @@ impl Server {
             return;
         }
         match self.job {
-            Some(CurrentJob { phase: Phase::Runs, .. }) => self.cancel(false),
+            Some(CurrentJob { phase: Phase::Starts | Phase::Runs, .. }) => self.cancel(false),
+            // Its owner, who cancelled it, is answered first.
             Some(_) => {}
             None => self.go_on(None, now),
         }
@@ -245,7 +233,7 @@ impl Server {
 
     /// Returns whether a job of this server runs.
     pub fn runs(&self) -> bool {
-        self.job.is_some_and(|job| job.phase != Phase::Starts)
+        self.job.is_some_and(|job| job.has_begun)
     }
 
     /// Returns whether the client of the running job is there and not silent; true without a job.
@@ -278,17 +266,23 @@ impl Server {
         self.sessions.get(&id).filter(|s| !s.closes)?.user.as_deref()
     }
 
-    /// Returns the time of the last line of the client whose job runs, in milliseconds.
-    pub fn owner_heard(&self) -> Option<u64> {
-        let job = self.job.filter(|job| job.phase != Phase::Starts)?;
-        Some(self.sessions.get(&job.owner?)?.heard)
+    /// Returns the time in milliseconds up to which pulses are answered for the client of the job, as if it had answered
+    /// them itself: in the past once it has vanished or is silent.
+    ///
+    /// While a start is checked, the client may say nothing: it counts as there as long as its connection lasts.
+    pub fn answers_until(&self, now: u64) -> u64 {
+        let gone = now.saturating_sub(1);
+        let Some(job) = self.job else { return gone };
+        let Some(session) = job.owner.and_then(|id| self.sessions.get(&id)) else { return gone };
+        let heard = if job.has_begun { session.heard } else { now };
+        heard + LIVENESS_MS
     }
 
     pub(crate) fn has_user(&self, user: &str) -> bool {
         self.sessions.values().any(|s| !s.closes && s.user.as_deref() == Some(user))
     }
 
-    /// Cancels the job that runs.
+    /// Cancels the job that starts or runs.
     pub(crate) fn cancel(&mut self, by_owner: bool) {
         if let Some(job) = &mut self.job {
             job.phase = Phase::Ends { by_owner };
@@ -298,7 +292,12 @@ impl Server {
 
     /// Begins a job of a connection.
     pub(crate) fn begin(&mut self, id: u64, program: Vec<u8>) {
-        self.job = Some(CurrentJob { owner: Some(id), phase: Phase::Starts, lost: false });
+        self.job = Some(CurrentJob {
+            owner: Some(id),
+            phase: Phase::Starts,
+            has_begun: false,
+            lost: false,
+        });
         self.actions.push_back(Action::Start { id, program });
     }
 
@@ -332,21 +331,27 @@ impl Server {
 
     /// Reads the requests that have waited for the start or the end of a job; at the end of the server, tells everybody.
     fn go_on(&mut self, owner: Option<u64>, now: u64) {
-        if self.stops && self.job.is_none() {
-            let all: Vec<u64> =
-                self.sessions.iter().filter(|(_, s)| !s.closes).map(|(id, _)| *id).collect();
-            for id in all {
-                self.tell(Some(id), &Answer::Desconexion);
-                self.close(id);
-            }
-        } else if let Some(id) = owner {
+        if let Some(id) = owner.filter(|_| !self.is_stopped()) {
             let waits = |wait: &mut Wait| matches!(wait, Wait::Start | Wait::Cancel);
             if let Some(session) = self.sessions.get_mut(&id) {
                 drop(session.wait.take_if(waits));
             }
             self.work(id, now);
         }
+        if self.is_stopped() {
+            let all: Vec<u64> =
+                self.sessions.iter().filter(|(_, s)| !s.closes).map(|(id, _)| *id).collect();
+            for id in all {
+                self.tell(Some(id), &Answer::Desconexion);
+                self.close(id);
+            }
+        }
     }
+}
+
+/// Returns the reason for the end of a job that the server has ended.
+fn stopping() -> Reason {
+    Reason::new(Code::Detenido, "the server stops")
 }
 
 /// Returns the refusal of a login when all sessions are taken.

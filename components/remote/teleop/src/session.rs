@@ -5,6 +5,7 @@ use crate::{
     line::{Lines, TextLine},
     words::{Code, Word},
 };
+use std::{collections::VecDeque, net::IpAddr};
 
 /// Largest program in bytes.
 pub const MAX_PROGRAM: usize = 16 << 20;
@@ -12,7 +13,14 @@ pub const MAX_PROGRAM: usize = 16 << 20;
 /// A connection.
 #[derive(Debug)]
 pub(crate) struct Session {
+    /// Address of the client's computer.
+    pub(crate) peer: IpAddr,
     pub(crate) lines: Lines,
+    /// Lines that arrived while a start was checked, with the number of their bytes.
+    held: VecDeque<HeldLine>,
+    pub(crate) held_bytes: usize,
+    /// True if these lines end inside a program.
+    in_program: bool,
     pub(crate) output: Vec<u8>,
     /// Name of the user after the login.
     pub(crate) user: Option<String>,
@@ -44,6 +52,14 @@ pub(crate) enum Wait {
     Cancel,
 }
 
+/// A line that arrived while a start was checked.
+#[derive(Debug)]
+struct HeldLine {
+    line: TextLine,
+    /// True for the request CANCELAR.
+    cancels: bool,
+}
+
 /// Lines of a program on their way, up to a line with a dot.
 #[derive(Debug)]
 pub(crate) struct Payload {
@@ -55,9 +71,13 @@ pub(crate) struct Payload {
 }
 
 impl Session {
-    pub(crate) fn new(now: u64) -> Self {
+    pub(crate) fn new(peer: IpAddr, now: u64) -> Self {
         Self {
+            peer,
             lines: Lines::default(),
+            held: VecDeque::new(),
+            held_bytes: 0,
+            in_program: false,
             output: Vec::new(),
             user: None,
             works: false,
@@ -69,6 +89,40 @@ impl Session {
             since: now,
             heard: now,
         }
+    }
+
+    /// Returns the next line that is to be executed.
+    pub(crate) fn next_line(&mut self) -> Option<TextLine> {
+        let Some(HeldLine { line, .. }) = self.held.pop_front() else {
+            self.in_program = false;
+            return self.lines.next();
+        };
+        self.held_bytes = self.held_bytes.saturating_sub(size(&line));
+        Some(line)
+    }
+
+    /// Keeps the lines that have arrived for later; returns true if a request among those kept is CANCELAR.
+    pub(crate) fn hold(&mut self) -> bool {
+        while let Some(line) = self.lines.next() {
+            let cancels = matches!(&line, TextLine::Text(text) if self.is_cancel(text));
+            self.held_bytes += size(&line);
+            self.held.push_back(HeldLine { line, cancels });
+        }
+        self.held.iter().any(|held| held.cancels)
+    }
+
+    /// Follows the lines that are kept; returns whether this one is the request CANCELAR.
+    fn is_cancel(&mut self, line: &str) -> bool {
+        if self.in_program {
+            self.in_program = line != ".";
+            return false;
+        }
+        let line = line.trim();
+        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let word = Word::parse(word);
+        let alone = rest.trim_start().is_empty();
+        self.in_program = matches!(word, Some(Word::EnviarNuevo | Word::EnviarAgregar)) && alone;
+        word == Some(Word::Cancelar) && alone
     }
 
     pub(crate) fn say(&mut self, answer: &Answer) {
@@ -144,6 +198,12 @@ impl Payload {
         let (word, why) = (self.word, Reason::new(code, text));
         self.refusal.get_or_insert_with(|| refusal(word, why));
     }
+}
+
+/// Returns the number of bytes that a line takes while it is kept.
+const fn size(line: &TextLine) -> usize {
+    let text = if let TextLine::Text(text) = line { text.len() } else { 0 };
+    text + size_of::<HeldLine>()
 }
 
 /// Returns the refusal of a program that is sent.

@@ -140,7 +140,7 @@ pub const CODES: &[CodeRow] = &[
     code(
         Code::Ocupado,
         "OCUPADO",
-        "the machine works for somebody, or somebody has the control lease; at a login: the user has a session, or there are 16",
+        "the machine works for somebody, somebody has the control lease, or a stop has come since the request; at a login: the user has a session, or there are 16",
     ),
     code(Code::Vacio, "VACIO", "no program has been sent"),
     code(

@@ -2,7 +2,7 @@
 //!
 //! | line | meaning |
 //! |---|---|
-//! | `A> TEXT`, `A< TEXT` | a line to the server, a line from it; `A` may be any name in capitals |
+//! | `A> TEXT`, `A< TEXT` | a line to the server, a line from it; `A` may be any name in capitals, whose first letter is that of its computer |
 //! | `A> TEXT *N` | the text N times, without a blank between |
 //! | `A bytes FF 0A` | bytes to the server, in hexadecimal |
 //! | `A closed`, `A gone` | the server closes the connection; the client vanishes |
@@ -15,7 +15,12 @@
 //! Secrets: `clave` is an operator's, `mirar` a viewer's, every other is wrong.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{
+    collections::BTreeMap,
+    fs,
+    net::{IpAddr, Ipv4Addr},
+    path::Path,
+};
 use teleop::{Action, CODES, Code, Machine, Reason, Server};
 
 /// Cut of the bytes of a client into segments.
@@ -61,7 +66,7 @@ impl Stage {
         if let Some(id) = self.ids.get(client) {
             return *id;
         }
-        let id = self.server.connect(self.now).unwrap();
+        let id = self.server.connect(computer(client), self.now).unwrap();
         self.ids.insert(client.to_owned(), id);
         id
     }
@@ -188,12 +193,21 @@ impl Stage {
                 self.server.gone(id);
             }
             (client, "busy") => {
-                assert_eq!(self.server.connect(self.now), None, "{client} is connected");
+                assert_eq!(
+                    self.server.connect(computer(client), self.now),
+                    None,
+                    "{client} is connected"
+                );
             }
             _ => panic!("this is no line of a transcript"),
         }
         self.settle();
     }
+}
+
+/// Returns the address of a client's computer.
+fn computer(client: &str) -> IpAddr {
+    Ipv4Addr::new(192, 0, 2, *client.as_bytes().first().unwrap()).into()
 }
 
 fn transcripts() -> Vec<(String, String)> {

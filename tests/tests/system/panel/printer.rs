@@ -126,12 +126,7 @@ impl Printer {
 
     /// Signs in.
     pub(super) fn sign_in(&self) -> Session {
-        let body = json!({ "token": self.token() }).to_string();
-        let answer = self.request("POST", "/api/v1/session", &self.host(), body.as_bytes());
-        assert_eq!(answer.status, 200, "{answer:?}");
-        let cookie = answer.header("set-cookie").unwrap().split_once(';').unwrap().0.to_owned();
-        let key = answer.json()["key"].as_str().unwrap().to_owned();
-        Session { port: self.port, cookie, key }
+        Session::begin(self.port, &self.token())
     }
 
     /// Returns the header that names this server.
@@ -156,6 +151,17 @@ impl Printer {
 }
 
 impl Session {
+    /// Signs in at the panel of this port.
+    pub(super) fn begin(port: u16, token: &str) -> Self {
+        let (body, host) =
+            (json!({ "token": token }).to_string(), format!("Host: 127.0.0.1:{port}\r\n"));
+        let answer = web::request(port, "POST", "/api/v1/session", &host, body.as_bytes());
+        assert_eq!(answer.status, 200, "{answer:?}");
+        let cookie = answer.header("set-cookie").unwrap().split_once(';').unwrap().0.to_owned();
+        let key = answer.json()["key"].as_str().unwrap().to_owned();
+        Self { port, cookie, key }
+    }
+
     /// Returns the port of the server.
     pub(super) const fn port(&self) -> u16 {
         self.port

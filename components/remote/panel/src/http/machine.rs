@@ -83,7 +83,7 @@ pub(crate) async fn path(
     Path(name): Path<String>,
     RawQuery(query): RawQuery,
 ) -> Result<Response, Error> {
-    let file = panel.program(&name)?;
+    let file = panel.shown_program(&name)?;
     if !file.is_file() {
         return Err(Error::new(Code::NotFound, format!("there is no program '{name}'")));
     }

@@ -51,6 +51,20 @@ impl Panel {
         Ok(folder.join(name))
     }
 
+    /// Returns the file of the program of a teleoperated job. It is none of the user's: its name begins with a dot.
+    pub(crate) fn teleop_file(&self) -> PathBuf {
+        self.place.folder().join(format!(".teleop-{}.ngc", self.place.name()))
+    }
+
+    /// Returns the path of a program that is only read: one of the folder, or that of a teleoperated job.
+    pub(crate) fn shown_program(&self, name: &str) -> Result<PathBuf, Error> {
+        let teleop = self.teleop_file();
+        if teleop.file_name().is_some_and(|file| file == name) {
+            return Ok(teleop);
+        }
+        self.program(name)
+    }
+
     /// Refuses to change a file while a program runs: it may be one of its subroutines.
     pub(crate) fn check_idle(&self, path: &std::path::Path) -> Result<(), Error> {
         let machine = self.machine.borrow();
@@ -107,7 +121,7 @@ pub(crate) async fn text(
     _: Session,
     Path(name): Path<String>,
 ) -> Result<Response, Error> {
-    let path = panel.program(&name)?;
+    let path = panel.shown_program(&name)?;
     let text = block_in_place(|| whole(&path, MAX_BYTES)).map_err(|e| disk(&e))?;
     Ok(([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
 }

@@ -96,7 +96,7 @@ pub(crate) async fn sign_in(
         }
     };
     let shown: String = user.chars().take(MAX_NAME).collect();
-    panel.audit.note(&shown, 0, &json!("sign-in"), role.as_ref().map(|_| ()));
+    panel.audit.note_login(&shown, "sign-in", role.as_ref().map(|_| ()));
     let begun = panel.sessions.begin(&user, role?);
     let (session, key) = begun.map_err(|why| Error::new(Code::Disk, why))?;
     let name = cookie_name(panel.address.port());

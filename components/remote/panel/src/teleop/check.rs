@@ -1,6 +1,8 @@
 //! The check of a program before it starts, and the lengths of its moves.
 
-use hal_gcode::{Error, Interpreter, Issued, Request, Step, axis::Position, canon::Unit};
+use hal_gcode::{
+    Error, Interpreter, Issued, Request, Step, axis::Position, canon::Unit, error::Problem,
+};
 use hal_job::{
     Files, Machine, World,
     run::{Answers, start},
@@ -13,8 +15,8 @@ use tokio::time::{Duration, Instant};
 
 /// Longest time for one program.
 const MAX_TIME: Duration = Duration::from_secs(60);
-/// Steps of the program between two looks at the time.
-const LOOK: u32 = 4096;
+/// Steps of the program between two looks at the time and the machine.
+const LOOK: u32 = 256;
 /// Number of moves whose lengths are kept.
 const MAX_MOVES: usize = 2_000_000;
 
@@ -22,16 +24,23 @@ const MAX_MOVES: usize = 2_000_000;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Lengths(pub(crate) Vec<(u32, f64)>);
 
-/// Reads a program as the task would, from where the machine is. `pose` is in machine units.
+/// Reads a program as the task would, from where the machine is. `pose` is in machine units. Again and again it asks
+/// whether the job `may` still begin.
 ///
 /// # Errors
-/// The program has an error, or leaves the machine's travel; or a file cannot be read.
-pub(crate) fn read(ini: Option<&Path>, file: &Path, pose: [f64; 9]) -> Result<Lengths, Reason> {
+/// The program has an error, or leaves the machine's travel; a file cannot be read; or the job may not begin.
+pub(crate) fn read(
+    ini: Option<&Path>,
+    file: &Path,
+    pose: [f64; 9],
+    may: &dyn Fn() -> Result<(), Reason>,
+) -> Result<Lengths, Reason> {
     let fail = |text: String| Reason::new(Code::Falla, text);
     let machine = Machine::read(&Files { ini, ..Files::default() }).map_err(fail)?;
     let to_mm = machine.settings.unit.to(Unit::Millimetre);
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
-    let world = World::with_functions(machine, std::collections::BTreeMap::new());
+    // Functions in Python have effects, which are the job's alone.
+    let world = World { machine, hal: std::collections::BTreeMap::new(), functions: None };
     start(&mut it, &world).map_err(fail)?;
     let [x, y, z, a, b, c, u, v, w] = pose;
     let here = Position { x, y, z, a, b, c, u, v, w };
@@ -69,7 +78,11 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, pose: [f64; 9]) -> Result<Le
                 return Err(Reason::new(Code::Sintaxis, text));
             }
         }
-        if n.is_multiple_of(LOOK) && begun.elapsed() > MAX_TIME {
+        if !n.is_multiple_of(LOOK) {
+            continue;
+        }
+        may()?;
+        if begun.elapsed() > MAX_TIME {
             return Err(fail(format!("reading it takes more than {} s", MAX_TIME.as_secs())));
         }
     }
@@ -80,12 +93,20 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, pose: [f64; 9]) -> Result<Le
 }
 
 /// Runs one step with the answers of a machine that stands still; returns whether there are more. What follows a value of
-/// HAL that only the machine knows is not read: the task checks it as it comes.
+/// HAL that only the machine knows, or a call of a function in Python, is not read: the task checks it as it comes.
 fn step(it: &mut Interpreter, world: &World, out: &mut Vec<Issued>) -> Result<bool, Error> {
-    let answers = Answers { probe_trips: true, functions: world.functions.as_ref() };
-    let mut step = it.next(world, out)?;
+    let answers = Answers { probe_trips: true, functions: None };
+    let mut step = match it.next(world, out) {
+        // It may be a function.
+        Err(Error { problem: Problem::LabelMissing { .. }, .. })
+            if world.machine.python.is_some() =>
+        {
+            return Ok(false);
+        }
+        step => step?,
+    };
     while let Step::Ask(request) = step {
-        if matches!(request, Request::Hal { .. }) {
+        if matches!(request, Request::Hal { .. } | Request::Function { .. }) {
             return Ok(false);
         }
         let answer = answers.answer(&request, it, world);

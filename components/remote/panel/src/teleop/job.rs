@@ -8,17 +8,25 @@ use crate::{
 };
 use hal_protocol::{Reply, Request, TicketInfo};
 use serde_json::{Map, Value as Json, json};
-use std::{path::PathBuf, sync::Arc, sync::atomic::Ordering::Relaxed, time::Duration};
+use std::{
+    io::Write as _,
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering::Relaxed},
+    },
+    time::Duration,
+};
 use teleop::{Code, Reason};
 use tokio::{
     task::block_in_place,
     time::{Instant, sleep, timeout},
 };
 
-/// Name of the file of the program that runs.
-const FILE: &str = "teleop.ngc";
 /// Time between two looks at a command that has not ended.
 const LOOK: Duration = Duration::from_millis(20);
+/// Looks after which a cancellation that is refused gives the lease back as well.
+const MAX_REFUSALS: u32 = 25;
 /// Longest time until the status shows the end of a job that has ended.
 const SETTLE: Duration = Duration::from_secs(1);
 /// State of the task's status while the machine is on.
@@ -42,9 +50,9 @@ pub(super) struct Begun {
     pub(super) lengths: Lengths,
 }
 
-/// Returns why the machine begins no job now, because of somebody else.
-pub(super) fn busy(panel: &Panel) -> Option<String> {
-    if let Some(holder) = panel.clients.view().1 {
+/// Returns why the machine begins no job of this client now, because of somebody else.
+pub(super) fn busy(panel: &Panel, client: Option<u64>) -> Option<String> {
+    if let Some(holder) = panel.clients.view().1.filter(|h| Some(h.client) != client) {
         return Some(format!("{} has the control lease", holder.user));
     }
     let machine = panel.machine.borrow();
@@ -98,39 +106,78 @@ fn pose(panel: &Panel) -> [f64; 9] {
     pose.and_then(|pose| serde_json::from_value(pose).ok()).unwrap_or_default()
 }
 
-/// Checks a program and runs it under the control lease.
+/// A start that is on its way.
+#[derive(Clone, Copy, Debug)]
+struct Start<'a> {
+    panel: &'a Panel,
+    client: u64,
+    /// Number of stops when it was asked for.
+    stops: u64,
+}
+
+impl Start<'_> {
+    /// Refuses the start if the machine is not ready, or not this client's, or anything has been stopped since.
+    fn check(&self) -> Result<(), Reason> {
+        if let Some(text) = busy(self.panel, Some(self.client)) {
+            return Err(Reason::new(Code::Ocupado, text));
+        }
+        if let Some(why) = unready(self.panel) {
+            return Err(why);
+        }
+        if self.panel.engine.stops() != self.stops {
+            let text = "a stop has come meanwhile: give the command again";
+            return Err(Reason::new(Code::Ocupado, text));
+        }
+        Ok(())
+    }
+
+    /// Waits for something, as long as the start is not refused.
+    async fn during<T>(&self, work: impl Future<Output = T>) -> Result<T, Reason> {
+        let refused = async {
+            loop {
+                if let Err(why) = self.check() {
+                    return why;
+                }
+                sleep(LOOK).await;
+            }
+        };
+        tokio::select! {
+            biased;
+            why = refused => Err(why),
+            end = work => Ok(end),
+        }
+    }
+}
+
+/// Checks a program and runs it under the control lease, unless something has been stopped since there were this many
+/// stops. The machine stays ready and nobody else's from the begin of the check on: what was stopped and switched on
+/// again does not move by a request from before.
 pub(super) async fn start(
     panel: &Arc<Panel>,
     user: &User,
     program: Vec<u8>,
+    stops: u64,
 ) -> Result<Begun, Reason> {
-    let engine = &panel.engine;
-    let stops = engine.stops();
     // The status of the machine shall not be older than the request: the next one may be on its way already.
     let mut status = panel.machine.clone();
     for _ in 0..2 {
         status.mark_unchanged();
         drop(timeout(SETTLE, status.changed()).await);
     }
-    if let Some(text) = busy(panel) {
-        return Err(Reason::new(Code::Ocupado, text));
-    }
-    if let Some(why) = unready(panel) {
-        return Err(why);
-    }
-    let folder = panel.programs.as_deref().unwrap_or_else(|| panel.place.folder());
-    let file = folder.join(FILE);
-    let reading = panel.reading.lock().await;
+    let start = Start { panel, client: user.client, stops };
+    let reading = start.during(panel.reading.lock()).await?;
+    let file = panel.teleop_file();
     let lengths = block_in_place(|| {
         let written = hal_output::install(&file, &program, 0o600);
         written.map_err(|e| {
             Reason::new(Code::Falla, format!("{}: {}", file.display(), hal_output::reason(&e)))
         })?;
-        check::read(panel.options.ini_file.as_deref(), &file, pose(panel))
+        let ini = panel.options.ini_file.as_deref();
+        check::read(ini, &file, pose(panel), &|| start.check())
     });
     drop(reading);
     let lengths = lengths?;
-    let begun = begin(panel, user, file, lengths, stops).await;
+    let begun = begin(start, user, file, lengths).await;
     if begun.is_err() {
         has_not_begun(panel, user).await;
         end_lease(panel, user).await;
@@ -139,19 +186,18 @@ pub(super) async fn start(
 }
 
 async fn begin(
-    panel: &Panel,
+    start: Start<'_>,
     user: &User,
     file: PathBuf,
     lengths: Lengths,
-    stops: u64,
 ) -> Result<Begun, Reason> {
-    let engine = &panel.engine;
-    let (clients, client) = (&panel.clients, user.client);
+    let Start { panel, client, stops } = start;
+    let (engine, clients) = (&panel.engine, &panel.clients);
     clients.take(engine, client, &user.session, false).await.map_err(refused)?;
-    // From here on the beats of this program keep the lease.
-    panel.heart.keep(true);
     let lost = || Reason::new(Code::Ocupado, "the control lease has ended");
     let lease = clients.number(client).ok_or_else(lost)?;
+    // From here on the beats of this program keep the lease.
+    panel.heart.keep(lease);
     let command = |name: &str, args: Vec<String>| Request::Command { name: name.to_owned(), args };
     let open = format!("file={}", file.display());
     let before = {
@@ -163,11 +209,14 @@ async fn begin(
         command("task.open", vec![open]),
         command("remote.start", vec![format!("lease={lease}")]),
     ] {
+        start.check()?;
         let reply = engine.call_unless_stopped(request, stops).await.map_err(refused)?;
         if let Some(ticket) = ticket(reply) {
-            finish(panel, ticket).await.map_err(|text| Reason::new(Code::Falla, text))?;
+            let end = start.during(finish(panel, ticket)).await?;
+            end.map_err(|text| Reason::new(Code::Falla, text))?;
         }
     }
+    start.check()?;
     let run = command("task.run", Vec::new());
     let run = engine.call_unless_stopped(run, stops).await;
     let reply = run.map_err(|e| match e.code {
@@ -218,19 +267,39 @@ pub(super) async fn follow(panel: &Panel, user: &User, begun: &Begun) -> Result<
 
 /// Gives the lease back.
 pub(super) async fn end_lease(panel: &Panel, user: &User) {
-    panel.heart.keep(false);
+    panel.heart.keep(0);
     // An engine that does not answer has no lease either.
     drop(panel.clients.give(&panel.engine, user.client).await);
 }
 
-/// Brakes and ends the job; with `ends_command` its present command is executed to its end before.
-pub(super) async fn cancel(panel: &Panel, ends_command: bool) {
+/// Brakes and ends the job: tries until the engine has taken the command, or the job is over. Meanwhile it gives the lease
+/// back, so that the job at least ends as `[REMOTE]ON_LOSS` says.
+/// With `ends_command` its present command is executed to its end before.
+pub(super) async fn cancel(
+    panel: &Panel,
+    owner: Option<&User>,
+    is_over: &AtomicBool,
+    ends_command: bool,
+) {
     if ends_command && let Err(why) = end_command(panel).await {
         panel.audit.note("teleop", 0, &json!("end of the command"), Err(&why));
     }
-    let abort = Request::Command { name: "task.abort".to_owned(), args: Vec::new() };
-    if let Err(why) = panel.engine.stop(abort, true).await {
-        panel.audit.note("teleop", 0, &json!("cancel"), Err(&why));
+    for n in 1_u32.. {
+        let abort = Request::Command { name: "task.abort".to_owned(), args: Vec::new() };
+        let Err(why) = panel.engine.stop(abort, true).await else { return };
+        if is_over.load(Relaxed) {
+            return;
+        }
+        if n == 1 {
+            panel.audit.note("teleop", 0, &json!("cancel"), Err(&why));
+            let text = "the job cannot be cancelled yet, it is tried again";
+            // Without standard error there is nowhere else to say it.
+            drop(writeln!(std::io::stderr(), "halpanel: teleoperation: {text}: {}", why.text));
+        }
+        if let Some(owner) = owner.filter(|_| n == MAX_REFUSALS) {
+            end_lease(panel, owner).await;
+        }
+        sleep(LOOK).await;
     }
 }
 
@@ -288,3 +357,6 @@ fn refused(error: Error) -> Reason {
     };
     Reason::new(code, error.text)
 }
+
+#[cfg(test)]
+mod tests;

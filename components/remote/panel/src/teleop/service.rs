@@ -11,7 +11,11 @@ use crate::{error::Error, server::Panel, session::Role, status::Joined};
 use serde_json::Value as Json;
 use std::{
     collections::BTreeMap,
-    sync::{Arc, atomic::Ordering::Relaxed},
+    net::SocketAddr,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering::Relaxed},
+    },
     time::Duration,
 };
 use teleop::{Action, Machine, Reason, Server};
@@ -58,6 +62,7 @@ struct Connection {
 /// The service.
 pub(super) struct Service {
     panel: Arc<Panel>,
+    is_network: bool,
     /// TLS, at a network address.
     tls: Option<TlsAcceptor>,
     settings: Settings,
@@ -67,6 +72,8 @@ pub(super) struct Service {
     happened: mpsc::Receiver<Notice>,
     /// User whose job starts or runs; it outlives the connection.
     owner: Option<User>,
+    /// True once that job is over, or has not begun.
+    is_over: Arc<AtomicBool>,
     progress: Progress,
     /// Lease of the owner that the engine has confirmed.
     confirmed: Option<u64>,
@@ -79,6 +86,7 @@ impl Service {
         let (events, happened) = mpsc::channel(MAX_SEGMENTS);
         Self {
             panel: panel.clone(),
+            is_network,
             tls: panel.security.tls.as_ref().filter(|_| is_network).map(|t| t.acceptor.clone()),
             settings,
             server: Server::default(),
@@ -86,6 +94,7 @@ impl Service {
             events,
             happened,
             owner: None,
+            is_over: Arc::default(),
             progress: Progress::default(),
             confirmed: None,
             now: panel.heart.pulse.load(Relaxed).into(),
@@ -101,8 +110,8 @@ impl Service {
                 biased;
                 _ = look.tick() => self.look(*end.borrow()),
                 Some(event) = self.happened.recv() => self.take(event),
-                Ok((stream, client)) = listener.accept() => match self.settings.admits(client.ip()) {
-                    true => self.connect(stream),
+                Ok((stream, peer)) = listener.accept() => match self.settings.admits(peer.ip()) {
+                    true => self.connect(stream, peer),
                     false => refuse(stream, self.tls.is_none(), NOT_ALLOWED),
                 },
             }
@@ -134,7 +143,7 @@ impl Service {
     }
 
     fn machine(&mut self) -> Machine {
-        let busy = job::busy(&self.panel);
+        let busy = job::busy(&self.panel, None);
         let machine = self.panel.machine.borrow();
         let (Some(task), Some(motion)) = (&machine.task, &machine.motion) else {
             return Machine { busy, progress: None };
@@ -168,19 +177,23 @@ impl Service {
         pins.running.store(self.server.runs(), Relaxed);
         pins.link_ok.store(self.server.is_linked(), Relaxed);
         pins.progress.store(self.server.progress().into(), Relaxed);
-        let heard = self.server.owner_heard().unwrap_or(self.now);
-        self.panel.heart.heard.store(low(heard), Relaxed);
+        let until = self.server.answers_until(self.now);
+        self.panel.heart.answers_until.store(low(until), Relaxed);
+        if let Some(owner) = self.owner.as_ref().filter(|_| self.now <= until) {
+            // Who is there for a job has no page that could answer.
+            self.panel.clients.answered(owner.client);
+        }
     }
 
-    fn connect(&mut self, stream: TcpStream) {
+    fn connect(&mut self, stream: TcpStream, peer: SocketAddr) {
         let tls = self.tls.clone();
         // Without it, small answers wait for the acknowledgement of the one before.
         drop(stream.set_nodelay(true));
         connection::keep_alive(&stream);
-        let Some(id) = self.server.connect(self.now) else {
+        let Some(id) = self.server.connect(peer.ip().to_canonical(), self.now) else {
             return refuse(stream, tls.is_none(), FULL);
         };
-        let (answers, queue) = mpsc::channel(MAX_ANSWERS);
+        let (answers, mut queue) = mpsc::channel(MAX_ANSWERS);
         let permits = Arc::new(Semaphore::new(1));
         let connection = Connection { answers, permits: permits.clone(), waits: false, user: None };
         self.connections.insert(id, connection);
@@ -190,7 +203,12 @@ impl Service {
             match tls {
                 None => connection::serve(stream, permits, to, event, queue).await,
                 Some(tls) => {
-                    if let Ok(Ok(stream)) = timeout(TLS_TIME, tls.accept(stream)).await {
+                    let accepted = tokio::select! {
+                        accepted = timeout(TLS_TIME, tls.accept(stream)) => accepted.ok(),
+                        // It ends before it has begun.
+                        _ = queue.recv() => None,
+                    };
+                    if let Some(Ok(stream)) = accepted {
                         connection::serve(stream, permits, to, event, queue).await;
                     }
                 }
@@ -240,11 +258,13 @@ impl Service {
             }
             Notice::Started(Err(why)) => {
                 self.owner = None;
+                self.is_over.store(true, Relaxed);
                 self.is_free();
                 self.server.started(Err(why), now);
             }
             Notice::Ended(end) => {
                 self.owner = None;
+                self.is_over.store(true, Relaxed);
                 self.confirmed = None;
                 self.is_free();
                 self.server.ended(end, now);
@@ -254,7 +274,7 @@ impl Service {
 
     /// Shows the machine to the server after a job: the next request may have arrived already.
     fn is_free(&mut self) {
-        let busy = job::busy(&self.panel);
+        let busy = job::busy(&self.panel, None);
         self.server.machine(Machine { busy, progress: None });
     }
 
@@ -264,17 +284,23 @@ impl Service {
             match action {
                 Action::SignIn { id, user, secret } => {
                     let (panel, events) = (self.panel.clone(), self.events.clone());
+                    let is_network = self.is_network;
                     tokio::spawn(async move {
                         // Hashing a password takes a while.
-                        let role =
-                            tokio::task::block_in_place(|| sign_in::role(&panel, &user, &secret));
+                        let role = tokio::task::block_in_place(|| {
+                            sign_in::role(&panel, &user, &secret, is_network)
+                        });
                         drop(events.send(Notice::SignedIn(id, user, role)).await);
                     });
                 }
                 Action::Start { id, program } => self.start(id, program),
                 Action::Cancel => {
-                    let (panel, ends_command) = (self.panel.clone(), self.settings.ends_command);
-                    tokio::spawn(async move { job::cancel(&panel, ends_command).await });
+                    let (panel, owner) = (self.panel.clone(), self.owner.clone());
+                    let (is_over, ends_command) =
+                        (self.is_over.clone(), self.settings.ends_command);
+                    tokio::spawn(async move {
+                        job::cancel(&panel, owner.as_ref(), &is_over, ends_command).await;
+                    });
                 }
                 Action::Lose => self.lose(),
                 Action::Close(id) => {
@@ -314,11 +340,14 @@ impl Service {
     fn start(&mut self, id: u64, program: Vec<u8>) {
         let user = self.connections.get(&id).and_then(|c| c.user.clone());
         self.owner.clone_from(&user);
+        self.is_over = Arc::default();
         self.show();
         let (panel, events) = (self.panel.clone(), self.events.clone());
+        // A stop from here on stops this start too.
+        let stops = panel.engine.stops();
         tokio::spawn(async move {
             let begun = match &user {
-                Some(user) => job::start(&panel, user, program).await,
+                Some(user) => job::start(&panel, user, program, stops).await,
                 None => Err(Reason::new(teleop::Code::Orden, "log in first")),
             };
             drop(events.send(Notice::Started(begun)).await);
@@ -347,3 +376,6 @@ fn refuse(mut stream: TcpStream, is_plain: bool, answer: &'static str) {
 fn low(time: u64) -> u32 {
     u32::try_from(time & u64::from(u32::MAX)).unwrap_or_default()
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 use super::rig::{ACCELERATION, Rig};
 use hal_bench::Random;
 use std::collections::BTreeMap;
+use std::net::{IpAddr, Ipv4Addr};
 use teleop::{Action, LIVENESS_MS, Server};
 
 /// Number of clients that vanish.
@@ -21,6 +22,8 @@ enum Loss {
     CutInside,
     /// The connection is cut while the job starts.
     CutAtStart,
+    /// The connection is cut, and the engine refuses to take the lease back.
+    CutRefused,
     /// The client says nothing more.
     Silence,
     /// The program with the server dies: no beat comes, and nobody gives the lease back.
@@ -34,6 +37,8 @@ struct Stage {
     id: u64,
     /// True while the server's program lives.
     lives: bool,
+    /// True while the engine takes the lease back.
+    gives: bool,
     /// Milliseconds of the server in a cycle: ten where a long silence must end before the program does.
     pace: u64,
 }
@@ -42,8 +47,8 @@ impl Stage {
     fn new(on_loss: &str, pace: u64) -> Self {
         let rig = Rig::homed(&[&format!("on_loss={on_loss}")]);
         let mut server = Server::default();
-        let id = server.connect(0).unwrap();
-        let mut stage = Self { rig, server, id, lives: true, pace };
+        let id = server.connect(IpAddr::V4(Ipv4Addr::LOCALHOST), 0).unwrap();
+        let mut stage = Self { rig, server, id, lives: true, gives: true, pace };
         stage.say("INGRESAR ana:clave\nENVIAR_NUEVO G1 X100 F600\n");
         stage.act();
         stage
@@ -68,7 +73,8 @@ impl Stage {
                 Action::SignIn { id, .. } => self.server.signed_in(id, Ok(true), now),
                 Action::Start { .. } => starts = true,
                 // The servo thread may have ended the lease first.
-                Action::Lose => drop(self.rig.command("remote.give", "lease=1")),
+                Action::Lose if self.gives => drop(self.rig.command("remote.give", "lease=1")),
+                Action::Lose => {}
                 Action::Cancel | Action::Close(_) => panic!("nobody has asked for {action:?}"),
             }
         }
@@ -83,8 +89,7 @@ impl Stage {
                 let now = self.now();
                 self.server.poll(now);
                 self.act();
-                let heard = self.server.owner_heard();
-                self.rig.answers &= heard.is_some_and(|heard| now <= heard + LIVENESS_MS);
+                self.rig.answers = now <= self.server.answers_until(now);
             }
         }
     }
@@ -113,6 +118,13 @@ impl Stage {
                 self.act();
                 20
             }
+            Loss::CutRefused => {
+                self.gives = false;
+                self.server.gone(self.id);
+                self.act();
+                // The beats have ended: the servo thread ends the lease.
+                1020 + self.rig.delay
+            }
             Loss::CutAtStart => 20,
             Loss::Silence => usize::try_from(LIVENESS_MS / self.pace).unwrap() + 20,
             Loss::Death => {
@@ -133,7 +145,8 @@ fn a_job_of_a_vanished_client_is_in_the_state_that_the_machine_is_configured_for
             0 => Loss::Silence,
             1..8 => Loss::Cut,
             8..12 => Loss::CutInside,
-            12..16 => Loss::CutAtStart,
+            12..14 => Loss::CutAtStart,
+            14..16 => Loss::CutRefused,
             _ => Loss::Death,
         };
         let what = format!("trial {trial}: {on_loss} {loss:?}");
@@ -169,5 +182,5 @@ fn a_job_of_a_vanished_client_is_in_the_state_that_the_machine_is_configured_for
             }
         }
     }
-    assert!(tried.len() >= 14, "{tried:?}");
+    assert!(tried.len() >= 17, "{tried:?}");
 }

@@ -6,6 +6,7 @@ use super::{
 };
 use hal_tests::scratch::until;
 use rustix::process::Signal;
+use serde_json::json;
 
 /// Steps of X at the end of the part.
 const END: f64 = 8000.0;
@@ -101,6 +102,29 @@ fn a_job_of_a_client_that_is_silent_for_ten_seconds_holds() {
     assert_eq!(mill.number("stepgen.0.counts"), x);
     assert_eq!(people.ask(&mill, "A", "CANCELAR"), "CANCELADO");
     assert_eq!(people.ask(&mill, "A", "SALIR"), "ADIOS");
+}
+
+#[test]
+fn a_lease_that_a_page_has_taken_is_kept_by_that_page_alone() {
+    let mill = Mill::start("ON_LOSS = hold\n", &["--role", "integrator"]);
+    let mut people = begin(&mill);
+    mill.halcmd("task.pause");
+    let mut page = mill.page();
+    let take = page.ask(json!({ "type": "lease", "do": "take", "force": true }));
+    assert_eq!(take["ok"], json!({}), "{take}");
+    until("the page's beats count", || {
+        mill.run("10ms");
+        mill.halcmd("getp remote.permit").trim() == "TRUE" || {
+            assert_eq!(page.command("optional-stop", &json!({ "on": true })), "");
+            false
+        }
+    });
+    // The page says nothing more, while the client of the job does.
+    assert!(people.ask(&mill, "A", "AVANCE").starts_with("AVANCE "));
+    mill.run("100ms");
+    assert_eq!(mill.halcmd("getp remote.permit").trim(), "FALSE");
+    mill.run("1s");
+    assert_eq!(mill.halcmd("getp remote.lease").trim(), "0");
 }
 
 #[test]

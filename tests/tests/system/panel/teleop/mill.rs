@@ -1,14 +1,18 @@
 //! The mill on the virtual clock, its panel with teleoperation, and people who speak the protocol.
 
+use super::super::printer::Session;
 use hal_tests::{
     programs::root,
     scratch::{Running, Scratch, until},
+    web::Socket,
 };
 use rustix::process::Signal;
 use std::{
     collections::BTreeMap,
+    fs,
     io::{ErrorKind, Read as _, Write as _},
     net::TcpStream,
+    path::PathBuf,
     time::Duration,
 };
 
@@ -119,6 +123,20 @@ impl Mill {
         address.trim().split_once("#token=").unwrap().1.to_owned()
     }
 
+    /// Opens a page of the panel.
+    pub(super) fn page(&self) -> Socket {
+        let address = self.scratch.read("address");
+        let port = address.split_once("127.0.0.1:").unwrap().1.split_once('/').unwrap().0;
+        Session::begin(port.parse().unwrap(), &self.token()).socket()
+    }
+
+    /// Returns the file of a program that is checked or runs.
+    pub(super) fn file(&self) -> Option<PathBuf> {
+        let files = fs::read_dir(self.scratch.path().join(".run/ferrule")).unwrap();
+        let mut files = files.map(|entry| entry.unwrap().path());
+        files.find(|path| path.file_name().unwrap().to_string_lossy().starts_with(".teleop-"))
+    }
+
     /// Lets machine time pass in small steps until something is so.
     pub(super) fn until(&self, what: &str, is_so: impl Fn() -> bool) {
         until(what, || {
@@ -142,7 +160,10 @@ impl Drop for Mill {
 
 fn panel(scratch: &Scratch, options: &[&str]) -> Running {
     let mut command = scratch.command(&[], "halpanel");
-    command.args(["--listen", "127.0.0.1:0", "--ini-file", "teleop.ini", "--role", "operator"]);
+    command.args(["--listen", "127.0.0.1:0", "--ini-file", "teleop.ini"]);
+    if !options.contains(&"--role") {
+        command.args(["--role", "operator"]);
+    }
     command.args(["--address-file", "address", "--audit", "audit"]).args(options);
     scratch.start(&mut command)
 }

@@ -1,5 +1,6 @@
 //! Teleoperation of the mill: every use case as a transcript, and clients that vanish.
 
+mod begin;
 mod client;
 mod loss;
 mod mill;

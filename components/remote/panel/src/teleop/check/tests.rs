@@ -14,7 +14,7 @@ fn a_program_is_refused_with_its_line_or_has_a_length() {
     fs::write(&ini, INI).unwrap();
     let read = |text: &str, x: f64| {
         fs::write(&file, text).unwrap();
-        read(Some(&ini), &file, [x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        read(Some(&ini), &file, [x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &|| Ok(()))
     };
     for (text, x, code, begin) in [
         ("G20 G0 X1\nG1 X2\nM2\n", 0.0, Code::Sintaxis, "2 "),
@@ -37,8 +37,59 @@ fn a_program_is_refused_with_its_line_or_has_a_length() {
     // The rest depends on the machine.
     let known = read("G20 F10\nG1 X1\nG1 X[#<_hal[a.pin]>]\nG1 X99\nM2\n", 0.0).unwrap().0;
     assert_eq!(known, [(2, 1.0)]);
-    let gone = super::read(None, &folder.join("gone.ngc"), [0.0; 9]).unwrap_err();
+    let gone = super::read(None, &folder.join("gone.ngc"), [0.0; 9], &|| Ok(())).unwrap_err();
     assert_eq!(gone.code, Some(Code::Falla), "{gone}");
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn reading_ends_once_the_job_may_not_begin() {
+    let folder = std::env::temp_dir().join(format!("halpanel-check-may-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("endless.ngc");
+    fs::write(&file, "o1 while [1]\n#1=[#1+1]\no1 endwhile\nM2\n").unwrap();
+    let looks = core::cell::Cell::new(0);
+    let off = || Reason::new(Code::Apagado, "the machine is in e-stop");
+    let may = || {
+        looks.set(looks.get() + 1);
+        if looks.get() < 3 { Ok(()) } else { Err(off()) }
+    };
+    assert_eq!(read(None, &file, [0.0; 9], &may), Err(off()));
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn the_check_calls_no_function() {
+    let folder = std::env::temp_dir().join(format!("halpanel-check-py-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let (ini, file) = (folder.join("m.ini"), folder.join("teleop.ngc"));
+    // Neither the begin of the process nor a function leaves its mark.
+    let mark = |name: &str| format!("    open('{}/mark', 'w').write('{name}')\n", folder.display());
+    let begin = format!("import remap, oword\ndef __init__(self):\n{}", mark("begin"));
+    fs::write(folder.join("toplevel.py"), begin).unwrap();
+    fs::write(folder.join("remap.py"), format!("def report(self, **words):\n{}", mark("report")))
+        .unwrap();
+    fs::write(folder.join("oword.py"), format!("def square(self, x):\n{}", mark("square")))
+        .unwrap();
+    let python = "[PYTHON]\nPATH_PREPEND = .\nTOPLEVEL = toplevel.py\n[RS274NGC]\n\
+                  REMAP = M400 modalgroup=10 py=report\n";
+    fs::write(&ini, format!("{INI}{python}")).unwrap();
+    for call in ["M400", "o<square> call [3]"] {
+        fs::write(&file, format!("G20 F10\nG1 X1\n{call}\nG1 X99\nM2\n")).unwrap();
+        let known = read(Some(&ini), &file, [0.0; 9], &|| Ok(())).unwrap().0;
+        assert_eq!(known, [(2, 1.0)], "{call}");
+        let shown = crate::geometry::read(Some(&ini), &file, 0.0).unwrap();
+        assert_eq!(shown.error.as_ref().map(|(line, _)| *line), Some(3), "{call}");
+        assert!(
+            !folder.join("mark").exists(),
+            "{call}: {}",
+            fs::read_to_string(folder.join("mark")).unwrap_or_default()
+        );
+    }
+    // Without functions it is an error.
+    fs::write(&ini, INI).unwrap();
+    let why = read(Some(&ini), &file, [0.0; 9], &|| Ok(())).unwrap_err();
+    assert_eq!(why.code, Some(Code::Sintaxis), "{why}");
     fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -28,8 +28,8 @@ pub(crate) struct Arguments {
     /// Name of the user.
     #[arg(long, global = true, env = "USER", default_value = "halteleop")]
     pub(crate) user: String,
-    /// File with the password, or with the token; - is standard input. Without it, the token of the panel on this
-    /// computer.
+    /// File with the password, or with the token; - is standard input. Without it, and for a loopback address alone, the
+    /// token of the panel on this computer.
     #[arg(long, global = true)]
     pub(crate) secret_file: Option<PathBuf>,
     /// Name of the instance on this computer whose token is used.
@@ -123,6 +123,13 @@ impl Arguments {
         let path = match &self.secret_file {
             Some(path) => path.clone(),
             None => {
+                // With the token, that computer could open a session here.
+                if !self.address()?.ip().is_loopback() {
+                    let to = &self.to;
+                    return Err(local(format!(
+                        "{to}: another computer does not get the token of this one: --secret-file names the file with the password"
+                    )));
+                }
                 let place = Place::find(self.instance.as_deref()).map_err(|why| {
                     local(format!("{why}; without an instance here, --secret-file names the file with the password"))
                 })?;
@@ -169,4 +176,30 @@ impl Arguments {
 
 fn low(digit: u32) -> u8 {
     u8::try_from(digit).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    //! Addresses that get the token.
+
+    use super::{Arguments, Parser as _, Status};
+
+    #[test]
+    fn another_computer_does_not_get_the_token_of_this_one() {
+        for (to, status, begin) in [
+            ("192.0.2.9:2000", Status::Local, "192.0.2.9:2000: another computer does not get"),
+            ("[2001:db8::1]:2000", Status::Local, "[2001:db8::1]:2000: another computer"),
+            ("0.0.0.0:2000", Status::Local, "0.0.0.0:2000: another computer"),
+            ("192.0.2.9", Status::Lost, "192.0.2.9: "),
+        ] {
+            let words = ["halteleop", "--instance", "not-there", "--to", to, "progress"];
+            let (is, text) = Arguments::parse_from(words).secret().unwrap_err();
+            assert!(is == status && text.starts_with(begin), "{to}: {text}");
+        }
+        for to in ["127.0.0.1:2000", "[::1]:2000"] {
+            let words = ["halteleop", "--instance", "not-there", "--to", to, "progress"];
+            let (_, text) = Arguments::parse_from(words).secret().unwrap_err();
+            assert!(text.contains("panel-not-there.url: "), "{to}: {text}");
+        }
+    }
 }

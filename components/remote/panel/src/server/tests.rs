@@ -1,0 +1,40 @@
+//! A panel for tests, without a server.
+
+use super::{
+    Arc, Audit, Clients, Engine, Map, Mutex, Options, Panel, Place, Security, Semaphore, Sessions,
+    accounts, watch,
+};
+use clap::Parser as _;
+
+impl Panel {
+    /// Returns a panel without a server, in a folder of its own, with the account ana and the engine's way.
+    pub(crate) fn that(engine: Engine, name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("halpanel-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let people = folder.join("people");
+        accounts::add(&people, "ana=operator", &mut &b"correct horse\n"[..]).unwrap();
+        let words =
+            ["halpanel", "--role", "integrator", "--accounts"].map(std::ffi::OsString::from);
+        let options = Options::parse_from(words.into_iter().chain([people.into_os_string()]));
+        Self {
+            address: options.listen,
+            security: Security::open(&options).unwrap(),
+            options,
+            engine,
+            machine: watch::channel(Arc::default()).1,
+            sessions: Sessions::default(),
+            clients: Clients::default(),
+            heart: Arc::default(),
+            audit: Audit::open(&folder.join("audit")).unwrap(),
+            programs: None,
+            reading: Mutex::default(),
+            scopes: Arc::new(Semaphore::new(1)),
+            pressing: Mutex::default(),
+            viewed: Mutex::default(),
+            place: Place::at(&folder, "test").unwrap(),
+            is_inch: false,
+            info: Map::new(),
+            address_file: folder.join("address"),
+        }
+    }
+}

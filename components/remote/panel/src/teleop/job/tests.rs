@@ -1,0 +1,147 @@
+//! Starts that are refused while they are checked, and cancellations that are refused.
+
+use super::{AtomicBool, Code, Panel, Reason, Relaxed, Session, User, cancel, start};
+use crate::{
+    engine::Engine,
+    error::{Code as Kind, Error},
+    lease::tests::{run, session},
+    session::Role,
+    status::{Joined, Machine},
+};
+use hal_protocol::{Answer, Reply, Request};
+use serde_json::json;
+use std::sync::{
+    Arc, Mutex,
+    mpsc::{Receiver, channel},
+};
+use tokio::{sync::watch, task::yield_now};
+
+/// Longer than any test, and shorter than the longest check.
+const LONG: &[u8] = b"o1 while [1]\n#1=[#1+1]\no1 endwhile\nG1 X50 F500\nM2\n";
+
+/// Returns an engine that does everything, and the names of the commands that it gets.
+fn engine() -> (Engine, Receiver<String>) {
+    let (tell, told) = channel();
+    let engine = Engine::that(move |request| {
+        let Request::Command { name, .. } = request else { return Ok(Reply::Done) };
+        let lines = vec!["lease=1".to_owned()];
+        drop(tell.send(name));
+        Ok(Reply::Answer(Answer { lines, ticket: None, awaited: false }))
+    });
+    (engine, told)
+}
+
+/// Returns a machine in a state of the task, and homed.
+fn machine(state: u32, jogging: bool) -> Arc<Machine> {
+    let object = |value: serde_json::Value| value.as_object().cloned();
+    let motion = object(json!({ "all_homed": true, "jogging": jogging, "pose": vec![0.0; 9] }));
+    let task = object(json!({ "state": state, "interpreter": 0, "jobs": 0 }));
+    Arc::new(Machine { engine: Joined::Joined, motion, task })
+}
+
+/// Event while the program is read.
+#[derive(Clone, Copy, Debug)]
+enum Event {
+    Estop,
+    Jog,
+    Forbidden,
+    Stop,
+}
+
+#[test]
+fn what_is_stopped_while_a_start_is_checked_does_not_move_afterwards() {
+    for (event, code, text) in [
+        (Event::Estop, Code::Apagado, "the machine is in e-stop"),
+        (Event::Jog, Code::Ocupado, "somebody moves the machine"),
+        (Event::Forbidden, Code::Apagado, "remote.allow-motion is FALSE"),
+        (Event::Stop, Code::Ocupado, "a stop has come meanwhile"),
+    ] {
+        let (engine, told) = engine();
+        let (tell, seen) = watch::channel(machine(2, false));
+        let mut panel = Panel::that(engine, "start");
+        panel.machine = seen;
+        let panel = Arc::new(panel);
+        panel.heart.allowed.store(true, Relaxed);
+        let file = panel.teleop_file();
+        let user = User { session: session("ana"), client: 1 };
+        let why = run(async {
+            let stops = panel.engine.stops();
+            let (work, of) = (panel.clone(), user.clone());
+            let begun = tokio::spawn(async move { start(&work, &of, LONG.to_vec(), stops).await });
+            while !file.exists() {
+                tell.send_replace(machine(2, false));
+                yield_now().await;
+            }
+            match event {
+                Event::Estop => drop(tell.send_replace(machine(0, false))),
+                Event::Jog => drop(tell.send_replace(machine(2, true))),
+                Event::Forbidden => panel.heart.allowed.store(false, Relaxed),
+                Event::Stop => drop(panel.engine.stop(Request::Ready, true).await.unwrap()),
+            }
+            begun.await.unwrap().unwrap_err()
+        });
+        assert!(why.code == Some(code) && why.text.starts_with(text), "{event:?}: {why}");
+        assert_eq!(told.try_iter().collect::<Vec<_>>(), [""; 0], "{event:?}");
+        std::fs::remove_dir_all(panel.place.folder()).unwrap();
+    }
+}
+
+#[test]
+fn a_stop_before_the_check_begins_counts_too() {
+    let (engine, told) = engine();
+    let (_tell, seen) = watch::channel(machine(2, false));
+    let mut panel = Panel::that(engine, "early");
+    panel.machine = seen;
+    let panel = Arc::new(panel);
+    panel.heart.allowed.store(true, Relaxed);
+    let user = User { session: session("ana"), client: 1 };
+    let begun = run(async {
+        let stops = panel.engine.stops();
+        panel.engine.stop(Request::Ready, true).await.unwrap();
+        start(&panel, &user, b"M2\n".to_vec(), stops).await
+    });
+    let text = "a stop has come meanwhile: give the command again";
+    assert_eq!(begun.unwrap_err(), Reason::new(Code::Ocupado, text));
+    assert_eq!(told.try_iter().collect::<Vec<_>>(), [""; 0]);
+    std::fs::remove_dir_all(panel.place.folder()).unwrap();
+}
+
+/// Cancels a job with an engine that refuses so many times; returns the commands that the engine got.
+fn cancelled(refusals: usize, name: &str) -> Vec<String> {
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let (tell, mut left) = (told.clone(), refusals);
+    let engine = Engine::that(move |request| {
+        let Request::Command { name, .. } = request else { return Ok(Reply::Done) };
+        let lines = vec!["lease=1".to_owned()];
+        tell.lock().unwrap().push(name.clone());
+        if name == "task.abort" && left > 0 {
+            left -= 1;
+            return Err(Error::new(Kind::Refused, "too many commands wait for the task"));
+        }
+        Ok(Reply::Answer(Answer { lines, ticket: None, awaited: false }))
+    });
+    let panel = Panel::that(engine, name);
+    let of = Session { cookie: String::new(), user: "ana".to_owned(), role: Role::Operator };
+    let user = User { client: panel.clients.enter_without_page(&of), session: of };
+    run(async {
+        panel.clients.take(&panel.engine, user.client, &user.session, false).await.unwrap();
+        cancel(&panel, Some(&user), &AtomicBool::new(false), false).await;
+        // After the job there is nothing to cancel.
+        cancel(&panel, Some(&user), &AtomicBool::new(true), false).await;
+    });
+    std::fs::remove_dir_all(panel.place.folder()).unwrap();
+    let told = told.lock().unwrap();
+    told.clone()
+}
+
+#[test]
+fn a_cancellation_is_repeated_until_the_engine_takes_it() {
+    let told = cancelled(3, "cancel");
+    let expected = ["remote.take"].into_iter().chain(["task.abort"; 5]).collect::<Vec<_>>();
+    assert_eq!(told, expected);
+    // After a while the lease goes too.
+    let told = cancelled(40, "insist");
+    let aborts = told.iter().filter(|name| *name == "task.abort").count();
+    let given = told.iter().position(|name| name == "remote.give");
+    assert_eq!((aborts, given), (42, Some(26)), "{told:?}");
+}
