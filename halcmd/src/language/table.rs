@@ -132,26 +132,26 @@ mod tests {
     #[test]
     fn lines_become_commands() {
         for (line, want) in [
-            ("a.b = 5", "Ask(Set { name: \"a.b\", value: \"5\" }, None)"),
-            ("setp a.b 5", "Ask(Set { name: \"a.b\", value: \"5\" }, None)"),
+            ("a.b = 5", "Send(Set { name: \"a.b\", value: \"5\" }, None)"),
+            ("setp a.b 5", "Send(Set { name: \"a.b\", value: \"5\" }, None)"),
             (
                 "net s a => b <=",
-                "Ask(Net { signal: \"s\", pins: [\"a\", \"b\"] }, Some(\"Pin 'a' linked to signal \
+                "Send(Net { signal: \"s\", pins: [\"a\", \"b\"] }, Some(\"Pin 'a' linked to signal \
                  's'\\nPin 'b' linked to signal 's'\"))",
             ),
             (
                 "linksp s => p",
-                "Ask(Link { pin: \"p\", signal: \"s\" }, Some(\"Pin 'p' linked to signal 's'\"))",
+                "Send(Link { pin: \"p\", signal: \"s\" }, Some(\"Pin 'p' linked to signal 's'\"))",
             ),
-            ("newsig a BOOL", "Ask(NewSignal { name: \"a\", ty: Bit }, None)"),
+            ("newsig a BOOL", "Send(NewSignal { name: \"a\", ty: Bit }, None)"),
             (
                 "addf f t -2",
-                "Ask(AddFunct { funct: \"f\", thread: \"t\", position: -2, init: false }, \
+                "Send(AddFunct { funct: \"f\", thread: \"t\", position: -2, init: false }, \
                  Some(\"Function 'f' added to thread 't'\"))",
             ),
-            ("delsig all", "Ask(DeleteSignal { name: None }, None)"),
+            ("delsig all", "Send(DeleteSignal { name: None }, None)"),
             ("unload all", "UnloadAll"),
-            ("unloadusr all", "Ask(EndProgram { name: None }, None)"),
+            ("unloadusr all", "Send(EndProgram { name: None }, None)"),
             ("show", "Show(None, None, [])"),
             ("show pin -t bit x", "Show(Some(Of(Pins)), Some(Bit), [\"x\"])"),
             ("show sig -treal", "Show(Some(Of(Signals)), Some(Float), [])"),
@@ -160,8 +160,8 @@ mod tests {
             ("lock tune", "Lock(Some(To(Lock(3))))"),
             ("lock nonsense", "Lock(None)"),
             ("unlock tune", "Lock(Some(Without(Lock(3))))"),
-            ("run 1.5ms", "Ask(Run { ns: 1500000 }, None)"),
-            ("record off", "Ask(EndRecord, None)"),
+            ("run 1.5ms", "Send(Run { ns: 1500000 }, None)"),
+            ("record off", "Send(EndRecord, None)"),
             (
                 "motion.jog joint=0 --wait velocity=5",
                 "Component { name: \"motion.jog\", args: [\"joint=0\", \"velocity=5\"], wait: true \

@@ -95,11 +95,14 @@ impl Interpreter {
         self.end_failed(result)
     }
 
-    /// Ends the function that is the innermost level after its failure: a host that goes on reads the next line.
+    /// Ends the function that is the innermost level after its failure: a host that goes on reads the next line. Where
+    /// another function executes it, that one is told.
     fn end_failed(&mut self, result: Result<Step, Error>) -> Result<Step, Error> {
-        let is_over = |f: &Function| !matches!(f.turn, Turn::Executing(_));
+        let mut functions = self.state.levels.iter().filter_map(Level::function);
+        let is_told = functions.any(|f| matches!(f.turn, Turn::Executing(_)));
         if result.is_err()
-            && self.state.levels.last().and_then(Level::function).is_some_and(is_over)
+            && !is_told
+            && self.state.levels.last().is_some_and(|level| level.function().is_some())
         {
             self.state.levels.pop();
         }
