@@ -86,12 +86,12 @@ impl View {
         let bytes = match taken {
             Ok((bytes, picture)) => {
                 describe(&mut head, &picture, &camera, &wanted, at);
-                head["kind"] =
-                    if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" }.into();
+                let is_png = bytes.starts_with(b"\x89PNG");
+                put(&mut head, "kind", if is_png { "image/png" } else { "image/jpeg" });
                 bytes
             }
             Err(why) => {
-                head["problem"] = why.into();
+                put(&mut head, "problem", &why);
                 Vec::new()
             }
         };
@@ -100,6 +100,13 @@ impl View {
         text.extend(bytes);
         // Who watches asks again; a folder that has gone needs no picture.
         drop(hal_output::write(&watch.file, &text));
+    }
+}
+
+/// Adds a text to the head of a picture.
+fn put(head: &mut Json, name: &str, text: &str) {
+    if let Some(fields) = head.as_object_mut() {
+        fields.insert(name.to_owned(), text.into());
     }
 }
 

@@ -106,7 +106,7 @@ impl Stream {
             }
             _ => None,
         };
-        let types = shape.filter(|_| made.is_none()).map(|types| types.extract::<String>());
+        let types = shape.filter(|_| made.is_none()).map(PyAnyMethods::extract::<String>);
         let types = types.transpose()?;
         let creates = made.is_some();
         let (client, stream) = py

@@ -1,6 +1,6 @@
 //! The guarantee of the virtual clock: the same bytes on one processor or two, under load, in another environment, at
 //! other addresses, with another arithmetic in the C library.
-#![expect(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
     case::{Around, cases, for_each},

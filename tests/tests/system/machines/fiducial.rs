@@ -1,5 +1,5 @@
 //! The machine that aligns itself: from the marks in pictures to the cut, beside the printed outline.
-#![expect(clippy::indexing_slicing, clippy::unwrap_used, clippy::panic, reason = "tests")]
+#![expect(clippy::indexing_slicing, clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{programs::root, scratch::Scratch, vcd::Vcd};
 

@@ -2,7 +2,6 @@
 //!
 //! `UPDATE_EXPECT=1 cargo test -p hal-tests --test system machines::samples -- --ignored` starts each in virtual time and writes
 //! `tests/samples.md`.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
     golden,
