@@ -26,12 +26,12 @@ pub(crate) struct WaitingPress {
 pub(crate) struct Presses {
     waiting: Sender<WaitingPress>,
     stops: Sender<WaitingPress>,
-    order: Arc<Mutex<Order>>,
+    order: Arc<Mutex<Turns>>,
 }
 
 /// Numbers of presses.
 #[derive(Default)]
-struct Order {
+struct Turns {
     /// Number of the last press.
     last: u64,
     /// Number of the last press of STOP.
@@ -64,7 +64,7 @@ impl Presses {
 /// Sender that is alone.
 pub(crate) struct SendingPresses<'a> {
     presses: &'a Presses,
-    order: MutexGuard<'a, Order>,
+    order: MutexGuard<'a, Turns>,
 }
 
 impl<'a> SendingPresses<'a> {

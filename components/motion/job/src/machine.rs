@@ -1,6 +1,6 @@
 //! The machine that a program is for: its INI file, tool table and parameter file.
 
-use crate::number::{self, count, number};
+use crate::number::{self, arc_tolerance, count, number};
 use crate::spindle::{self, Spindle};
 use crate::world::{Version, version};
 use hal_gcode::{
@@ -166,7 +166,7 @@ impl Machine {
         self.settings.axes = mask(&letters);
         let most = u8::try_from(MAX_SPINDLES).unwrap_or(u8::MAX);
         self.settings.spindles = count(ini, "TRAJ", "SPINDLES", most)?.unwrap_or(1);
-        self.settings.arc_tolerance = tolerance(ini)?;
+        self.settings.arc_tolerance = arc_tolerance(ini)?;
         let kinematics = ini.get("KINS", "KINEMATICS").unwrap_or("trivkins");
         let name = kinematics.split_whitespace().next().unwrap_or("trivkins");
         self.kinematics = (name != "trivkins").then(|| name.to_owned());
@@ -397,12 +397,4 @@ pub(crate) fn coordinates(ini: &Ini) -> Vec<Axis> {
 
 fn mask(axes: &[Axis]) -> AxisMask {
     AxisMask(axes.iter().fold(0, |mask, a| mask | 1 << a.index()))
-}
-
-/// Returns the tolerance of an arc's radii in millimetres.
-fn tolerance(ini: &Ini) -> Result<f64, String> {
-    let value = |name: &str| number(ini, "RS274NGC", name);
-    let inch = value("CENTER_ARC_RADIUS_TOLERANCE_INCH")?.map(|v| v * 25.4);
-    let default = Settings::default().arc_tolerance;
-    Ok(value("CENTER_ARC_RADIUS_TOLERANCE_MM")?.or(inch).unwrap_or(default))
 }

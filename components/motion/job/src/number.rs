@@ -1,5 +1,6 @@
 //! Numbers of an INI file. One that is none is an error, so that a limit is never left out by accident.
 
+use hal_gcode::Settings;
 use hal_ini::{Entry, Ini};
 
 /// Returns the number of an entry, if it is stated. Only the first word counts, as in a configuration of motion.
@@ -32,6 +33,17 @@ pub fn wrong(entry: &Entry, wanted: &str) -> String {
 fn stated<'a>(ini: &'a Ini, section: &str, name: &str) -> Option<(&'a Entry, &'a str)> {
     let entry = ini.all(section, name).next()?;
     Some((entry, entry.value.split_whitespace().next()?))
+}
+
+/// Returns the tolerance of an arc's radii in millimetres.
+///
+/// # Errors
+/// A value is not a number.
+pub(crate) fn arc_tolerance(ini: &Ini) -> Result<f64, String> {
+    let value = |name: &str| number(ini, "RS274NGC", name);
+    let inch = value("CENTER_ARC_RADIUS_TOLERANCE_INCH")?.map(|v| v * 25.4);
+    let default = Settings::default().arc_tolerance;
+    Ok(value("CENTER_ARC_RADIUS_TOLERANCE_MM")?.or(inch).unwrap_or(default))
 }
 
 #[cfg(test)]

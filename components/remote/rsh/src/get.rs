@@ -1,15 +1,15 @@
 //! Replies to `get`: the machine's state as text.
 
-use crate::{Machine, Record, session::Settings, state::State};
+use crate::{Machine, Record, session::Settings, state::Snapshots};
 
-/// What a reply is made of.
+/// Data of a reply.
 pub(crate) struct Look<'a> {
     pub(crate) settings: &'a mut Settings,
     pub(crate) machine: &'a mut dyn Machine,
 }
 
 impl Look<'_> {
-    fn state(&self) -> &State {
+    fn state(&self) -> &Snapshots {
         self.machine.state()
     }
 
@@ -239,7 +239,7 @@ fn joints<T: core::fmt::Display>(
     look: &Look<'_>,
     args: &[&str],
     name: &str,
-    value: impl Fn(&State, usize) -> T,
+    value: impl Fn(&Snapshots, usize) -> T,
 ) -> Option<String> {
     let count = (look.motion().count("joints", 0) as usize).max(LISTED);
     let state = look.state();
@@ -247,7 +247,7 @@ fn joints<T: core::fmt::Display>(
 }
 
 pub(crate) fn joint_pos(look: &mut Look<'_>, args: &[&str]) -> Option<String> {
-    let position = |s: &State, n| format!("{:.6}", s.motion.number("joint_feedback", n));
+    let position = |s: &Snapshots, n| format!("{:.6}", s.motion.number("joint_feedback", n));
     joints(look, args, "JOINT_POS", position)
 }
 
@@ -286,7 +286,7 @@ pub(crate) fn joint_limit(look: &mut Look<'_>, args: &[&str]) -> Option<String> 
     })
 }
 
-fn turns(state: &State, n: usize) -> bool {
+fn turns(state: &Snapshots, n: usize) -> bool {
     state.facts.turns.get(n).copied().unwrap_or(false)
 }
 

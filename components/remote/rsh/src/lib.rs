@@ -16,7 +16,7 @@ mod state;
 pub use line::{Lines, MAX_LINE};
 pub use machine::{Jog, JogTarget, Machine};
 pub use session::{Next, Passwords, Session, is_stop};
-pub use state::{Facts, Record, State};
+pub use state::{Facts, Record, Snapshots};
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! The side of the machine, as a session sees it.
 
-use crate::State;
+use crate::Snapshots;
 use std::time::Duration;
 
 /// Joint or axis of a jog.
@@ -40,7 +40,7 @@ pub trait Machine {
     fn poll(&mut self);
 
     /// Returns the state that was read last.
-    fn state(&self) -> &State;
+    fn state(&self) -> &Snapshots;
 
     /// Gives a command. Returns the number of its ticket, if it takes time.
     ///

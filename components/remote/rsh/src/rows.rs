@@ -12,7 +12,7 @@ pub(crate) enum Needs {
 }
 
 /// A subcommand.
-pub(crate) struct Row {
+pub(crate) struct Subcommand {
     /// Name, in upper case.
     pub(crate) name: &'static str,
     /// Reply to `get`.
@@ -23,24 +23,24 @@ pub(crate) struct Row {
     pub(crate) args: &'static str,
 }
 
-const fn get(name: &'static str, get: Get) -> Row {
-    Row { name, get: Some(get), set: None, args: "" }
+const fn get(name: &'static str, get: Get) -> Subcommand {
+    Subcommand { name, get: Some(get), set: None, args: "" }
 }
 
-const fn set(name: &'static str, args: &'static str, set: Set) -> Row {
-    Row { name, get: None, set: Some((Needs::Control, set)), args }
+const fn set(name: &'static str, args: &'static str, set: Set) -> Subcommand {
+    Subcommand { name, get: None, set: Some((Needs::Control, set)), args }
 }
 
-const fn both(name: &'static str, args: &'static str, get: Get, set: Set) -> Row {
-    Row { name, get: Some(get), set: Some((Needs::Control, set)), args }
+const fn both(name: &'static str, args: &'static str, get: Get, set: Set) -> Subcommand {
+    Subcommand { name, get: Some(get), set: Some((Needs::Control, set)), args }
 }
 
-const fn free(name: &'static str, args: &'static str, get: Get, set: Set) -> Row {
-    Row { name, get: Some(get), set: Some((Needs::Hello, set)), args }
+const fn free(name: &'static str, args: &'static str, get: Get, set: Set) -> Subcommand {
+    Subcommand { name, get: Some(get), set: Some((Needs::Hello, set)), args }
 }
 
 /// All subcommands.
-pub(crate) const ROWS: &[Row] = &[
+pub(crate) const ROWS: &[Subcommand] = &[
     set("ABORT", "", set::abort),
     get("ABS_ACT_POS", get::abs_act_pos),
     get("ABS_CMD_POS", get::abs_cmd_pos),
@@ -136,6 +136,6 @@ pub(crate) const ROWS: &[Row] = &[
 ];
 
 /// Returns the subcommand of this name, in any case.
-pub(crate) fn find(name: &str) -> Option<&'static Row> {
+pub(crate) fn find(name: &str) -> Option<&'static Subcommand> {
     ROWS.iter().find(|row| row.name.eq_ignore_ascii_case(name))
 }

@@ -25,7 +25,7 @@ pub struct Passwords {
     pub name: String,
 }
 
-/// What comes after a line.
+/// Step after a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     /// The next line.
@@ -75,7 +75,7 @@ fn push(texts: &mut VecDeque<String>, text: &str) {
     texts.push_back(text.replace(['\r', '\n'], " "));
 }
 
-/// One connection.
+/// Session of a connection.
 #[derive(Debug)]
 pub struct Session {
     settings: Settings,
@@ -217,7 +217,7 @@ impl Session {
             if !permitted {
                 self.settings.fail("this connection has no control: set enable PASSWORD");
             }
-            let mut order = set::Order {
+            let mut order = set::SetLine {
                 settings: &mut self.settings,
                 machine: &mut *machine,
                 rest: rest(line),

@@ -11,7 +11,7 @@ const STEP: f64 = 100.0;
 const FIRST_SPEED: f64 = 1.0;
 
 /// A subcommand on its way.
-pub(crate) struct Order<'a> {
+pub(crate) struct SetLine<'a> {
     pub(crate) settings: &'a mut Settings,
     pub(crate) machine: &'a mut dyn Machine,
     /// Text after the name of the subcommand.
@@ -21,7 +21,7 @@ pub(crate) struct Order<'a> {
 }
 
 /// Executes it; returns false for arguments that it does not have, and for a refusal of which the client learns.
-pub(crate) type Set = fn(&mut Order<'_>, &[&str]) -> bool;
+pub(crate) type Set = fn(&mut SetLine<'_>, &[&str]) -> bool;
 
 /// Returns whether a subcommand ends motion: it needs no control.
 pub(crate) fn stops(name: &str, word: &str) -> bool {
@@ -33,7 +33,7 @@ pub(crate) fn stops(name: &str, word: &str) -> bool {
         || is(name, "machine") && is(word, "off")
 }
 
-impl Order<'_> {
+impl SetLine<'_> {
     /// Gives a command. As with LinuxCNC it counts as received although the machine refuses it; `get error` has the
     /// reason. A session that waits for its commands learns of the refusal at once.
     fn command(&mut self, name: &str, args: &[String]) -> bool {
@@ -90,13 +90,13 @@ fn one_of(args: &[&str], words: &[&'static str]) -> Option<&'static str> {
 }
 
 /// Executes a command without arguments for `on` and another one for `off`.
-fn either(order: &mut Order<'_>, args: &[&str], yes: &str, no: &str) -> bool {
+fn either(order: &mut SetLine<'_>, args: &[&str], yes: &str, no: &str) -> bool {
     on(args).is_some_and(|on| order.command(if on { yes } else { no }, &[]))
 }
 
 macro_rules! plain {
     ($($name:ident: $command:expr;)*) => {$(
-        pub(crate) fn $name(order: &mut Order<'_>, _: &[&str]) -> bool {
+        pub(crate) fn $name(order: &mut SetLine<'_>, _: &[&str]) -> bool {
             order.command($command, &[])
         }
     )*};
@@ -111,7 +111,7 @@ plain! {
 
 macro_rules! coolant {
     ($($name:ident)*) => {$(
-        pub(crate) fn $name(order: &mut Order<'_>, args: &[&str]) -> bool {
+        pub(crate) fn $name(order: &mut SetLine<'_>, args: &[&str]) -> bool {
             on(args).is_some_and(|on| order.command("iocontrol.coolant", &[bit(stringify!($name), on)]))
         }
     )*};
@@ -120,39 +120,39 @@ macro_rules! coolant {
 coolant! { flood mist lube }
 
 /// Accepts what has no effect.
-pub(crate) fn nothing(_: &mut Order<'_>, _: &[&str]) -> bool {
+pub(crate) fn nothing(_: &mut SetLine<'_>, _: &[&str]) -> bool {
     true
 }
 
 /// Refuses what cannot be set.
-pub(crate) fn never(_: &mut Order<'_>, _: &[&str]) -> bool {
+pub(crate) fn never(_: &mut SetLine<'_>, _: &[&str]) -> bool {
     false
 }
 
 /// Does nothing: the interpreter starts each job from the place where the machine is.
-pub(crate) fn task_plan_init(_: &mut Order<'_>, _: &[&str]) -> bool {
+pub(crate) fn task_plan_init(_: &mut SetLine<'_>, _: &[&str]) -> bool {
     true
 }
 
-pub(crate) fn estop(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn estop(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     either(order, args, "task.estop", "task.estop-reset")
 }
 
-pub(crate) fn machine(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn machine(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     either(order, args, "task.on", "task.off")
 }
 
-pub(crate) fn mode(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn mode(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let mode = one_of(args, &["manual", "auto", "mdi"]);
     mode.is_some_and(|mode| order.command("task.mode", &[format!("mode={mode}")]))
 }
 
-pub(crate) fn teleop_enable(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn teleop_enable(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let mode = on(args).map(|on| if on { "teleop" } else { "free" });
     mode.is_some_and(|mode| order.command("motion.mode", &[format!("mode={mode}")]))
 }
 
-pub(crate) fn home(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn home(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let joint = match args.first().and_then(|word| word.parse::<i32>().ok()) {
         None => return false,
         Some(-1) => "joint=all".to_owned(),
@@ -162,7 +162,7 @@ pub(crate) fn home(order: &mut Order<'_>, args: &[&str]) -> bool {
 }
 
 /// Returns the joint or axis of a jog: a number is that of a joint, or of an axis where jogs move axes.
-fn target(order: &Order<'_>, word: &str) -> Option<JogTarget> {
+fn target(order: &SetLine<'_>, word: &str) -> Option<JogTarget> {
     let is_teleop = order.machine.state().is_teleop();
     match word.parse::<u32>() {
         Ok(n) if is_teleop => AXES.chars().nth(usize::try_from(n).ok()?).map(JogTarget::Axis),
@@ -174,7 +174,7 @@ fn target(order: &Order<'_>, word: &str) -> Option<JogTarget> {
     }
 }
 
-fn jogs(order: &mut Order<'_>, args: &[&str], distance: Option<f64>) -> bool {
+fn jogs(order: &mut SetLine<'_>, args: &[&str], distance: Option<f64>) -> bool {
     let target = args.first().and_then(|word| target(order, word));
     let (Some(target), Some(speed)) = (target, number(args.get(1))) else { return false };
     let jog = Jog { target, velocity: speed / MINUTE, distance };
@@ -185,12 +185,12 @@ fn jogs(order: &mut Order<'_>, args: &[&str], distance: Option<f64>) -> bool {
     true
 }
 
-pub(crate) fn jog(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn jog(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     jogs(order, args, None)
 }
 
 /// Jogs by a distance, whose sign is that of the speed.
-pub(crate) fn jog_incr(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn jog_incr(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let (speed, distance) = (number(args.get(1)), number(args.get(2)));
     let Some((speed, distance)) = speed.zip(distance) else { return false };
     let distance = if speed < 0.0 { -distance } else { distance };
@@ -199,19 +199,19 @@ pub(crate) fn jog_incr(order: &mut Order<'_>, args: &[&str]) -> bool {
     jogs(order, &[target, &speed], Some(distance))
 }
 
-pub(crate) fn jog_stop(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn jog_stop(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let target = args.first().and_then(|word| target(order, word));
     target.is_some_and(|target| order.command("motion.jog-stop", &[target.arg()]))
 }
 
-pub(crate) fn feed_override(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn feed_override(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     number(args.first()).is_some_and(|percent| {
         let scale = percent.max(0.0) / 100.0;
         order.command("task.feed-override", &[format!("scale={scale}")])
     })
 }
 
-pub(crate) fn spindle_override(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn spindle_override(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let (spindle, percent) = match args {
         [percent] => ("0", *percent),
         [spindle, percent, ..] => (*spindle, *percent),
@@ -230,12 +230,12 @@ fn spindle_of(word: Option<&&str>) -> Option<u32> {
     word.map_or(Some(0), |word| word.parse().ok())
 }
 
-pub(crate) fn brake(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn brake(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let (Some(on), Some(spindle)) = (on(args), spindle_of(args.get(1))) else { return false };
     order.command("motion.spindle", &[format!("spindle={spindle}"), bit("brake", on)])
 }
 
-pub(crate) fn spindle(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn spindle(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let words = ["forward", "reverse", "increase", "decrease", "constant", "off"];
     let (Some(word), Some(spindle)) = (one_of(args, &words), spindle_of(args.get(1))) else {
         return false;
@@ -259,19 +259,19 @@ pub(crate) fn spindle(order: &mut Order<'_>, args: &[&str]) -> bool {
     order.command("motion.spindle", &args)
 }
 
-pub(crate) fn mdi(order: &mut Order<'_>, _: &[&str]) -> bool {
+pub(crate) fn mdi(order: &mut SetLine<'_>, _: &[&str]) -> bool {
     let text = format!("text={}", order.rest);
     order.command("task.mdi", &[text])
 }
 
-pub(crate) fn open(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn open(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     !args.is_empty() && {
         let file = format!("file={}", order.rest);
         order.command("task.open", &[file])
     }
 }
 
-pub(crate) fn run(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn run(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     match args.first().map_or(Ok(0), |word| word.parse::<i64>()) {
         Ok(0 | 1) => order.command("task.run", &[]),
         Ok(n) if n < 0 => order.refuse("halgcode check verifies a program"),
@@ -280,7 +280,7 @@ pub(crate) fn run(order: &mut Order<'_>, args: &[&str]) -> bool {
     }
 }
 
-pub(crate) fn load_tool_table(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn load_tool_table(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     if args.is_empty() {
         return false;
     }
@@ -291,12 +291,12 @@ pub(crate) fn load_tool_table(order: &mut Order<'_>, args: &[&str]) -> bool {
     accepted && (done || !order.settings.waits)
 }
 
-pub(crate) fn optional_stop(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn optional_stop(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let on = one_of(args, &["0", "1"]).map(|word| word == "1");
     on.is_some_and(|on| order.command("task.optional-stop", &[bit("on", on)]))
 }
 
-pub(crate) fn override_limits(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn override_limits(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     match on(args) {
         Some(true) => order.command("motion.override-limits", &[]),
         // It ends with the next jog.
@@ -305,25 +305,25 @@ pub(crate) fn override_limits(order: &mut Order<'_>, args: &[&str]) -> bool {
     }
 }
 
-pub(crate) fn probe(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn probe(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let numbers: Vec<f64> = args.iter().filter_map(|word| number(Some(word))).collect();
     let [x, y, z] = numbers.as_slice() else { return false };
     order.command("task.mdi", &[format!("text=G38.2 X{x} Y{y} Z{z}")])
 }
 
-pub(crate) fn probe_clear(order: &mut Order<'_>, _: &[&str]) -> bool {
+pub(crate) fn probe_clear(order: &mut SetLine<'_>, _: &[&str]) -> bool {
     order.refuse("the mark of a probe move is that of the last one: it cannot be cleared")
 }
 
-pub(crate) fn echo(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn echo(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     on(args).map(|on| order.settings.echo = on).is_some()
 }
 
-pub(crate) fn verbose(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn verbose(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     on(args).map(|on| order.settings.verbose = on).is_some()
 }
 
-pub(crate) fn enable(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn enable(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let Some(word) = args.first() else { return false };
     if word.eq_ignore_ascii_case("off") {
         order.machine.give();
@@ -339,38 +339,38 @@ pub(crate) fn enable(order: &mut Order<'_>, args: &[&str]) -> bool {
     }
 }
 
-pub(crate) fn comm_mode(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn comm_mode(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let mode = one_of(args, &["ascii", "binary"]);
     mode.map(|mode| order.settings.binary = mode == "binary").is_some()
 }
 
-pub(crate) fn set_wait(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn set_wait(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let wait = one_of(args, &["received", "done"]);
     wait.map(|wait| order.settings.waits = wait == "done").is_some()
 }
 
-pub(crate) fn wait(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn wait(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     match one_of(args, &["received", "done"]) {
         Some("done") => order.wait(),
         wait => wait.is_some(),
     }
 }
 
-pub(crate) fn timeout(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn timeout(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     number(args.first()).map(|seconds| order.settings.timeout = seconds).is_some()
 }
 
-pub(crate) fn update(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn update(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let update = one_of(args, &["none", "auto"]);
     update.map(|update| order.settings.fresh = update == "auto").is_some()
 }
 
-pub(crate) fn linear_conversion(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn linear_conversion(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let unit = one_of(args, &["INCH", "MM", "CM", "AUTO", "CUSTOM"]);
     unit.map(|unit| order.settings.linear = unit).is_some()
 }
 
-pub(crate) fn angular_conversion(order: &mut Order<'_>, args: &[&str]) -> bool {
+pub(crate) fn angular_conversion(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     let unit = one_of(args, &["DEG", "RAD", "GRAD", "AUTO", "CUSTOM"]);
     unit.map(|unit| order.settings.angular = unit).is_some()
 }

@@ -133,9 +133,9 @@ impl Facts {
     }
 }
 
-/// State of a machine.
+/// State of a machine: its snapshots, and facts of its INI file.
 #[derive(Clone, Debug)]
-pub struct State {
+pub struct Snapshots {
     /// Record of motion.
     pub motion: Record,
     /// Record of the task.
@@ -144,7 +144,7 @@ pub struct State {
     pub facts: Facts,
 }
 
-impl State {
+impl Snapshots {
     /// Returns whether the machine is in e-stop.
     #[must_use]
     pub fn is_estop(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Sessions with a machine that notes its commands.
 
 use crate::{
-    Facts, Jog, JogTarget, Lines, MAX_LINE, Machine, Next, Passwords, Record, Session, State,
+    Facts, Jog, JogTarget, Lines, MAX_LINE, Machine, Next, Passwords, Record, Session, Snapshots,
     is_stop, rows::ROWS,
 };
 use hal_ini::Ini;
@@ -13,7 +13,7 @@ KINEMATICS = trivkins coordinates=XA\n[JOINT_1]\nTYPE = ANGULAR\n";
 
 /// The machine: its state, and what it was told.
 struct Noted {
-    state: State,
+    state: Snapshots,
     said: Vec<String>,
     control: bool,
     /// Refusal of all commands.
@@ -39,7 +39,7 @@ impl Noted {
         task.set("feed", &floats(&[12.5]));
         let ini = Ini::parse("test.ini", INI).unwrap();
         let facts = Facts::new("/m/test.ini".to_owned(), ini);
-        let state = State { motion, task, facts };
+        let state = Snapshots { motion, task, facts };
         Self { state, said: Vec::new(), control: false, refuses: None }
     }
 }
@@ -47,7 +47,7 @@ impl Noted {
 impl Machine for Noted {
     fn poll(&mut self) {}
 
-    fn state(&self) -> &State {
+    fn state(&self) -> &Snapshots {
         &self.state
     }
 

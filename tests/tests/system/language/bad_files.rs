@@ -148,6 +148,6 @@ fn too_many_loads_are_refused() {
     scratch.write("loads.hal", text);
     let run = scratch.halrun(&["--virtual", "-f", "loads.hal"]);
     assert_eq!(run.status, Some(1), "{}", run.stderr);
-    let says = "there are 4096 components already, and an instance has no more";
+    let says = ": there are 4096 components already, and an instance has no more";
     assert!(run.stderr.contains(says), "{}", run.stderr);
 }

@@ -48,6 +48,10 @@ const ELSEWHERE: &[(&str, &str)] = &[
         "no thread has begun a cycle: this computer gives them no time; try again when it is less busy",
         "a computer that runs no thread for ten seconds",
     ),
+    (
+        "*: there are * components already, and an instance has no more",
+        "tests/tests/system/language/bad_files.rs",
+    ),
     ("signal '*' is a port and cannot have I/O pin(s)", REFUSALS),
     ("signal '*' is a port and can only have one input pin", REFUSALS),
     ("there is no thread to sample in", SAMPLES),

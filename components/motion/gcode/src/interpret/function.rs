@@ -96,7 +96,7 @@ impl Interpreter {
     }
 
     /// Ends the function that is the innermost level after its failure: a host that goes on reads the next line. Where
-    /// another function executes it, that one is told.
+    /// another function executes it, that one gets the error.
     fn end_failed(&mut self, result: Result<Step, Error>) -> Result<Step, Error> {
         let mut functions = self.state.levels.iter().filter_map(Level::function);
         let is_told = functions.any(|f| matches!(f.turn, Turn::Executing(_)));

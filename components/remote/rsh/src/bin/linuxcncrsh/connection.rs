@@ -1,6 +1,6 @@
-//! One connection: its lines, one after the other.
+//! A connection: its lines, one after the other.
 
-use crate::engine::{Engine, Source};
+use crate::engine::{Engine, Served};
 use rsh::{Lines, Machine as _, Next, Session, is_stop};
 use std::{
     io::{ErrorKind, Read as _, Write as _},
@@ -82,7 +82,7 @@ impl Input {
 }
 
 /// Serves a connection until its end. Then the session has no control any more: its jogs stop.
-pub(crate) fn run(stream: TcpStream, id: u64, source: &Source) {
+pub(crate) fn run(stream: TcpStream, id: u64, source: &Served) {
     let prepared = stream.set_write_timeout(Some(PATIENCE)).and_then(|()| stream.set_nodelay(true));
     let Ok(mut engine) = Engine::new(source, id, Input::new(stream)) else { return };
     // A connection that is cut ends as one that is closed.
@@ -90,7 +90,7 @@ pub(crate) fn run(stream: TcpStream, id: u64, source: &Source) {
     engine.give();
 }
 
-fn lines(engine: &mut Engine, source: &Source) -> std::io::Result<()> {
+fn lines(engine: &mut Engine, source: &Served) -> std::io::Result<()> {
     let mut session = Session::default();
     while let Some((line, void)) = engine.input.next_line()? {
         if void && let Some(reply) = session.left_out(&line) {

@@ -21,7 +21,7 @@ struct Held {
 }
 
 #[derive(Debug)]
-struct Table {
+struct Holders {
     client: Client,
     held: Option<Held>,
 }
@@ -29,7 +29,7 @@ struct Table {
 /// Control.
 #[derive(Debug)]
 pub(crate) struct Control {
-    table: Mutex<Table>,
+    table: Mutex<Holders>,
     taken: Condvar,
 }
 
@@ -37,7 +37,7 @@ impl Control {
     /// Starts the thread that keeps the lease while a session has control.
     pub(crate) fn start(place: &Place) -> Result<Arc<Self>, String> {
         let client = Client::connect(place, "").map_err(|e| e.to_string())?;
-        let table = Mutex::new(Table { client, held: None });
+        let table = Mutex::new(Holders { client, held: None });
         let control = Arc::new(Self { table, taken: Condvar::new() });
         let shared = control.clone();
         let begun = thread::Builder::new().name("lease".to_owned()).spawn(move || shared.keep());
@@ -45,7 +45,7 @@ impl Control {
         Ok(control)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Table> {
+    fn lock(&self) -> MutexGuard<'_, Holders> {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -112,7 +112,7 @@ impl Control {
     }
 }
 
-impl Table {
+impl Holders {
     fn ask(&mut self, name: &str, args: Vec<String>) -> Result<Vec<String>, String> {
         match self.client.call(Request::Command { name: name.to_owned(), args }) {
             Ok(Reply::Answer(answer)) => Ok(answer.lines),

@@ -2,7 +2,7 @@
 
 use crate::{connection::Input, control::Control};
 use hal_protocol::{Client, Link as _, Place, Reply, Request, Snapshot, TicketInfo};
-use rsh::{Facts, Jog, Machine, Passwords, Record, State};
+use rsh::{Facts, Jog, Machine, Passwords, Record, Snapshots};
 use std::{
     sync::Arc,
     time::{Duration, SystemTime},
@@ -14,9 +14,9 @@ const MAX_READS: u32 = 1000;
 /// Time within which lines that were sent at once arrive.
 const AT_ONCE: Duration = Duration::from_millis(100);
 
-/// What all sessions share.
+/// Data that all sessions share.
 #[derive(Debug)]
-pub(crate) struct Source {
+pub(crate) struct Served {
     pub(crate) place: Place,
     pub(crate) facts: Facts,
     pub(crate) passwords: Passwords,
@@ -28,18 +28,18 @@ pub(crate) struct Engine {
     client: Client,
     motion: Snapshot,
     task: Snapshot,
-    state: State,
+    state: Snapshots,
     control: Arc<Control>,
     session: u64,
     pub(crate) input: Input,
 }
 
 impl Engine {
-    pub(crate) fn new(source: &Source, session: u64, input: Input) -> Result<Self, String> {
+    pub(crate) fn new(source: &Served, session: u64, input: Input) -> Result<Self, String> {
         let mut client = Client::connect(&source.place, "").map_err(|e| e.to_string())?;
         let mut snapshot = |name: &str| client.snapshot(name).map_err(|e| e.to_string());
         let (motion, task) = (snapshot("motion.status")?, snapshot("task.status")?);
-        let state = State {
+        let state = Snapshots {
             motion: Record::new(motion.info()),
             task: Record::new(task.info()),
             facts: source.facts.clone(),
@@ -60,7 +60,7 @@ impl Machine for Engine {
         read(&self.task, &mut self.state.task);
     }
 
-    fn state(&self) -> &State {
+    fn state(&self) -> &Snapshots {
         &self.state
     }
 

@@ -8,7 +8,7 @@ mod options;
 mod user;
 
 use control::Control;
-use engine::Source;
+use engine::Served;
 use hal_ini::Ini;
 use hal_protocol::{Client, Place};
 use options::Options;
@@ -59,7 +59,7 @@ fn run(options: &Options) -> Result<(), String> {
         enable: options.enablepw.clone(),
         name: options.name.clone(),
     };
-    let source = Arc::new(Source { place, facts: Facts::new(path, ini), passwords, control });
+    let source = Arc::new(Served { place, facts: Facts::new(path, ini), passwords, control });
     let port = options.port;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
         .map_err(|e| format!("127.0.0.1:{port}: {}", hal_output::reason(&e)))?;
@@ -77,7 +77,7 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 /// Serves connections, each in a thread of its own.
-fn serve(listener: &TcpListener, source: &Arc<Source>, most: usize, only_own: bool) {
+fn serve(listener: &TcpListener, source: &Arc<Served>, most: usize, only_own: bool) {
     let count = Arc::new(AtomicUsize::new(0));
     for (id, stream) in (1..).zip(listener.incoming()) {
         let Ok(stream) = stream else {
