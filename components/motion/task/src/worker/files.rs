@@ -181,6 +181,12 @@ fn failed(path: &Path, error: &Error) -> String {
     format!("{}: {}", path.display(), hal_output::reason(error))
 }
 
+/// Replaces a file as a whole.
+pub(super) fn written(path: &Path, text: &str) -> Result<(), String> {
+    hal_output::write(path, text.as_bytes())
+        .map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@
 
 use super::{
     Files,
-    files::{Bounds, ProgramFiles},
+    files::{Bounds, ProgramFiles, written},
 };
 use crate::{
     command_record::record,
@@ -395,10 +395,4 @@ impl Outside for Machine {
         let path = self.files.spindle.as_ref();
         path.map_or(Ok(()), |path| written(path, &spindle::print(before, now)))
     }
-}
-
-/// Replaces a file as a whole.
-fn written(path: &Path, text: &str) -> Result<(), String> {
-    hal_output::write(path, text.as_bytes())
-        .map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))
 }
