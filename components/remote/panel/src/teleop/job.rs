@@ -307,27 +307,40 @@ pub(super) async fn cancel(
 async fn end_command(panel: &Panel) -> Result<(), Error> {
     let request = |name: &str| Request::Command { name: name.to_owned(), args: Vec::new() };
     panel.engine.call(request("task.pause")).await?;
+    let Some(line) = paused(panel, |_| true).await else { return Ok(()) };
+    let step = panel.engine.call(request("task.step")).await?;
+    if let Some(ticket) = ticket(step) {
+        finish(panel, ticket).await.map_err(|why| Error::new(Kind::Refused, why))?;
+    }
+    // The step has begun; the job rests again behind its line.
+    paused(panel, |motion| {
+        float(motion, "distance_to_go") == 0.0 || number(motion, "line") != line
+    })
+    .await;
+    Ok(())
+}
+
+/// Waits until motion rests in a pause and is so; returns the line there, or nothing if the job has ended.
+async fn paused(panel: &Panel, is_so: impl Fn(&Map<String, Json>) -> bool) -> Option<u64> {
     loop {
         {
             let machine = panel.machine.borrow();
-            let (Some(task), Some(motion)) = (&machine.task, &machine.motion) else {
-                return Ok(());
-            };
+            let (task, motion) = (machine.task.as_ref()?, machine.motion.as_ref()?);
             if number(task, "interpreter") == 0 {
-                return Ok(());
+                return None;
             }
-            let rests = motion.get("velocity").and_then(Json::as_f64) == Some(0.0);
-            if rests && motion.get("paused") == Some(&Json::Bool(true)) {
-                break;
+            let rests = float(motion, "velocity") == 0.0;
+            if rests && motion.get("paused") == Some(&Json::Bool(true)) && is_so(motion) {
+                return Some(number(motion, "line"));
             }
         }
         sleep(LOOK).await;
     }
-    let step = panel.engine.call(request("task.step")).await?;
-    match ticket(step) {
-        Some(ticket) => finish(panel, ticket).await.map_err(|why| Error::new(Kind::Refused, why)),
-        None => Ok(()),
-    }
+}
+
+/// Returns a number of a snapshot; NaN if it has none.
+fn float(snapshot: &Map<String, Json>, name: &str) -> f64 {
+    snapshot.get(name).and_then(Json::as_f64).unwrap_or(f64::NAN)
 }
 
 /// Waits for the end of a command.

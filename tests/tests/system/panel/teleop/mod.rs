@@ -75,18 +75,19 @@ fn a_user_cancels() {
     use_case("cancel");
 }
 
-/// With `TELEOP_CANCEL = block` the line in progress is executed to its end, and the next one is not begun.
+/// With `TELEOP_CANCEL = block` the line in progress is executed to its end; motion brakes at the begin of the next one.
 #[test]
 fn a_cancelled_job_ends_at_the_end_of_its_command() {
     let mut mill = Mill::start("ON_LOSS = hold\nTELEOP_CANCEL = block\n", &[]);
     mill.ready();
     play(
         &mut mill,
-        "A> INGRESAR ana:TOKEN\nA< ACEPTADO\nA> ENVIAR_NUEVO G20 G61 G1 X0.5 F6\nA< RECIBIDO\n\
-         A> ENVIAR_AGREGAR G1 X2\nA< RECIBIDO\nA> EJECUTAR\nA starts\nA? AVANCE 5\n\
+        "A> INGRESAR ana:TOKEN\nA< ACEPTADO\nA> ENVIAR_NUEVO G20 G1 X0.5 F6\nA< RECIBIDO\n\
+         A> ENVIAR_AGREGAR G1 Y2\nA< RECIBIDO\nA> EJECUTAR\nA starts\nA? AVANCE 5\n\
          A> CANCELAR\nA< CANCELADO\nA> AVANCE\nA< AVANCE 100\nA> SALIR\nA< ADIOS\nA closed\n",
     );
     assert_eq!(mill.number("joint.0.pos-cmd"), 0.5);
+    assert!(mill.number("joint.1.pos-cmd") < 0.01);
     assert_eq!(mill.halcmd("getp motion.in-position").trim(), "TRUE");
 }
 
