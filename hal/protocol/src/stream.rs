@@ -15,7 +15,6 @@ pub struct Stream {
     info: StreamInfo,
     end: End,
     // Last field, because `end` points into it and must be dropped first.
-    #[expect(dead_code, reason = "held so that the ring stays mapped")]
     mapping: Mapping,
 }
 
@@ -119,8 +118,21 @@ impl Stream {
         &self.info.types
     }
 
+    /// Goes on where the other program of a ring between two has read and written last.
+    fn go_on(&mut self) {
+        let width = u32::try_from(self.info.types.len()).unwrap_or(0);
+        if let End::Both(reads, writes) = &mut self.end {
+            let (ring, depth) = (self.mapping.ring(), self.info.depth);
+            // SAFETY: as in `map`.
+            *reads = unsafe { Consumer::new(ring, depth, width) };
+            // SAFETY: as in `map`.
+            *writes = unsafe { Producer::new(ring, depth, width) };
+        }
+    }
+
     /// Takes the oldest record into `out` and returns its number. Returns `None` if there is none.
     pub fn take(&mut self, out: &mut Vec<Value>) -> Option<u64> {
+        self.go_on();
         let (End::Reads(consumer) | End::Both(consumer, _)) = &mut self.end else { return None };
         out.clear();
         let types = &self.info.types;
@@ -138,6 +150,7 @@ impl Stream {
 
     /// Appends a record. Returns false if the ring is full; nothing is then written or counted.
     pub fn put(&mut self, record: &[Value]) -> bool {
+        self.go_on();
         let (End::Writes(producer) | End::Both(_, producer)) = &mut self.end else {
             return false;
         };
@@ -165,7 +178,12 @@ impl Stream {
     #[must_use]
     pub fn waiting(&self) -> u32 {
         match &self.end {
-            End::Reads(c) | End::Both(c, _) => c.waiting(),
+            End::Reads(c) => c.waiting(),
+            End::Both(..) => {
+                let width = u32::try_from(self.info.types.len()).unwrap_or(0);
+                // SAFETY: as in `map`.
+                unsafe { Consumer::new(self.mapping.ring(), self.info.depth, width) }.waiting()
+            }
             End::Writes(p) => p.waiting(),
         }
     }

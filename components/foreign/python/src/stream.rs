@@ -116,7 +116,13 @@ impl Stream {
                 let mut client = Client::connect(&place, "")?;
                 let stream = match made {
                     Some((depth, types)) => client.new_stream(&name, depth, types)?,
-                    None => client.attach(&name, None)?,
+                    // LinuxCNC's words where nobody has made a ring of this key.
+                    None => client.attach(&name, None).map_err(|e| {
+                        match name.starts_with("stream.") {
+                            true => hal_protocol::Failure::new(-22, "Invalid argument".to_owned()),
+                            false => e,
+                        }
+                    })?,
                 };
                 Ok((client, stream))
             })
