@@ -44,6 +44,8 @@ pub struct MotionCommand {
     pub center: [f64; 3],
     /// Direction of an arc's axis; zero means z.
     pub normal: [f64; 3],
+    /// Zero.
+    pub reserved: [f64; 4],
     /// Velocity or duration of a move, as `speed_kind` says; velocity of a jog; turns per minute of
     /// a spindle.
     pub speed: f64,
@@ -80,6 +82,7 @@ impl MotionCommand {
             pose: [0.0; 9],
             center: [0.0; 3],
             normal: [0.0; 3],
+            reserved: [0.0; 4],
             speed: 0.0,
             acceleration: 0.0,
             tolerance: 0.0,

@@ -55,7 +55,7 @@ fn table() -> Result<String, std::fmt::Error> {
         OperatorCommand { size kind value len text }
         OperatorView { size mode program optional_stop block_delete reserved tool_diameter zero rotation }
         MotionAnswer { size len id text }
-        MotionCommand { size kind source line flags letters index mode speed_kind extent count setting pose center normal speed acceleration tolerance cam_tolerance scale value pitch }
+        MotionCommand { size kind source line flags letters index mode speed_kind extent count setting pose center normal reserved speed acceleration tolerance cam_tolerance scale value pitch }
         ArgValue { size given int float text ints texts len }
         StreamRef { ring depth width }
         ServiceRef { table uses n_uses }

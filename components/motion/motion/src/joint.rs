@@ -105,6 +105,8 @@ impl Joint {
         self.move_velocity = config.move_velocity();
         self.inside = [config.min_limit + SLACK, config.max_limit - SLACK];
         self.config = config;
+        // The snapshot shows the limits.
+        self.shown = Shown::default();
     }
 
     fn measure(&mut self) {

@@ -34,7 +34,7 @@ pub(crate) struct Status {
     #[state]
     record: MotionStatus,
     #[state]
-    state: Shown<10>,
+    state: Shown<4>,
     #[state]
     spindles: [Shown<4>; MAX_SPINDLES],
 }
@@ -122,20 +122,17 @@ impl Status {
             state | u64::from(s.mode as u32) << 32 | u64::from(source(s)) << 48,
             u64::from(current.map_or(0, |c| c.id)) << 32 | u64::from(kind),
             u64::from(current.map_or(0, |c| c.line)) << 32 | s.path.depth() as u64,
-            s.feed.net.to_bits(),
-            s.feed.scale.to_bits(),
-            bits(lists.digital_in.iter().map(In::get)),
-            bits(s.digital_out.iter().copied()),
-            s.traj.max_velocity.to_bits(),
-            s.traj.units_per_mm.to_bits(),
             u64::from(s.tool_offsets) << 32 | u64::from(s.probe.number),
         ]);
         let r = &self.record;
         changed |= differ(lists.analog_in.iter().map(In::get), &r.analog_in);
         changed |= differ(s.analog_out.iter().copied(), &r.analog_out);
-        changed |= differ(s.joints.iter().map(|j| j.config.min_limit), &r.joint_min_limit);
-        changed |= differ(s.joints.iter().map(|j| j.config.max_limit), &r.joint_max_limit);
+        changed |= bits(lists.digital_in.iter().map(In::get)) != r.digital_in;
         changed |= bits(lists.misc_errors.iter().map(In::get)) != r.misc_errors;
+        changed |= bits(s.digital_out.iter().copied()) != r.digital_out;
+        let set = [s.feed.net, s.feed.scale, s.traj.max_velocity, s.traj.units_per_mm];
+        let shown = [r.feed_scale, r.feed_override, r.max_velocity, r.units_per_mm];
+        changed |= differ(set.into_iter(), &shown);
         for (shown, spindle) in self.spindles.iter_mut().zip(&s.spindles) {
             let (orientation, fault) = spindle.orientation();
             changed |= shown.changes([
@@ -236,10 +233,6 @@ fn update(r: &mut MotionStatus, s: &State, lists: &Lists) {
         put(&mut r.spindle_orient_fault, n, fault);
     }
     r.joints = u32::try_from(s.joints.len()).unwrap_or(0);
-    for (n, joint) in s.joints.iter().enumerate() {
-        put(&mut r.joint_min_limit, n, joint.config.min_limit);
-        put(&mut r.joint_max_limit, n, joint.config.max_limit);
-    }
 }
 
 /// Returns the code of the origin of the last motion.
@@ -259,6 +252,8 @@ fn update_joint(r: &mut MotionStatus, n: usize, joint: &Joint) {
     put(&mut r.joint_at_max, n, joint.inputs.at_max);
     put(&mut r.joint_homing, n, joint.homing.is_under_way());
     put(&mut r.joint_fault, n, joint.inputs.amp_fault);
+    put(&mut r.joint_min_limit, n, joint.config.min_limit);
+    put(&mut r.joint_max_limit, n, joint.config.max_limit);
     let (below, above) = joint.at_soft_limits();
     for (bits, is) in [(&mut r.joints_below, below), (&mut r.joints_above, above)] {
         *bits = *bits & !(1 << n) | u32::from(is) << n;

@@ -12,6 +12,8 @@ use hal_trajectory::{
     Error, Follower, Limits, Machine, Mode, Move, Planner, Pose, Shape, Spline, SplineFault,
     Trivial,
 };
+use std::fmt::Write as _;
+
 use hal_watchman::{
     AXES, Limits as WatchLimits, PathWatch, Shape as WatchShape, Tolerance, Watchman,
 };
@@ -337,11 +339,14 @@ fn time(machine: &Machine, push: impl FnOnce(&mut Planner<Trivial>)) -> (f64, us
 /// controller has no splines among its moves, because they take longer.
 #[test]
 fn curves_as_lines_take_no_longer_than_as_splines() {
-    for jerk in [f64::INFINITY, 1e5] {
+    let mut table = "\n\n| jerk limit, units/s³ | tolerance, units | as lines, s | cells of the path | as splines, s | cells | slowest as lines |\n\
+                     |---|---|---|---|---|---|---|\n"
+        .to_owned();
+    for (jerk, name) in [(f64::INFINITY, "none"), (1e5, "100000")] {
         for tolerance in [0.1, 0.01, 0.001] {
             let machine = machine(jerk);
             let (mut of_lines, mut of_splines, mut slowest) = (0.0, 0.0, 0.0_f64);
-            let [mut pieces, mut cells, mut spline_cells] = [0; 3];
+            let [mut cells, mut spline_cells] = [0; 2];
             for seed in 1..40 {
                 let mut data = random(seed);
                 for (point, _) in &mut data.points {
@@ -353,7 +358,6 @@ fn curves_as_lines_take_no_longer_than_as_splines() {
                 });
                 spline_cells += more;
                 let ends = lines(&data, 0.1 * tolerance);
-                pieces += ends.len();
                 let (lines, more) = time(&machine, |planner| {
                     for end in ends {
                         let (shape, mode) = (Shape::Line { end }, Mode::Blend(0.9 * tolerance));
@@ -365,11 +369,19 @@ fn curves_as_lines_take_no_longer_than_as_splines() {
                 of_splines += spline;
                 slowest = slowest.max(lines / spline);
             }
-            println!(
-                "J {jerk} P {tolerance}: lines {of_lines:.2} s in {pieces} lines and {cells} cells, splines \
-                 {of_splines:.2} s in {spline_cells} cells, at worst {slowest:.3} times"
-            );
+            writeln!(
+                table,
+                "| {name} | {tolerance} | {of_lines:.2} | {cells} | {of_splines:.2} | {spline_cells} | {slowest:.2} |"
+            )
+            .unwrap();
             assert!(of_lines < of_splines, "{of_lines} s, {of_splines} s");
         }
     }
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../motion/README.md");
+    hal_golden::check_part(
+        page.as_ref(),
+        "<!-- curves:begin -->",
+        "<!-- curves:end -->",
+        &(table + "\n"),
+    );
 }

@@ -93,7 +93,7 @@ problems! {
     FunctionTooLong { name: Box<str>, limit: u64 }: "{name}: more than {limit} steps", "the function may have no end";
     FunctionAsks: "the host's answer does not fit the question", "";
     FieldFixed { name: Box<str> }: "self.{name} cannot be set", "";
-    ToolOnlyStated { tool: i32 }: "it has stated tool {tool} as the current one without a canonical call that tells the machine", "";
+    ToolOnlyStated { tool: i32 }: "the current tool was set to {tool}, but the machine was not informed: the function has to make the canonical call of a tool change", "";
     CallUnknown { name: Box<str> }: "emccanon.{name} is not a call that a function can make", "";
     CallWords { name: Box<str> }: "emccanon.{name}: wrong number, type or range of arguments", "";
     FinishFailed { reason: Box<str> }: "{reason}", "";

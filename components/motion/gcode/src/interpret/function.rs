@@ -98,13 +98,9 @@ impl Interpreter {
     /// Ends the function that is the innermost level after its failure: a host that goes on reads the next line. Where
     /// another function executes it, that one gets the error.
     fn end_failed(&mut self, result: Result<Step, Error>) -> Result<Step, Error> {
-        let mut functions = self.state.levels.iter().filter_map(Level::function);
-        let is_told = functions.any(|f| matches!(f.turn, Turn::Executing(_)));
-        if result.is_err()
-            && !is_told
-            && self.state.levels.last().is_some_and(|level| level.function().is_some())
-        {
-            self.state.levels.pop();
+        let levels = &mut self.state.levels;
+        if result.is_err() && !levels.iter().any(executes) {
+            levels.pop_if(|level| level.function().is_some());
         }
         result
     }
@@ -206,8 +202,6 @@ impl Interpreter {
 
     /// Hands the error of a line to the function that executes it, if there is one.
     pub(super) fn tell_function(&mut self, error: Error) -> Result<Step, Error> {
-        let executes =
-            |level: &Level| level.function().is_some_and(|f| matches!(f.turn, Turn::Executing(_)));
         let Some(at) = self.state.levels.iter().rposition(executes) else { return Err(error) };
         let mut changing = None;
         while self.state.levels.len() > at + 1 {
@@ -341,4 +335,9 @@ impl Interpreter {
         };
         remapped.map_or(Ok(Step::Line), |remapped| self.after_remap(&remapped, env, out))
     }
+}
+
+/// Returns whether a level is a function that executes a line.
+fn executes(level: &Level) -> bool {
+    level.function().is_some_and(|f| matches!(f.turn, Turn::Executing(_)))
 }

@@ -4,8 +4,10 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::Modal;
-use crate::axis::Position;
+use crate::{
+    axis::Position,
+    canon::{PathMode, Unit},
+};
 
 /// The values of a program in RS274-D beyond the modal ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,6 +25,16 @@ pub struct Rs274d {
 pub struct Before {
     /// The offset of G92 in millimetres.
     pub g92: Position,
-    /// The modal state, of which the unit, the path mode and the modes of distances return.
-    pub modal: Modal,
+    /// The unit of length (G20, G21).
+    pub unit: Unit,
+    /// The path mode (G61, G61.1, G64) with its tolerance of short lines.
+    pub path: PathMode,
+    /// As G64's Q.
+    pub naive_tolerance: f64,
+    /// True for absolute distances (G90).
+    pub absolute: bool,
+    /// True for absolute centres of arcs (G90.1).
+    pub ijk_absolute: bool,
+    /// True for diameters (G7).
+    pub diameter: bool,
 }

@@ -5,7 +5,7 @@ use crate::{
     commands::command::Mode,
     commands::refusal::rounded,
     guards::last_jump::{Mover, words},
-    guards::step::Steps,
+    guards::step::{MotorCommand, Steps},
     jogger::By,
     setup::MAX_JOINTS,
     state::State,
@@ -15,16 +15,16 @@ impl State {
     /// Writes the commands of this cycle, or none of them if one would jump.
     pub(crate) fn put_out(&mut self, dt: f64) {
         let enabled = self.enabled;
-        let mut steps = [Steps::default(); MAX_JOINTS];
-        for (joint, steps) in self.joints.iter().zip(&mut steps) {
-            match joint.step_guard.judge(&joint.command(enabled), dt) {
-                Ok(passed) => *steps = passed,
+        let mut passed = [(MotorCommand::default(), Steps::default()); MAX_JOINTS];
+        for (joint, place) in self.joints.iter().zip(&mut passed) {
+            let command = joint.command(enabled);
+            match joint.step_guard.judge(&command, dt) {
+                Ok(steps) => *place = (command, steps),
                 Err(_) => return self.hold_back(dt),
             }
         }
-        for (joint, steps) in self.joints.iter_mut().zip(steps) {
-            let command = joint.command(enabled);
-            joint.step_guard.put_out(&command, steps);
+        for (joint, (command, steps)) in self.joints.iter_mut().zip(&passed) {
+            joint.step_guard.put_out(command, *steps);
         }
     }
 

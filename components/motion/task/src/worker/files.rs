@@ -183,8 +183,7 @@ fn failed(path: &Path, error: &Error) -> String {
 
 /// Replaces a file as a whole.
 pub(super) fn written(path: &Path, text: &str) -> Result<(), String> {
-    hal_output::write(path, text.as_bytes())
-        .map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))
+    hal_output::write(path, text.as_bytes()).map_err(|e| failed(path, &e))
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ const MAX: u32 = 8;
 /// Maximum number of pins in a list of sensors.
 const MAX_SENSORS: i64 = 32;
 
-/// Warning about a word of `encoding`.
+/// Message about a word of `encoding`.
 const UNKNOWN: &str = "magazine {}: the encoding is no known word: as in LinuxCNC, the known word that it begins with \
                        counts, else gray";
 
@@ -75,7 +75,7 @@ getp carousel.0.motor-rev # -> FALSE
         &Arg::texts(
             "encoding",
             "One of `gray`, `binary`, `bcd`, `single`, `index`, `edge` or `counts`; `gray` without it, if empty, and, with \
-             a warning, for any other word.",
+             a message, for any other word.",
         )
         .at_most(MAX)
         .or("gray"),

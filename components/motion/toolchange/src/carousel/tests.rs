@@ -266,6 +266,10 @@ fn unknown_encodings_count_as_gray_or_as_the_word_that_they_begin_with() {
     };
     let all: Vec<_> = (0..words.len()).map(sensors).collect();
     assert_eq!(all, [4, 4, 4, 4, 4, 2, 8, 4]);
+    // An empty word is none; each other one is named by the magazine that has it.
+    let said = b.said();
+    assert_eq!(said.len(), 7, "{said:?}");
+    assert!(said[0].contains("magazine 1: the encoding is no known word"), "{said:?}");
 }
 
 /// Each refusal names the argument and its range, and leaves nothing behind.

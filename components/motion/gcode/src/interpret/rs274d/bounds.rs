@@ -28,8 +28,16 @@ impl Run<'_> {
         self.end_compensation();
         let frame = self.state.frame;
         let g92 = frame.g92.scaled(frame.unit.millimetres());
-        let modal = self.state.modal.clone();
-        self.state.rs274d.before = Some(Box::new(Before { g92, modal }));
+        let modal = &self.state.modal;
+        self.state.rs274d.before = Some(Box::new(Before {
+            g92,
+            unit: modal.unit,
+            path: modal.path,
+            naive_tolerance: modal.naive_tolerance,
+            absolute: modal.absolute,
+            ijk_absolute: modal.ijk_absolute,
+            diameter: modal.diameter,
+        }));
         self.set_unit(Unit::Inch)?;
         let modal = &mut self.state.modal;
         modal.motion = NO_MOTION;
@@ -41,23 +49,23 @@ impl Run<'_> {
         self.set_path(PathMode::ExactPath, 0.0)
     }
 
-    /// Restores the offset of G92, the unit, the path mode and the modes of distances that were in force before the
-    /// program.
+    /// Restores the offset of G92, the unit, the path mode and the modes of distances (G90, G90.1, G7) that were in force
+    /// before the program.
     pub(super) fn leave_rs274d(&mut self) -> Result<(), Problem> {
         let Some(before) = self.state.rs274d.before.clone() else { return Ok(()) };
-        let Before { g92, modal: old } = *before;
-        if self.state.modal.unit != old.unit {
-            self.set_unit(old.unit)?;
+        if self.state.modal.unit != before.unit {
+            self.set_unit(before.unit)?;
         }
-        let g92 = g92.scaled(1.0 / old.unit.millimetres());
+        let g92 = before.g92.scaled(1.0 / before.unit.millimetres());
         if g92 != self.state.frame.g92 {
             self.keep_g92(g92);
             self.set_g92(g92)?;
         }
         let modal = &mut self.state.modal;
-        (modal.ijk_absolute, modal.diameter) = (old.ijk_absolute, old.diameter);
-        if modal.path != old.path {
-            self.set_path(old.path, old.naive_tolerance)?;
+        modal.absolute = before.absolute;
+        (modal.ijk_absolute, modal.diameter) = (before.ijk_absolute, before.diameter);
+        if modal.path != before.path {
+            self.set_path(before.path, before.naive_tolerance)?;
         }
         Ok(())
     }
