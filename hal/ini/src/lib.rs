@@ -2,7 +2,7 @@
 //!
 //! The format is LinuxCNC's: `[SECTION]` headers, `NAME = value` entries, comment lines that begin
 //! with `#` or `;`, lines continued with a backslash at their end, and `#INCLUDE FILE`, whose path
-//! is relative to the file that contains it. A line that is neither is ignored with a warning, as is a file to include
+//! is relative to the file that contains it. Any other line is ignored with a warning, as is a file to include
 //! that is not there; a text without any section is an error. Names may repeat: a look-up returns the first one,
 //! [`Ini::all`] returns all of them.
 //!

@@ -57,12 +57,6 @@ impl Reader {
     }
 
     fn add_file(&mut self, path: &Path, depth: u32) -> Result<(), Error> {
-        let text = self.text_of(path)?;
-        self.add(path, &text, depth)
-    }
-
-    /// Reads a file, within the limits of their number and size.
-    fn text_of(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
         let refused =
             |why: &str| Error::File { path: path.display().to_string().into(), why: why.into() };
         self.files += 1;
@@ -70,7 +64,8 @@ impl Reader {
             return Err(refused("it consists of more than 1000 files"));
         }
         let text = self.bytes_of(path).map_err(|e| refused(&plain(&e)))?;
-        text.ok_or_else(|| refused("it is larger than 64 MiB"))
+        let text = text.ok_or_else(|| refused("it is larger than 64 MiB"))?;
+        self.add(path, &text, depth)
     }
 
     /// Reads a file if it fits in the remaining byte limit. Returns `None` if it is larger.

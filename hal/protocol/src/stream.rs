@@ -87,8 +87,9 @@ impl Drop for Mapping {
 enum End {
     Reads(Consumer),
     Writes(Producer),
-    /// Of a ring between two programs.
-    Both(Consumer, Producer),
+    /// Of a ring between two programs. Its places are those that the ring states, because the other program may have
+    /// read and written meanwhile.
+    Both,
 }
 
 impl Stream {
@@ -96,11 +97,7 @@ impl Stream {
         let width = u32::try_from(info.types.len()).map_err(|e| e.to_string())?;
         let mapping = Mapping::new(fd, info.depth, width)?;
         let end = if info.both {
-            // SAFETY: the mapping lives as long as `Self`. Both programs may read and write: each checks the indices of
-            // the other, so that records of two writers get lost, but nothing else does.
-            let reads = unsafe { Consumer::new(mapping.ring(), info.depth, width) };
-            // SAFETY: as above.
-            End::Both(reads, unsafe { Producer::new(mapping.ring(), info.depth, width) })
+            End::Both
         } else if info.out {
             // SAFETY: the mapping lives as long as `Self`; the engine admits only one program to
             // the ring.
@@ -118,22 +115,32 @@ impl Stream {
         &self.info.types
     }
 
-    /// Goes on where the other program of a ring between two has read and written last.
-    fn go_on(&mut self) {
-        let width = u32::try_from(self.info.types.len()).unwrap_or(0);
-        if let End::Both(reads, writes) = &mut self.end {
-            let (ring, depth) = (self.mapping.ring(), self.info.depth);
-            // SAFETY: as in `map`.
-            *reads = unsafe { Consumer::new(ring, depth, width) };
-            // SAFETY: as in `map`.
-            *writes = unsafe { Producer::new(ring, depth, width) };
-        }
+    fn shape(&self) -> Option<(u32, u32)> {
+        let is_both = matches!(self.end, End::Both);
+        is_both.then_some((self.info.depth, u32::try_from(self.info.types.len()).unwrap_or(0)))
+    }
+
+    /// Returns the reading side of a ring between two programs.
+    fn reader(&self) -> Option<Consumer> {
+        let (depth, width) = self.shape()?;
+        // SAFETY: the mapping lives as long as `Self`. Both programs may read and write: each checks the indices of the
+        // other, so that records of two writers get lost, but nothing else does.
+        Some(unsafe { Consumer::new(self.mapping.ring(), depth, width) })
+    }
+
+    /// Returns the writing side of a ring between two programs.
+    fn writer(&self) -> Option<Producer> {
+        let (depth, width) = self.shape()?;
+        // SAFETY: as in `reader`.
+        Some(unsafe { Producer::new(self.mapping.ring(), depth, width) })
     }
 
     /// Takes the oldest record into `out` and returns its number. Returns `None` if there is none.
     pub fn take(&mut self, out: &mut Vec<Value>) -> Option<u64> {
-        self.go_on();
-        let (End::Reads(consumer) | End::Both(consumer, _)) = &mut self.end else { return None };
+        let mut shared = self.reader();
+        let ((End::Reads(consumer), _) | (_, Some(consumer))) = (&mut self.end, &mut shared) else {
+            return None;
+        };
         out.clear();
         let types = &self.info.types;
         consumer.follow();
@@ -150,8 +157,9 @@ impl Stream {
 
     /// Appends a record. Returns false if the ring is full; nothing is then written or counted.
     pub fn put(&mut self, record: &[Value]) -> bool {
-        self.go_on();
-        let (End::Writes(producer) | End::Both(_, producer)) = &mut self.end else {
+        let mut shared = self.writer();
+        let ((End::Writes(producer), _) | (_, Some(producer))) = (&mut self.end, &mut shared)
+        else {
             return false;
         };
         producer.follow();
@@ -163,8 +171,9 @@ impl Stream {
     #[must_use]
     pub fn is_closed(&self) -> bool {
         match &self.end {
-            End::Reads(c) | End::Both(c, _) => c.lost_and_closed().1,
+            End::Reads(c) => c.lost_and_closed().1,
             End::Writes(p) => p.is_closed(),
+            End::Both => self.writer().is_none_or(|p| p.is_closed()),
         }
     }
 
@@ -179,11 +188,7 @@ impl Stream {
     pub fn waiting(&self) -> u32 {
         match &self.end {
             End::Reads(c) => c.waiting(),
-            End::Both(..) => {
-                let width = u32::try_from(self.info.types.len()).unwrap_or(0);
-                // SAFETY: as in `map`.
-                unsafe { Consumer::new(self.mapping.ring(), self.info.depth, width) }.waiting()
-            }
+            End::Both => self.reader().map_or(0, |c| c.waiting()),
             End::Writes(p) => p.waiting(),
         }
     }

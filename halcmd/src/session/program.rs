@@ -58,13 +58,13 @@ impl Session<'_> {
     /// Runs haltcl on this process's standard input, until it ends.
     pub(crate) fn tcl_prompt(&mut self) -> Outcome {
         self.style.reads_input = false;
-        let before = self.programs.len();
-        let launched = self.launch(&Launch { program: "haltcl".to_owned(), ..Launch::default() });
-        let ended =
-            launched.and_then(|()| match self.programs.get(before..).and_then(<[_]>::last) {
-                Some(child) => self.await_program(child.id(), None),
-                None => Ok(()),
-            });
+        let haltcl = Launch {
+            program: "haltcl".to_owned(),
+            until_end: true,
+            ignore_status: true,
+            ..Launch::default()
+        };
+        let ended = self.launch(&haltcl);
         self.outcome_of(ended)
     }
 

@@ -1,7 +1,7 @@
 //! Streams: the rings of `sampler` and `streamer`, and those between two programs.
 
 use crate::{component::Join, connection::locked, value};
-use hal_protocol::{Client, Place, Type};
+use hal_protocol::{Client, Code, Place, Type};
 use pyo3::{
     exceptions::{PyOSError, PyTypeError, PyValueError},
     prelude::*,
@@ -58,16 +58,12 @@ const fn letter(ty: Type) -> u8 {
 
 /// Returns the types of a stream's configuration.
 fn types_of(letters: &str) -> PyResult<Vec<Type>> {
-    let ty = |letter: char| match letter.to_ascii_lowercase() {
-        'b' => Ok(Type::Bit),
-        'f' => Ok(Type::Float),
-        's' => Ok(Type::S32),
-        'u' => Ok(Type::U32),
-        'l' => Ok(Type::S64),
-        'k' => Ok(Type::U64),
-        other => {
-            Err(invalid(format!("stream: unknown type '{other}', must be B, F, S, U, L or K")))
-        }
+    let all = [Type::Bit, Type::Float, Type::S32, Type::U32, Type::S64, Type::U64];
+    let ty = |other: char| {
+        let ty = all.into_iter().find(|ty| char::from(letter(*ty)) == other.to_ascii_lowercase());
+        ty.ok_or_else(|| {
+            invalid(format!("stream: unknown type '{other}', must be B, F, S, U, L or K"))
+        })
     };
     letters.chars().map(ty).collect()
 }
@@ -118,10 +114,11 @@ impl Stream {
                     Some((depth, types)) => client.new_stream(&name, depth, types)?,
                     // LinuxCNC's words where nobody has made a ring of this key.
                     None => client.attach(&name, None).map_err(|e| {
-                        match name.starts_with("stream.") {
-                            true => hal_protocol::Failure::new(-22, "Invalid argument".to_owned()),
-                            false => e,
+                        let is_none = e.finding == Some(Code::NoSuchName);
+                        if is_none && name.starts_with("stream.") {
+                            return hal_protocol::Failure::new(-22, "Invalid argument");
                         }
+                        e
                     })?,
                 };
                 Ok((client, stream))

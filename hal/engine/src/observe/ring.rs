@@ -64,6 +64,11 @@ unsafe impl Send for Memory {}
 unsafe impl Sync for Memory {}
 
 impl Memory {
+    /// Creates an empty ring whose records have values of these types.
+    pub(crate) fn of_types(depth: u32, types: &[Type]) -> Result<Self, String> {
+        Self::new(depth, width(types), codes(types))
+    }
+
     /// Creates an empty ring of this shape.
     pub(crate) fn new(depth: u32, width: u32, types: [u8; 24]) -> Result<Self, String> {
         let sealed = Sealed::new("hal-stream", Ring::bytes(depth, width), SealFlags::empty())
@@ -89,6 +94,18 @@ impl Memory {
         // SAFETY: mapped as long as this value lives.
         unsafe { &*self.ring }
     }
+}
+
+/// Returns the number of values of a record.
+fn width(types: &[Type]) -> u32 {
+    u32::try_from(types.len()).unwrap_or(0)
+}
+
+/// Returns the types as a ring states them.
+fn codes(types: &[Type]) -> [u8; 24] {
+    let mut codes = [0; 24];
+    codes.iter_mut().zip(types).for_each(|(code, ty)| *code = ty.code());
+    codes
 }
 
 /// A shared ring.
@@ -128,7 +145,7 @@ impl SharedRing {
         let types: Option<Vec<Type>> =
             spec.types.iter().take(width).map(|t| Type::from_code(*t)).collect();
         let types = types.ok_or("a stream has a value of no known type")?;
-        let memory = Memory::new(spec.depth, spec.width, spec.types)?;
+        let memory = Memory::of_types(spec.depth, &types)?;
         let (attached, enough, depth) = (None, None, spec.depth);
         let hold = Some(Hold::NONE);
         Ok(Self { owner, out, attached, pid: 0, enough, hold, types, depth, memory })
@@ -136,8 +153,7 @@ impl SharedRing {
 
     /// Returns the reference that the component receives.
     pub(crate) fn made(&self) -> StreamRef {
-        let width = u32::try_from(self.types.len()).unwrap_or(0);
-        StreamRef { ring: self.memory.ring, depth: self.depth, width }
+        StreamRef { ring: self.memory.ring, depth: self.depth, width: width(&self.types) }
     }
 
     /// Returns the description for programs.
@@ -152,12 +168,6 @@ impl SharedRing {
         }
     }
 
-    fn codes(&self) -> [u8; 24] {
-        let mut codes = [0; 24];
-        codes.iter_mut().zip(&self.types).for_each(|(code, ty)| *code = ty.code());
-        codes
-    }
-
     fn ring(&self) -> &Ring {
         self.memory.ring()
     }
@@ -165,7 +175,7 @@ impl SharedRing {
     /// Attaches a client that wants `count` records. The constant part of the ring is written
     /// again, because the previous client may have overwritten it.
     pub(crate) fn attach(&mut self, client: u64, pid: i32, count: Option<u64>) {
-        let head = Ring::new(self.depth, self.made().width, self.codes());
+        let head = Ring::new(self.depth, width(&self.types), codes(&self.types));
         let (from, to) = ((&raw const head).cast::<u8>(), self.memory.ring.cast::<u8>());
         // SAFETY: the beginning of the mapping, where this side keeps nothing that it relies on.
         unsafe { from.copy_to_nonoverlapping(to, core::mem::offset_of!(Ring, lost)) };

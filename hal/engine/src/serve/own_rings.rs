@@ -40,19 +40,17 @@ impl OwnRings {
             return Err(Error::StreamTaken { name: name.as_str().into() });
         }
         let others = self.rings.iter().filter(|(n, ring)| ring.owner == client && **n != name);
-        let is_odd = depth == 0 || depth > MAX_DEPTH || types.is_empty() || types.len() > MAX_WIDTH;
-        if is_odd || types.contains(&Type::Port) || others.count() >= MAX_RINGS {
+        let is_malformed =
+            depth == 0 || depth > MAX_DEPTH || types.is_empty() || types.len() > MAX_WIDTH;
+        if is_malformed || types.contains(&Type::Port) || others.count() >= MAX_RINGS {
             let why = format!(
                 "a ring has 1 to {MAX_DEPTH} slots and 1 to {MAX_WIDTH} values, none of them a port; a program makes at \
                  most {MAX_RINGS}"
             );
             return Err(Error::Protocol { why: why.into() });
         }
-        let mut codes = [0; 24];
-        codes.iter_mut().zip(&types).for_each(|(code, ty)| *code = ty.code());
-        let width = u32::try_from(types.len()).unwrap_or(0);
         let memory =
-            Memory::new(depth, width, codes).map_err(|why| Error::Protocol { why: why.into() })?;
+            Memory::of_types(depth, &types).map_err(|why| Error::Protocol { why: why.into() })?;
         let info = StreamInfo {
             name: name.as_str().to_owned(),
             out: true,

@@ -305,7 +305,10 @@ fn attach(
     name: &str,
     count: Option<u64>,
 ) -> Result<Reply, Error> {
-    if let Some(own) = engine.clients.own_rings.attach(c.id, name) {
+    // A component's ring comes first: a program may have made one of its name before the component was loaded.
+    if engine.model.ring_mut(name).is_none()
+        && let Some(own) = engine.clients.own_rings.attach(c.id, name)
+    {
         let (info, fd) = own?;
         c.fd = Some(fd);
         return Ok(Reply::Stream(info));

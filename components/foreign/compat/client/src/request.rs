@@ -47,13 +47,15 @@ impl Handle {
     /// Sets what `value` reads: a pin or parameter, or the signal of this name where there is none.
     fn set(&mut self, name: &str, value: &str) -> Result<(), Failure> {
         let (name, value) = (name.to_owned(), value.to_owned());
-        let request = match self.client.call(Request::Get { name: name.clone() }) {
-            Err(_) if self.client.call(Request::GetSignal { name: name.clone() }).is_ok() => {
-                Request::SetSignal { name, value }
-            }
-            _ => Request::Set { name, value },
-        };
-        self.client.call(request).map(|_| ())
+        let set = Request::Set { name: name.clone(), value: value.clone() };
+        let Err(why) = self.client.call(set) else { return Ok(()) };
+        // A value that a pin refuses is not for a signal of the same name.
+        let is_item = self.client.call(Request::Get { name: name.clone() }).is_ok();
+        let is_signal = self.client.call(Request::GetSignal { name: name.clone() }).is_ok();
+        match is_signal && !is_item {
+            true => self.client.call(Request::SetSignal { name, value }).map(drop),
+            false => Err(why),
+        }
     }
 
     /// Keeps the reason of a text that is null or not UTF-8, and returns its number.
