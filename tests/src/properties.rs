@@ -14,6 +14,7 @@ use crate::{
     foreign::Bench,
     machine::{get, says, script, status, thread},
     random::Random,
+    random::text_argument,
 };
 use bounds::Limits;
 use case::Case;
@@ -262,12 +263,10 @@ impl Lifetime<'_> {
             return None;
         }
         let value = match &*a.ty {
-            // A file of this name would be written where the test runs.
-            _ if a.name == "file" => "/dev/null/none".to_owned(),
             "float" => format!("{}", r.unit() * 100.0),
             "int" | "ints" => r.below(4).to_string(),
             "bit" => r.below(2).to_string(),
-            _ => r.one(&["x", "y", "all", "0", "free", "teleop", "coord"]).to_owned(),
+            _ => text_argument(&a.name, r).to_owned(),
         };
         Some(format!("{}={value}", a.name))
     }

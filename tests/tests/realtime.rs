@@ -14,7 +14,7 @@ use hal_tests::{
     machine::{bit, cycles, says, script, status, thread, wait},
     plugins::{interpose, plugins},
     programs::programs,
-    random::Random,
+    random::{Random, text_argument},
 };
 use std::{path::Path, process::Command};
 
@@ -134,12 +134,10 @@ fn poke(e: &mut Engine, random: &mut Random, items: &[ItemInfo], commands: &[Com
     for c in commands {
         let mut arg = |a: &ArgInfo| {
             let value = match a.ty.as_str() {
-                // A file of this name would be written where the test runs.
-                _ if a.name == "file" => "/dev/null/none".to_owned(),
                 "float" => value(random, Type::Float),
                 "int" | "ints" => (random.word() % 4).to_string(),
                 "bit" => value(random, Type::Bit),
-                _ => random.one(&["x", "y", "all", "0", "free", "teleop", "coord"]).to_owned(),
+                _ => text_argument(&a.name, random).to_owned(),
             };
             format!("{}={value}", a.name)
         };

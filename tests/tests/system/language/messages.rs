@@ -7,13 +7,13 @@ use std::{collections::BTreeMap, fmt::Write, fs};
 
 /// Messages that no script produces, and the tests that produce them instead.
 const ELSEWHERE: &[(&str, &str)] = &[
-    ("* is not supported", "HOMEMOD and TPMOD in an INI file"),
-    ("Ferrule's package for Tcl is not in '*'", "a folder of programs without the folder tcl"),
-    ("Tcl files need tclsh, which is not installed", "a computer without tclsh"),
-    ("a signal ended tclsh", "a tclsh that a signal ends"),
+    ("* is not supported", "halcmd/src/programs/halrun/refused.rs"),
+    ("Ferrule's package for Tcl is not in '*'", TCL),
+    ("Tcl files need tclsh, which is not installed", TCL),
+    ("a signal ended tclsh", "tests/tcl/errors/expected"),
     ("loadrt *: '*' cannot be joined with '*' of *", "tests/tcl/refused/expected"),
     ("the file ended itself with status *", "tests/tcl/errors/expected"),
-    ("this machine has no task, which runs programs", "halrun --run on a machine without a task"),
+    ("this machine has no task, which runs programs", REFUSALS),
     ("Use 'help <command>' for more details about each command", "halcmd/src/manual/help.rs"),
     ("Waiting for component '*' to become ready.", "halcmd/src/session.rs"),
     ("*: built for major version * of the plugin contract, this engine has *", FAULTS),
@@ -67,6 +67,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("* are loaded already, by component '*'", "two components offer the same service"),
     ("the engine's answer does not match the request", "never, or it is a defect"),
 ];
+const TCL: &str = "tests/tests/system/language/tcl.rs";
 const WORKERS: &str = "hal/engine/tests/workers.rs";
 const SAMPLES: &str = "tests/tests/system/engine/samples.rs";
 const FAULTS: &str = "tests/tests/system/faults/libraries.rs";

@@ -17,6 +17,18 @@ fn an_instance_runs_once() {
 }
 
 #[test]
+fn a_program_needs_a_machine_with_a_task() {
+    let scratch = Scratch::new("no-task");
+    scratch.write("m.hal", "loadrt threads\n");
+    scratch.write("m.ini", "[HAL]\nHALFILE = m.hal\n");
+    scratch.write("p.ngc", "M2\n");
+    let run = scratch.halrun(&["--virtual", "--run", "p.ngc", "m.ini"]);
+    let says = "this machine has no task, which runs programs";
+    assert!(run.stderr.contains(says), "{run:?}");
+    assert_eq!(run.status, Some(1));
+}
+
+#[test]
 fn a_ticket_that_was_never_given_is_unknown() {
     let mut m = Machine::new(ClockKind::Virtual);
     let none = m.call(Request::Ticket { id: 7, wait: true }).unwrap_err();

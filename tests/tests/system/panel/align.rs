@@ -30,15 +30,15 @@ for (let i = 0; i < d.length; i += 4) { \
 return found";
 
 /// Returns what the component tells.
-fn told(stand: &Fixture) -> Value {
-    serde_json::from_str(&stand.printer.halcmd("align.status json=TRUE")).unwrap()
+fn told(fixture: &Fixture) -> Value {
+    serde_json::from_str(&fixture.printer.halcmd("align.status json=TRUE")).unwrap()
 }
 
 #[test]
 fn marks_are_found_measured_and_a_program_is_laid_on_them() {
-    let Some(stand) = Fixture::of("fiducial", DESKTOP) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::of("fiducial", DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
     b.run("document.querySelector('[data-page=align]').click()");
     b.until("document.querySelectorAll('#marks-table tbody tr').length === 4");
     b.until("document.querySelector('canvas.camera').dataset.number");
@@ -46,18 +46,18 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
     // Each mark is approached by a button that is held, centred by its picture, and measured.
     for mark in 1..=4 {
         let row = format!("#marks-table tr[data-mark=\"{mark}\"]");
-        let is_standing = || stand.printer.halcmd("getp motion.in-position").trim() == "TRUE";
-        let aim = told(&stand)["marks"][mark - 1]["aim"][0].as_f64().unwrap();
+        let is_standing = || fixture.printer.halcmd("getp motion.in-position").trim() == "TRUE";
+        let aim = told(&fixture)["marks"][mark - 1]["aim"][0].as_f64().unwrap();
         let goes = format!(
             "Math.abs(Number(document.querySelector('#camera-state').textContent.match(/X (\\S+)/)[1]) - {aim:.3}) < 0.01"
         );
-        stand.hold(&format!("{row} button.hold"), &goes);
+        fixture.hold(&format!("{row} button.hold"), &goes);
         until("the machine stands", is_standing);
         b.run(NEXT);
         b.until(NEW);
         b.until("document.querySelector('canvas.camera').dataset.marks !== '0'");
         if mark == 1 {
-            stand.picture("align-found");
+            fixture.picture("align-found");
         }
         b.click(&format!("{row} button:not(.hold)"));
         b.until(&format!("document.querySelectorAll('{row} td')[1].textContent !== '—'"));
@@ -76,7 +76,7 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
     b.until("document.querySelectorAll('#marks-fit tr').length === 7");
     let fit = b.text("#marks-fit");
     assert!(fit.contains("affine") && fit.contains("cannot hold it"), "{fit}");
-    let told = told(&stand);
+    let told = told(&fixture);
     for (name, wanted, within) in [
         ("theta", 10.0, 0.005),
         ("sx", 1.2, 1e-4),
@@ -97,7 +97,7 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
 
     // The program's path lies over the picture, on the printed outline: at the corner where it begins.
     let part = fs::read_to_string(root().join("configs/fiducial/part.ngc")).unwrap();
-    stand.printer.scratch.write("programs/part.ngc", part);
+    fixture.printer.scratch.write("programs/part.ngc", part);
     b.run("[...document.querySelectorAll('#programs button')].at(-1).click()");
     b.until(
         "[...document.querySelectorAll('.files .plain')].some((f) => f.textContent === 'part.ngc')",
@@ -110,13 +110,13 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
         (m[0] * x + m[1] * y + m[4] + 35.2, m[2] * x + m[3] * y + m[5] - 12.4)
     };
     let (x, y) = place(30.0, 30.0);
-    stand.printer.halcmd("task.mode mode=mdi --wait");
-    stand.printer.halcmd(&format!("task.mdi text=G53G0X{x:.4}Y{y:.4} --wait"));
+    fixture.printer.halcmd("task.mode mode=mdi --wait");
+    fixture.printer.halcmd(&format!("task.mdi text=G53G0X{x:.4}Y{y:.4} --wait"));
     b.until(&format!("document.querySelector('#camera-state').textContent.includes('X {x:.3}')"));
     b.until("document.querySelector('.listing li')");
     b.run(NEXT);
     b.until(NEW);
-    stand.picture("align-path");
+    fixture.picture("align-path");
     let dots = b.run(DOTS);
     assert!(dots["pink"].as_u64().unwrap() > 500, "the path is drawn: {dots}");
     b.run("document.querySelector('#camera-path').value = 'none'; document.querySelector('#camera-path').dispatchEvent(new Event('change'))");
@@ -129,7 +129,7 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
     // The program is rewritten, stored and opened.
     b.click("#rewrite");
     b.until("document.querySelector('.file').textContent === 'aligned-part.ngc'");
-    let text = stand.printer.scratch.read("programs/aligned-part.ngc");
+    let text = fixture.printer.scratch.read("programs/aligned-part.ngc");
     assert!(text.contains("(aligned: turn 10.0") && text.contains("source part.ngc"), "{text}");
     assert!(b.text("#rewritten").contains("arcs became lines"));
     b.run("document.querySelector('#rewrite-arcs').value = 'refuse'");
@@ -142,54 +142,38 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
     b.run("localStorage.setItem('ferrule-panel', JSON.stringify({ language: 'es', theme: 'light', page: 'align' })); location.reload()");
     b.until("document.querySelector('canvas.camera')?.dataset.number && document.querySelectorAll('#marks-fit tr').length === 7");
     assert_eq!(b.text("#camera-title").to_uppercase(), "CÁMARA");
-    stand.picture("align-es-light");
+    fixture.picture("align-es-light");
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 
 #[test]
-#[ignore = "on the screen of a phone it waits for ever in its first step, and the cause is not known yet: cargo test -p hal-tests --test system panel::align::the_keyboard -- --ignored"]
 fn the_keyboard_alone_measures_a_mark_and_a_phone_shows_all() {
-    let Some(stand) = Fixture::of("fiducial", PHONE) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::of("fiducial", PHONE) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
     b.run("document.querySelector('[data-page=align]').click()");
     b.until("document.querySelector('canvas.camera').dataset.number");
     let wide = "return document.documentElement.scrollWidth - document.documentElement.clientWidth";
     assert_eq!(b.run(wide), 0, "the page is wider than the screen");
-    stand.printer.halcmd("setp align.mark 1");
-    let (tab, space) = ("\u{e004}", " ");
-    let reach = |selector: &str| {
-        b.until(&format!("!document.querySelector('{selector}').disabled"));
-        for _ in 0..200 {
-            let is_there =
-                format!("return document.activeElement === document.querySelector('{selector}')");
-            if b.run(&is_there) == true {
-                return;
-            }
-            b.key(tab, true);
-            b.key(tab, false);
-        }
-        panic!("Tab does not reach {selector}");
-    };
+    let space = " ";
+    let reach = |selector: &str| fixture.reach(selector);
     let row = "#marks-table tr[data-mark=\"1\"]";
     reach(&format!("{row} button.hold"));
     b.key(space, true);
     b.until("document.querySelector('canvas.camera').dataset.marks === '1'");
     b.key(space, false);
-    until("the machine stands", || {
-        stand.printer.halcmd("getp motion.in-position").trim() == "TRUE"
-    });
+    fixture.rests();
     reach(&format!("{row} button:not(.hold)"));
     b.key(space, true);
     b.key(space, false);
     b.until(&format!("document.querySelectorAll('{row} td')[1].textContent !== '—'"));
     b.run("document.querySelector('#camera').scrollIntoView()");
-    stand.picture("align-phone");
+    fixture.picture("align-phone");
     // Dark, and a camera that takes no picture: the page tells it.
-    stand.printer.halcmd("setp align.sim.stall TRUE");
+    fixture.printer.halcmd("setp align.sim.stall TRUE");
     b.until("document.querySelector('#camera-state').textContent.includes('takes no picture')");
-    stand.printer.halcmd("setp align.sim.stall FALSE");
-    stand.printer.halcmd("setp align.sim.light 0");
+    fixture.printer.halcmd("setp align.sim.stall FALSE");
+    fixture.printer.halcmd("setp align.sim.light 0");
     b.until("document.querySelector('#camera-state').textContent.includes('there is no mark')");
     assert_eq!(b.errors(), Vec::<String>::new());
 }

@@ -21,22 +21,41 @@ pub(super) struct Fixture {
 impl Fixture {
     /// Starts the printer and its panel, and opens the page. `None` where there is no browser.
     pub(super) fn start(screen: Screen) -> Option<Self> {
-        // First, because without it nothing else is of use.
-        Browser::is_there().then_some(())?;
-        Some(Self::show(Printer::start("integrator"), screen))
+        Self::of("printer", screen)
     }
 
     /// Starts another machine of `configs` and its panel, and opens the page. `None` where there is no browser.
     pub(super) fn of(machine: &str, screen: Screen) -> Option<Self> {
+        // First, because without it nothing else is of use.
         Browser::is_there().then_some(())?;
-        Some(Self::show(Printer::of(machine, "integrator"), screen))
-    }
-
-    fn show(printer: Printer, screen: Screen) -> Self {
+        let printer = Printer::of(machine, "integrator");
         let browser = Browser::open(&printer.scratch, screen);
         browser.go(&printer.address());
         browser.until("document.querySelector('#machine-state')?.textContent");
-        Self { browser, printer }
+        Some(Self { browser, printer })
+    }
+
+    /// Waits until motion is at its end.
+    pub(super) fn rests(&self) {
+        until("the machine stands", || {
+            self.printer.halcmd("getp motion.in-position").trim() == "TRUE"
+        });
+    }
+
+    /// Presses Tab until an element has the focus.
+    pub(super) fn reach(&self, selector: &str) {
+        let (b, tab) = (&self.browser, "\u{e004}");
+        b.until(&format!("!document.querySelector('{selector}').disabled"));
+        let is_there =
+            format!("return document.activeElement === document.querySelector('{selector}')");
+        for _ in 0..200 {
+            if b.run(&is_there) == true {
+                return;
+            }
+            b.key(tab, true);
+            b.key(tab, false);
+        }
+        panic!("Tab does not reach {selector}");
     }
 
     /// Takes control, leaves e-stop, switches on and homes, all in the page.

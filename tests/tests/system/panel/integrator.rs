@@ -41,9 +41,9 @@ fn a_pin_is_watched_and_set() {
 
 #[test]
 fn the_order_of_functions_and_the_flight_recorder_are_shown() {
-    let Some(stand) = Fixture::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    stand.ready();
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
     b.run("document.querySelector('[data-page=integrate]').click()");
     b.until("document.querySelector('#order')");
     b.run("document.querySelector('#order').scrollIntoView()");
@@ -56,10 +56,10 @@ fn the_order_of_functions_and_the_flight_recorder_are_shown() {
          stepgen.capture-position motion-command-handler remote motion-controller stepgen.update-freq"
     );
     b.until("document.querySelector('#order').textContent.includes('motion-controller → viagpio.write 100 µs')");
-    stand.picture("order");
+    fixture.picture("order");
     // An e-stop is an event that the flight recorder keeps.
-    stand.printer.halcmd("flight on size=1M");
-    stand.printer.halcmd("task.estop");
+    fixture.printer.halcmd("flight on size=1M");
+    fixture.printer.halcmd("task.estop");
     b.run("document.querySelector('#flight').scrollIntoView()");
     // The card may have been seen, and have asked, before the recorder was on.
     b.until(
@@ -68,7 +68,7 @@ fn the_order_of_functions_and_the_flight_recorder_are_shown() {
     );
     assert_eq!(b.run("return document.querySelectorAll('#flight td').length"), 4);
     assert_ne!(b.text("#flight td"), "0");
-    stand.picture("flight");
+    fixture.picture("flight");
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 

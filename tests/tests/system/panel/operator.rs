@@ -62,9 +62,7 @@ fn a_desk_runs_a_job() {
     fixture.jog(".jog-X-plus", 0, 2.0);
     fixture.picture("job-jog");
     fixture.end_jog(".jog-X-plus");
-    until("the jog has ended", || {
-        fixture.printer.halcmd("getp motion.in-position").trim() == "TRUE"
-    });
+    fixture.rests();
 
     open(&fixture, "part.ngc", PART);
     fixture.picture("job-path");
@@ -142,13 +140,13 @@ fn a_start_in_the_middle_is_shown_and_confirmed() {
 
 #[test]
 fn a_program_is_written_and_edited_in_the_page() {
-    let Some(stand) = Fixture::start(DESKTOP) else { return };
-    let b = &stand.browser;
-    let file = || stand.printer.scratch.read("programs/own.ngc");
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    let file = || fixture.printer.scratch.read("programs/own.ngc");
     b.click("#program-new");
     b.fill("#editor-name", "own.ngc");
     b.fill("#editor-text", "G21 G90\nG1 X5 F600\nM2\n");
-    stand.picture("editor");
+    fixture.picture("editor");
     b.click("#editor-save");
     b.until("!document.querySelector('dialog') && document.querySelector('.files .edit')");
     assert_eq!(file(), "G21 G90\nG1 X5 F600\nM2\n");
@@ -162,7 +160,7 @@ fn a_program_is_written_and_edited_in_the_page() {
     b.until("!document.querySelector('dialog')");
     assert_eq!(file(), "G21 G90\nG1 X5 F600\nM2\n");
     // A wrong name is refused in words; ends of lines stay.
-    stand.printer.scratch.write("programs/own.ngc", "G21\r\nM2\r\n");
+    fixture.printer.scratch.write("programs/own.ngc", "G21\r\nM2\r\n");
     b.click(".files .edit");
     b.until("document.querySelector('#editor-text')?.value === 'G21\\nM2\\n'");
     b.run("document.querySelector('#editor-name').value = '../own'");
@@ -215,22 +213,9 @@ fn offsets_are_in_units_of_the_page_whatever_those_of_the_program() {
 fn the_keyboard_alone_runs_a_job() {
     let Some(fixture) = Fixture::start(DESKTOP) else { return };
     let b = &fixture.browser;
-    let (tab, space) = ("\u{e004}", " ");
-    // Tab reaches an element; space is then held.
-    let reach = |selector: &str| {
-        b.until(&format!("!document.querySelector('{selector}').disabled"));
-        for _ in 0..200 {
-            if b.run(&format!(
-                "return document.activeElement === document.querySelector('{selector}')"
-            )) == true
-            {
-                return;
-            }
-            b.key(tab, true);
-            b.key(tab, false);
-        }
-        panic!("Tab does not reach {selector}");
-    };
+    let space = " ";
+    let reach = |selector: &str| fixture.reach(selector);
+    // Space is held on an element that Tab reaches.
     let hold = |selector: &str, done: &str| {
         reach(selector);
         b.key(space, true);
@@ -258,9 +243,7 @@ fn the_keyboard_alone_runs_a_job() {
         b.key("\u{e014}", false);
         has_moved
     });
-    until("the jog has ended", || {
-        fixture.printer.halcmd("getp motion.in-position").trim() == "TRUE"
-    });
+    fixture.rests();
     b.key("\u{e00c}", true);
     b.key("\u{e00c}", false);
     b.until("!document.body.classList.contains('keys-jog')");
@@ -309,9 +292,7 @@ fn a_jog_ends_with_what_held_it() {
             ended == false
         });
         b.until("window.sent.includes('jog-stop')");
-        until("the machine rests", || {
-            fixture.printer.halcmd("getp motion.in-position").trim() == "TRUE"
-        });
+        fixture.rests();
         let x = fixture.printer.number("getp joint.0.pos-cmd");
         // What still holds the button begins nothing again.
         b.release();

@@ -32,7 +32,7 @@ pub(super) struct Session {
 impl Printer {
     /// Starts the printer, and a panel whose sessions have this role.
     pub(super) fn start(role: &str) -> Self {
-        Self::with(role, &["--simulate"], "")
+        Self::of("printer", role)
     }
 
     /// Starts another machine of `configs` on the real clock, and a panel whose sessions have this role.
