@@ -139,6 +139,8 @@ fn item(
 /// type.
 fn bits(t: &syn::Type, value: &Expr) -> TokenStream {
     let inner = match t {
+        // A type that another macro has passed on.
+        syn::Type::Group(group) => return bits(&group.elem, value),
         syn::Type::Path(p) => p.path.segments.last().and_then(|s| match &s.arguments {
             syn::PathArguments::AngleBracketed(a) => a.args.first().map(|a| quote!(#a).to_string()),
             _ => None,
