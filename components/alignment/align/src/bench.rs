@@ -60,7 +60,7 @@ pub(crate) struct Bench {
     pub(crate) sights: Vec<Sight>,
     /// Number of pictures that were drawn, as a seed of their noise.
     drawn: u64,
-    /// Place of the part as far as the marks so far tell, once it was needed.
+    /// Place of the part by the marks so far, since it was first needed.
     guessed: Option<Transform>,
     /// Text of the last failure.
     pub(crate) problem: String,
@@ -312,8 +312,8 @@ impl Bench {
         }
     }
 
-    /// Fills in what all marks tell together; `mark` is the selected one.
-    pub(crate) fn tell(&mut self, mark: u32, results: &mut Results) {
+    /// Fills in the results that follow from all marks; `mark` is the selected one.
+    pub(crate) fn report(&mut self, mark: u32, results: &mut Results) {
         let marks = self.marks();
         results.marks = i32::try_from(marks.len()).unwrap_or(i32::MAX);
         let index = usize::try_from(mark).ok().and_then(|n| n.checked_sub(1));
@@ -348,8 +348,8 @@ impl Bench {
         Some(expected.unwrap_or_else(|| guess.apply(*file)))
     }
 
-    /// Returns the place of the part as far as the marks so far tell. A fit of many marks takes too long for every period and
-    /// for every request: one serves until the marks change.
+    /// Returns the place of the part by the marks so far. A fit of many marks takes too long for every period and for every
+    /// request: one serves until the marks change.
     pub(crate) fn guess(&mut self, marks: &[Mark]) -> Transform {
         let guess = self.guessed.unwrap_or_else(|| self.fit_guess(marks));
         self.guessed = Some(guess);

@@ -94,7 +94,7 @@ fn a_mark_is_measured_on_the_simulated_table() {
     assert!((results.x - 10.0).abs() < 1e-3 && (results.y - 20.0).abs() < 1e-3, "{results:?}");
     assert!((results.dx - 0.2).abs() < 1e-3 && (results.dy + 0.4).abs() < 1e-3, "{results:?}");
     bench.solve().unwrap();
-    bench.tell(1, &mut results);
+    bench.report(1, &mut results);
     assert!(results.valid && results.live && results.marks == 1);
     assert!((results.aim_x - 45.2).abs() < 1e-3 && (results.aim_y - 7.6).abs() < 1e-3);
     // A dark table, a stalled camera, a wrong place.
@@ -256,7 +256,7 @@ fn the_guess_follows_the_marks() {
     bench.open(&folder.write("job.ini", job)).unwrap();
     let aim = |bench: &mut Bench| {
         let mut results = Results::default();
-        bench.tell(2, &mut results);
+        bench.report(2, &mut results);
         let aim = (results.aim_x, results.aim_y);
         assert_eq!(bench.json()["marks"][1]["aim"], serde_json::json!([aim.0, aim.1]));
         aim

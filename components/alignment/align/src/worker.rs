@@ -166,7 +166,7 @@ impl Work for Worker {
             }
         }
         let mark = self.shared.mark.load(Relaxed);
-        lock(&self.bench).tell(mark, &mut self.last);
+        lock(&self.bench).report(mark, &mut self.last);
         self.results.set(&self.last);
         if self.view.take_turn(self.clock.now_ns()) {
             done = 1;

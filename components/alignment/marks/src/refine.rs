@@ -1,6 +1,6 @@
 //! Centre of a mark by its edge: maximum likelihood with white noise.
 //!
-//! The centroid weighs all pixels of the band around the edge alike, although those far from the edge tell nothing. Here
+//! The centroid weighs all pixels of the band around the edge alike, although those far from the edge carry no information. Here
 //! each weighs as much as its brightness depends on the centre: least squares of the profile of a blurred edge, which
 //! is the estimator that reaches the bound of Cramér and Rao (README).
 

@@ -160,7 +160,7 @@ fn an_image_that_is_presented_stays_and_another_goes() {
     ];
     for (shown, read_only, wanted) in [
         ("", "0\n", "1\n"),
-        // A blank tells that nobody wrote it.
+        // The blank stays if nobody writes the file.
         ("jobs/a.img", "1 \n", "1 \n"),
         ("jobs/b.img", "1 \n", "1 \n"),
     ] {
