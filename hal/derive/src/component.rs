@@ -1,6 +1,6 @@
 //! The derive macros `Component` and `Touch`.
 
-use crate::field::{Hal, doc, fields, is_state};
+use crate::field::{Hal, doc, fields, is_state, span};
 use proc_macro2::TokenStream;
 use quote::{quote, quote_spanned};
 use syn::{DeriveInput, Expr, spanned::Spanned};
@@ -17,6 +17,9 @@ pub(crate) fn component(ast: &DeriveInput) -> syn::Result<TokenStream> {
         ));
     }
     let (mut inits, mut items) = (Vec::new(), Vec::new());
+    // The argument of `create`, also where another macro has written the type of a field. The other names keep the span of
+    // the type, so that errors show it alone.
+    let b = quote!(b);
     for f in fields(ast)? {
         let Some(id) = &f.ident else { continue };
         let field = Hal::read(&f.attrs)?;
@@ -49,7 +52,7 @@ pub(crate) fn component(ast: &DeriveInput) -> syn::Result<TokenStream> {
                 for i in 0..n {
                     let name = ::std::format!("{}{:0w$}{}", #before, i, #after, w = #width);
                     let decl = ::hal_component::Decl::new(&name, #about)#safety;
-                    list.push(::hal_component::Field::make(b, decl, #value)?);
+                    list.push(::hal_component::Field::make(#b, decl, #value)?);
                 }
                 list
             }});
@@ -57,7 +60,7 @@ pub(crate) fn component(ast: &DeriveInput) -> syn::Result<TokenStream> {
         }
         inits.push(quote_spanned! {t.span()=>
             #id: <#t as ::hal_component::Field>::make(
-                b, ::hal_component::Decl::new(#pin, #about)#safety, #value)?
+                #b, ::hal_component::Decl::new(#pin, #about)#safety, #value)?
         });
         items.push(item(t, &pin, &about, field.default.as_ref(), field.safety));
     }
@@ -136,6 +139,8 @@ fn item(
 /// type.
 fn bits(t: &syn::Type, value: &Expr) -> TokenStream {
     let inner = match t {
+        // A type that another macro has passed on.
+        syn::Type::Group(group) => return bits(&group.elem, value),
         syn::Type::Path(p) => p.path.segments.last().and_then(|s| match &s.arguments {
             syn::PathArguments::AngleBracketed(a) => a.args.first().map(|a| quote!(#a).to_string()),
             _ => None,
@@ -160,7 +165,7 @@ pub(crate) fn touch(ast: &DeriveInput) -> syn::Result<TokenStream> {
     for f in fields(ast)? {
         if let (Some(id), false) = (&f.ident, is_state(f)) {
             let t = &f.ty;
-            each.push(quote_spanned!(t.span()=>
+            each.push(quote_spanned!(span(t)=>
                 <#t as ::hal_component::Touch>::touch(&self.#id, uses);));
         }
     }

@@ -1,6 +1,9 @@
 //! Fields of a struct and their attributes.
 
-use syn::{Attribute, Data, DeriveInput, Expr, Field, Fields, Lit, LitStr, Meta};
+use proc_macro2::Span;
+use syn::{
+    Attribute, Data, DeriveInput, Expr, Field, Fields, Lit, LitStr, Meta, Type, spanned::Spanned,
+};
 
 /// Contents of `#[hal(…)]`.
 #[derive(Default)]
@@ -60,6 +63,12 @@ fn unnamed(ast: &DeriveInput) -> syn::Error {
 
 pub(crate) fn is_state(f: &Field) -> bool {
     f.attrs.iter().any(|a| a.path().is_ident("state"))
+}
+
+/// Returns the span of code for a field of this type: errors show the type, and names are those of the derive macro, also
+/// where another macro has written the type.
+pub(crate) fn span(t: &Type) -> Span {
+    t.span().resolved_at(Span::call_site())
 }
 
 pub(crate) fn doc(attrs: &[Attribute]) -> String {

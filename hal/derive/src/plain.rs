@@ -1,9 +1,9 @@
 //! The derive macro `Plain`.
 
-use crate::field::{doc, fields};
-use proc_macro2::{Span, TokenStream};
+use crate::field::{doc, fields, span};
+use proc_macro2::TokenStream;
 use quote::{quote, quote_spanned};
-use syn::{DeriveInput, spanned::Spanned};
+use syn::DeriveInput;
 
 pub(crate) fn plain(ast: &DeriveInput) -> syn::Result<TokenStream> {
     let ty = &ast.ident;
@@ -20,8 +20,7 @@ pub(crate) fn plain(ast: &DeriveInput) -> syn::Result<TokenStream> {
             ));
         }
         let t = &f.ty;
-        // Errors show the field's type; names are those of this macro, also where another macro has written the type.
-        let span = t.span().resolved_at(Span::call_site());
+        let span = span(t);
         let name = id.to_string();
         let name = name.trim_start_matches("r#");
         let bit = names.len();

@@ -1,5 +1,6 @@
 //! Serial lines and other character devices: a worker passes their bytes to a function, and the function's bytes to them.
 
+use crate::packed;
 use hal_component::{
     Builder, Clock, Error, Messages, Plain, Port, RingReader, RingWriter, SeqReader, SeqWriter,
     Touch, Work,
@@ -48,7 +49,7 @@ struct LatestFrame {
     /// Number of its bytes.
     len: u64,
     /// The bytes, the first one in the lowest byte.
-    bytes: [u64; 2],
+    bytes: [u64; MOST_BYTES / 8],
 }
 
 /// The function's end of a device.
@@ -92,15 +93,8 @@ impl DeviceLine {
     /// Realtime. Sends a frame of at most 16 bytes, instead of those before that have not left yet.
     pub(crate) fn write(&mut self, frame: &[u8]) {
         self.number = self.number.wrapping_add(1);
-        let mut bytes = [0; MOST_BYTES];
-        for (to, byte) in bytes.iter_mut().zip(frame) {
-            *to = *byte;
-        }
-        let word = |n: usize| {
-            bytes.iter().skip(n * 8).take(8).rev().fold(0, |w, b| w << 8 | u64::from(*b))
-        };
         let len = frame.len().min(MOST_BYTES) as u64;
-        self.to.set(&LatestFrame { number: self.number, len, bytes: [word(0), word(1)] });
+        self.to.set(&LatestFrame { number: self.number, len, bytes: packed::words(frame) });
     }
 }
 
@@ -178,8 +172,8 @@ pub(crate) fn declare(
         from: out_reader,
         number: 0,
         unsent: Vec::new(),
-        failed: None,
-        is_told: false,
+        tried: None,
+        is_reported: false,
         empty: empty.clone(),
         clock: b.clock(),
         messages: b.messages(),
@@ -207,11 +201,12 @@ struct Pump {
     /// Rest of that frame.
     #[state]
     unsent: Vec<u8>,
-    /// Machine time at which the device began to fail.
+    /// Machine time at which the device began to fail, and then of the last attempt to open it again; `None` while it works.
     #[state]
-    failed: Option<i64>,
+    tried: Option<i64>,
+    /// The failure was reported.
     #[state]
-    is_told: bool,
+    is_reported: bool,
     #[state]
     empty: Arc<AtomicI64>,
     clock: Clock,
@@ -250,7 +245,7 @@ impl Work for Pump {
                 }
                 Ok(Exchange::Full) => break,
                 Err(_) => {
-                    if let Some(file) = self.failed(now) {
+                    if let Some(file) = self.try_again(now) {
                         device = file;
                     }
                     break;
@@ -265,26 +260,27 @@ impl Work for Pump {
 impl Pump {
     /// Notes that the device works.
     fn works(&mut self) {
-        self.failed = None;
-        if std::mem::take(&mut self.is_told) {
+        self.tried = None;
+        if std::mem::take(&mut self.is_reported) {
             self.messages.warn("a device that had failed passes bytes again", &[]);
         }
     }
 
-    /// Notes a failure. After a while it is reported once, and the device is opened again if it can be.
-    fn failed(&mut self, now: i64) -> Option<File> {
-        let since = *self.failed.get_or_insert(now);
+    /// Opens a device that fails again, if it can be, a while after the failure or the last attempt. The first attempt reports
+    /// the failure.
+    fn try_again(&mut self, now: i64) -> Option<File> {
+        let since = *self.tried.get_or_insert(now);
         if now.saturating_sub(since) < FAILED_NS {
             return None;
         }
-        if !self.is_told {
-            self.is_told = true;
+        if !self.is_reported {
+            self.is_reported = true;
             self.messages.error(
                 "a device has failed, and no byte passes from or to it: it is opened again as soon as it is there",
                 &[],
             );
         }
-        self.failed = Some(now);
+        self.tried = Some(now);
         let file = open(&self.path, self.baud).ok()?;
         self.unsent.clear();
         Some(file)
@@ -321,7 +317,7 @@ impl Pump {
         let latest = self.from.get();
         if self.unsent.is_empty() && latest.number != self.number {
             self.number = latest.number;
-            let bytes = latest.bytes.iter().flat_map(|word| word.to_le_bytes());
+            let bytes = packed::bytes(&latest.bytes);
             self.unsent.extend(bytes.take(usize::try_from(latest.len).unwrap_or(0)));
         }
         if self.unsent.is_empty() {

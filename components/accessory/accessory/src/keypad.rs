@@ -52,7 +52,7 @@ FALSE at `enable` releases the virtual key and forgets what waits; the handheld'
 
 `device=PATH` is the serial line: frames are read from the handheld and written to the controller, without handshake. Neither
 passes late: keys older than three periods are dropped, and a frame that could not leave gives way to the next. A line that
-fails for a second, such as an adapter that was pulled, is told of, and opened again when it is there. On the virtual clock and
+fails for a second, such as an adapter that was pulled, is reported, and opened again when it is there. On the virtual clock and
 with `--simulate` neither the device nor the pipe is opened; the bytes come and go through the pins of type port, which
 serve in any case.
 

@@ -2,7 +2,8 @@
 
 use crate::{
     device::{self, DeviceLine, read_port},
-    readers,
+    packed,
+    readers::{self, READERS},
 };
 use hal_component::{
     Arg, Builder, Clock, Component, Error, In, Out, Period, Plain, Port, Snapshot, SnapshotReader,
@@ -21,8 +22,6 @@ const BYTES: usize = 512;
 const FINDS: u32 = 8;
 /// Largest number of values that are read from the text.
 const VALUES: u32 = 16;
-/// Number of readers of the command `lcd.read`.
-const READERS: usize = 16;
 
 /// Latest whole screen.
 #[derive(Clone, Copy, Plain)]
@@ -30,16 +29,12 @@ pub(crate) struct ScreenRecord {
     /// Number of the screen, from 1.
     number: u64,
     /// Characters, eight in each word, the first in the lowest byte.
-    text: [u64; 8],
+    text: [u64; TEXT_LEN / 8],
 }
 
 impl ScreenRecord {
     pub(crate) fn new(number: u64, text: &[u8; TEXT_LEN]) -> Self {
-        let mut words = [0; 8];
-        for (word, bytes) in words.iter_mut().zip(text.chunks_exact(8)) {
-            *word = bytes.iter().rev().fold(0, |all, byte| all << 8 | u64::from(*byte));
-        }
-        Self { number, text: words }
+        Self { number, text: packed::words(text) }
     }
 
     pub(crate) const fn number(&self) -> u64 {
@@ -48,8 +43,7 @@ impl ScreenRecord {
 
     pub(crate) fn text(&self) -> [u8; TEXT_LEN] {
         let mut text = [b' '; TEXT_LEN];
-        let bytes = self.text.iter().flat_map(|word| word.to_le_bytes());
-        for (free, byte) in text.iter_mut().zip(bytes) {
+        for (free, byte) in text.iter_mut().zip(packed::bytes(&self.text)) {
             *free = byte;
         }
         text
@@ -82,7 +76,7 @@ newer ones; the counter begins again after 99999. Readers are
 `lcd.value-0` and `lcd.value-1`, the number behind the `X` and the `Y` with which a row begins, and `lcd.has-0` and `lcd.has-1`,
 FALSE while no row has such a number; the value is then the last one.
 
-Bytes come from the pin `lcd.bus`, or from a character device (`device=PATH`), for which a kernel driver receives the bus as SPI
+Bytes come from the pin `lcd.bus`, or instead from a character device (`device=PATH`), for which a kernel driver receives the bus as SPI
 slave. On the virtual clock and with `--simulate` neither the device nor the socket is opened.
 
 # Example
@@ -214,29 +208,28 @@ fn screen(latest: &SnapshotReader<ScreenRecord>) -> Result<ScreenRecord, Error> 
 }
 
 /// Text that is looked for.
+#[derive(Touch)]
 struct FoundText {
     pin: Out<bool>,
+    #[state]
     text: String,
 }
 
-impl Touch for FoundText {
-    fn touch(&self, uses: &mut hal_component::Uses) {
-        self.pin.touch(uses);
+impl FoundText {
+    /// Realtime. Searches a text.
+    fn search(&self, text: &[u8; TEXT_LEN]) {
+        let wanted = self.text.as_bytes();
+        self.pin.set(text.windows(wanted.len()).any(|part| part == wanted));
     }
 }
 
 /// Number that is read from the text.
+#[derive(Touch)]
 struct ValueInText {
     value: Out<f64>,
     has: Out<bool>,
+    #[state]
     label: String,
-}
-
-impl Touch for ValueInText {
-    fn touch(&self, uses: &mut hal_component::Uses) {
-        self.value.touch(uses);
-        self.has.touch(uses);
-    }
 }
 
 impl ValueInText {
@@ -276,16 +269,13 @@ struct Reading {
 
 impl Update for Reading {
     fn update(&mut self, _: Period) {
-        let mut bytes = [0; BYTES];
-        let count = read_port(self.bus.get(), &mut bytes);
-        let bytes = bytes.get(..count).unwrap_or_default();
         let is_new = match &mut self.line {
-            Some(line) => {
-                let is_new = from_device(line, &mut self.decoded);
-                bytes.iter().for_each(|byte| self.decoded.take(*byte, self.clock.now_ns()));
-                is_new
+            Some(line) => from_device(line, &mut self.decoded),
+            None => {
+                let mut bytes = [0; BYTES];
+                let count = read_port(self.bus.get(), &mut bytes);
+                self.decoded.feed(bytes.get(..count).unwrap_or_default(), self.clock.now_ns())
             }
-            None => self.decoded.feed(bytes, self.clock.now_ns()),
         };
         if is_new || !self.is_begun {
             self.is_begun = true;
@@ -301,18 +291,18 @@ impl Update for Reading {
 /// in the device: a worker that is late may hold the rest of a screen.
 fn from_device(line: &mut DeviceLine, decoded: &mut Screens<St7920>) -> bool {
     let empty = line.empty_at();
-    let (mut is_new, mut is_polled) = (false, false);
+    let mut is_new = None;
     for _ in 0..BYTES {
         let Some((byte, at)) = line.take() else {
             // All bytes before that look are taken.
-            return if is_polled { is_new } else { decoded.poll(empty) };
+            return is_new.unwrap_or_else(|| decoded.poll(empty));
         };
-        if at > empty && !is_polled {
-            (is_new, is_polled) = (decoded.poll(empty), true);
+        if at > empty {
+            is_new.get_or_insert_with(|| decoded.poll(empty));
         }
         decoded.take(byte, at);
     }
-    is_new
+    is_new.unwrap_or(false)
 }
 
 impl Reading {
@@ -321,10 +311,7 @@ impl Reading {
         self.snapshot.set(&ScreenRecord::new(number, text));
         // The number of whole screens, without the blank one before them.
         self.screens.set(self.screens.get().wrapping_add(u32::from(number > 1)));
-        for FoundText { pin, text: wanted } in &self.found {
-            let has = text.windows(wanted.len()).any(|part| part == wanted.as_bytes());
-            pin.set(has);
-        }
+        self.found.iter().for_each(|found| found.search(text));
         self.values.iter().for_each(|value| value.read(text));
     }
 }

@@ -7,13 +7,14 @@
 //! | `usbjobs`, `usb_orders`, `programs_folder` | jobs on a medium with two images; its commands; a folder whose files are jobs |
 //! | `sim_nk105`, `sim_medium`, `sim_handheld` | the controller and the handheld, simulated |
 //! | `format` | arguments that describe the frames of a handheld |
-//! | `device` | serial lines and other character devices |
+//! | `device`, `packed` | serial lines and other character devices; bytes in the words of records |
 #![forbid(unsafe_code)]
 
 mod device;
 mod format;
 mod keypad;
 mod lcd_reader;
+mod packed;
 mod pipe;
 mod presses;
 mod programs_folder;

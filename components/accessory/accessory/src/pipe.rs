@@ -131,8 +131,7 @@ impl Work for PipeReader {
 impl PipeReader {
     /// Sends presses for which there is room, unless another sender has pressed STOP after them.
     fn send(&mut self) {
-        let queue = self.queue.clone();
-        let mut queue = queue.lock();
+        let mut queue = self.queue.lock();
         if queue.stop() != self.stop {
             self.stop = queue.stop();
             drop(queue);

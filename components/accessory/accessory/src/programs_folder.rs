@@ -10,7 +10,7 @@ use std::{
 /// Time between two looks, in seconds.
 const LOOK: f64 = 1.0;
 /// Largest number of files that are looked at.
-const FILES: usize = 1024;
+pub(crate) const MAX_FILES: usize = 1024;
 
 /// Length and time of change of a file.
 type Mark = (u64, Option<SystemTime>);
@@ -22,7 +22,7 @@ pub(crate) struct ProgramsFolder {
     there: BTreeMap<String, Mark>,
     /// Files as they were sent, or were found as jobs.
     sent: BTreeMap<String, Mark>,
-    /// Files whose failure was told, as they were.
+    /// Files whose failure was reported, as they were.
     failed: BTreeMap<String, Mark>,
     /// No look was made yet.
     is_first: bool,
@@ -88,14 +88,14 @@ impl ProgramsFolder {
             self.sent.get(*name) != Some(*mark) && self.there.get(*name) == Some(*mark)
         };
         look.changed = files.iter().filter(is_new).map(|(name, _)| name.clone()).collect();
-        for told in [&mut self.sent, &mut self.failed] {
-            told.retain(|name, _| files.contains_key(name));
+        for noted in [&mut self.sent, &mut self.failed] {
+            noted.retain(|name, _| files.contains_key(name));
         }
         self.there = files;
         look
     }
 
-    /// Notes that a file was sent, or was not. Returns whether a failure is to be told: once for each change of the file.
+    /// Notes that a file was sent, or was not. Returns whether a failure is to be reported: once for each change of the file.
     pub(crate) fn note(&mut self, name: &str, is_sent: bool) -> bool {
         let Some(mark) = self.there.get(name).copied() else { return true };
         let to = if is_sent { &mut self.sent } else { &mut self.failed };
@@ -115,7 +115,7 @@ impl ProgramsFolder {
             if let (Some(name), Some(data)) = (name, data) {
                 files.insert(name, (data.len(), data.modified().ok()));
             }
-            if files.len() > FILES {
+            if files.len() > MAX_FILES {
                 files.pop_last();
                 is_crowded = true;
             }

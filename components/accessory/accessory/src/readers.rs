@@ -15,8 +15,8 @@ use std::{
 
 /// Period of the worker, in nanoseconds.
 const PERIOD_NS: i64 = 5_000_000;
-/// Largest number of readers.
-const READERS: usize = 16;
+/// Largest number of readers of the socket, and of the command `lcd.read`.
+pub(crate) const READERS: usize = 16;
 
 /// Opens the socket. One that a process has left behind is replaced.
 ///

@@ -1,5 +1,6 @@
 //! The medium as the simulated controller sees it: a worker reads images and programs, and passes steps to the function.
 
+use crate::packed;
 use hal_component::{
     Builder, Error, In, Messages, Plain, RingReader, RingWriter, SeqReader, SeqWriter, Texts,
     Touch, Work,
@@ -12,7 +13,7 @@ use hal_storage::{Side, image, storage::MOST_BYTES};
 use std::{collections::VecDeque, fs::File, path::PathBuf};
 
 /// Largest number of files in the menu.
-const FILES: usize = 64;
+const MAX_FILES: usize = 64;
 /// Number of steps that wait for the function.
 const STEPS: usize = 1024;
 /// Period of the worker, in nanoseconds.
@@ -26,7 +27,7 @@ struct FileList {
     /// Number of the change of medium that it is about.
     count: u32,
     /// First 16 bytes of each name, eight in a word, the first in the lowest byte.
-    names: [u64; 2 * FILES],
+    names: [u64; 2 * MAX_FILES],
 }
 
 /// Request of the function.
@@ -97,7 +98,7 @@ impl SimMedium {
 pub(crate) fn declare(b: &mut Builder<'_>, folder: &str) -> Result<SimMedium, Error> {
     let doc = "Medium that is plugged in: 0 none, 1 image A, 2 image B.";
     let medium = b.item("sim-nk105.medium", doc, 0)?;
-    let empty = FileList { medium: 0, count: 0, names: [0; 2 * FILES] };
+    let empty = FileList { medium: 0, count: 0, names: [0; 2 * MAX_FILES] };
     let (list_writer, list) = b.seqlock(empty);
     let (asks, asked) = b.ring(16);
     let (given, steps) = b.ring(STEPS);
@@ -129,11 +130,9 @@ impl Medium for SimMedium {
     fn name(&mut self, index: u32) -> ScreenRow {
         let list = self.list.get();
         let at = usize::try_from(index).unwrap_or(usize::MAX).saturating_mul(2);
-        let words = list.names.iter().skip(at).take(2);
+        let words = list.names.get(at..at.saturating_add(2)).unwrap_or_default();
         let mut row = ScreenRow::default();
-        for byte in words.flat_map(|word| word.to_le_bytes()).filter(|byte| *byte != 0) {
-            row.push(byte);
-        }
+        packed::bytes(words).filter(|byte| *byte != 0).for_each(|byte| row.push(byte));
         row
     }
 
@@ -244,18 +243,16 @@ impl Host {
         self.names.clear();
         match self.image(medium).map(|file| file.and_then(image::list)) {
             None => {}
-            Some(Ok(files)) => self.names.extend(files.into_iter().take(FILES).map(|f| f.name)),
+            Some(Ok(files)) => self.names.extend(files.into_iter().take(MAX_FILES).map(|f| f.name)),
             Some(Err(e)) => {
                 let text = self.texts.keep(&format!("the medium cannot be read: {e}"));
                 self.messages.error(text, &[]);
             }
         }
-        let mut list = FileList { medium, count: 0, names: [0; 2 * FILES] };
+        let mut list = FileList { medium, count: 0, names: [0; 2 * MAX_FILES] };
         for (name, words) in self.names.iter().zip(list.names.chunks_exact_mut(2)) {
             list.count += 1;
-            for (word, bytes) in words.iter_mut().zip(name.as_bytes().chunks(8)) {
-                *word = bytes.iter().rev().fold(0, |all, byte| all << 8 | u64::from(*byte));
-            }
+            words.copy_from_slice(&packed::words::<2>(name.as_bytes()));
         }
         self.list.set(&list);
     }

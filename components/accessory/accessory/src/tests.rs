@@ -61,6 +61,20 @@ fn hardware() -> Bench {
     Bench::new().with_hardware()
 }
 
+/// Returns a keypad with a pipe, and the path of the pipe.
+fn piped(name: &str) -> (Scratch, Bench, String) {
+    let scratch = Scratch::new(name);
+    let path = scratch.path("keys");
+    let mut bench = hardware();
+    bench.load::<KeypadComponent>(&[&format!("pipe={path}")]).unwrap();
+    (scratch, bench, path)
+}
+
+/// Opens a pipe as a program that writes to it.
+fn writer(path: &str) -> File {
+    File::options().write(true).open(path).unwrap()
+}
+
 #[test]
 fn frames_pass_a_serial_line_in_both_directions() {
     let (mut cable, path) = terminal();
@@ -86,7 +100,7 @@ fn frames_pass_a_serial_line_in_both_directions() {
 }
 
 #[test]
-fn a_device_that_goes_is_told_once() {
+fn a_device_that_goes_is_reported_once() {
     let (cable, path) = terminal();
     let mut bench = hardware();
     bench.load::<KeypadComponent>(&[&format!("device={path}")]).unwrap();
@@ -108,12 +122,8 @@ fn a_device_that_goes_is_told_once() {
 
 #[test]
 fn several_programs_write_to_the_pipe() {
-    let scratch = Scratch::new("pipe");
-    let path = scratch.path("keys");
-    let mut bench = hardware();
-    bench.load::<KeypadComponent>(&[&format!("pipe={path}")]).unwrap();
-    let mut writers: Vec<File> =
-        (0..3).map(|_| File::options().write(true).open(&path).unwrap()).collect();
+    let (_scratch, bench, path) = piped("pipe");
+    let mut writers = [(); 3].map(|()| writer(&path));
     writers[0].write_all(b"13\n").unwrap();
     writers[1].write_all(b"15 100\n").unwrap();
     writers[2].write_all(b"what\n49\n\xff\n").unwrap();
@@ -132,11 +142,8 @@ fn several_programs_write_to_the_pipe() {
 
 #[test]
 fn writers_wait_while_64_presses_wait() {
-    let scratch = Scratch::new("full");
-    let path = scratch.path("keys");
-    let mut bench = hardware();
-    bench.load::<KeypadComponent>(&[&format!("pipe={path}")]).unwrap();
-    let mut writer = File::options().write(true).open(&path).unwrap();
+    let (_scratch, bench, path) = piped("full");
+    let mut writer = writer(&path);
     writer.write_all("1\n2\n".repeat(50).as_bytes()).unwrap();
     bench.work("keypad.pipe", 1000).unwrap();
     bench.run("keypad.update", MS);

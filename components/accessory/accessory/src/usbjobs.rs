@@ -1,7 +1,7 @@
 //! `usbjobs`.
 
 use crate::{
-    programs_folder::ProgramsFolder,
+    programs_folder::{MAX_FILES, ProgramsFolder},
     usb_orders::{self, Inbox, UsbOrder},
 };
 use hal_component::{
@@ -56,7 +56,7 @@ there is no storage, and the commands are refused.
 `programs=PATH` names a folder whose files are jobs, such as the programs of `halpanel`, to which a browser uploads: a file that
 appears there or changes is sent when two looks, a second apart, find it equal. Files that are there at the first look are sent
 unless the image has a job of their name. Those for which there is no room have their turn after a swap; one that
-fails is told once, and tried again. Names that begin with a dot, and files beyond the first 1024 by their names, are left out.
+fails is reported once, and tried again. Names that begin with a dot, and files beyond the first 1024 by their names, are left out.
 
 With `function=PATH`, the folder of a function `mass_storage` of the kernel's USB gadgets (configfs, such as
 `/sys/kernel/config/usb_gadget/g1/functions/mass_storage.0`), the host is a real one, and the medium is read-only for it. Otherwise,
@@ -250,7 +250,7 @@ impl Work for UsbWorker {
             done += 1;
         }
         while let Some(event) = storage.event() {
-            self.tell(event);
+            self.report(event);
         }
         self.show(&storage);
         self.storage = Some(storage);
@@ -292,8 +292,8 @@ impl UsbWorker {
         self.events(failed.into_iter());
         if look.is_crowded {
             self.messages.error(
-                "the folder of programs has more than 1024 files: only the first by their names are jobs",
-                &[],
+                "the folder of programs has more than {} files: only the first by their names are jobs",
+                &[MAX_FILES as f64],
             );
         }
         for name in look.changed {
@@ -317,10 +317,10 @@ impl UsbWorker {
     }
 
     fn events(&mut self, failures: impl Iterator<Item = StorageError>) {
-        failures.for_each(|why| self.tell(StorageEvent::Failed(why)));
+        failures.for_each(|why| self.report(StorageEvent::Failed(why)));
     }
 
-    fn tell(&mut self, event: StorageEvent) {
+    fn report(&mut self, event: StorageEvent) {
         match event {
             StorageEvent::Presented(side) => {
                 self.swaps.set(self.swaps.get().wrapping_add(1));

@@ -179,7 +179,70 @@ impl Panel {
 
 #[cfg(test)]
 mod tests {
-    use super::ScreenRow;
+    use super::{Panel, REFRESH, ROWS, ScreenRow, row_bytes};
+    use hal_handheld::{Decode as _, St7920, screen::row};
+
+    /// Panel with the display at the other end of its bus.
+    #[derive(Default)]
+    struct Wired {
+        panel: Panel,
+        display: St7920,
+    }
+
+    impl Wired {
+        /// Sends a burst. Returns false if there is none.
+        fn send(&mut self) -> bool {
+            let burst = self.panel.next();
+            if let Some(burst) = burst {
+                burst.bytes().iter().for_each(|byte| self.display.feed(*byte));
+                self.panel.sent();
+            }
+            burst.is_some()
+        }
+
+        /// Sends all bursts; returns their number.
+        fn send_all(&mut self) -> usize {
+            core::iter::from_fn(|| self.send().then_some(())).count()
+        }
+
+        fn screen(&self) -> String {
+            let row = |n| String::from_utf8_lossy(row(self.display.text(), n));
+            (0..ROWS).map(|n| row(n).trim_end().to_owned()).collect::<Vec<_>>().join("/")
+        }
+    }
+
+    #[test]
+    fn the_screen_shows_the_text() {
+        let mut wired = Wired::default();
+        // Characters of a display that was on already.
+        row_bytes(2, b"################").iter().for_each(|byte| wired.display.feed(*byte));
+        assert_eq!(wired.screen(), "//################/");
+        assert_eq!((wired.send_all(), wired.screen().as_str()), (4, "///"));
+        wired.panel.show(["X     1.000 IDLE", "", "Z", "17 CHARACTERS ARE"].map(ScreenRow::of));
+        // The blank row is not drawn again.
+        assert_eq!(wired.send_all(), 3);
+        assert_eq!(wired.screen(), "X     1.000 IDLE//Z/17 CHARACTERS AR");
+        wired.panel.show(["X     1.000 IDLE", "Y", "Z", ""].map(ScreenRow::of));
+        assert_eq!((wired.send_all(), wired.screen().as_str()), (2, "X     1.000 IDLE/Y/Z/"));
+        assert_eq!(wired.display.errors(), 0);
+    }
+
+    #[test]
+    fn rows_of_one_screen_stay_together() {
+        let mut wired = Wired::default();
+        wired.send_all();
+        assert!(!wired.panel.is_due(REFRESH * 0.9) && wired.panel.is_due(REFRESH * 0.2));
+        wired.panel.show(["A", "B", "", ""].map(ScreenRow::of));
+        assert!(!wired.panel.is_due(REFRESH * 2.0), "no row of this text is drawn yet");
+        assert!(wired.send());
+        assert!(!wired.panel.is_due(0.0), "one of two rows is drawn");
+        assert_eq!(wired.screen(), "A///");
+        // A row that found no room on the bus is the next one again.
+        let lost = wired.panel.next().unwrap();
+        assert_eq!(lost.bytes(), row_bytes(1, b"B               "));
+        assert_eq!((wired.send_all(), wired.screen().as_str()), (1, "A/B//"));
+        assert!(wired.panel.is_due(0.0));
+    }
 
     #[test]
     fn numbers_read_as_they_are_formatted() {

@@ -61,7 +61,7 @@ enum Work {
     Serving,
     /// The number of steps that are done.
     Preparing(ImagePlan, usize),
-    /// Since when the host has been busy, and whether that was told.
+    /// Time since which the host has been busy, and whether that was reported.
     Ejecting(ImagePlan, Option<f64>, bool),
     /// Time of the last failure.
     Presenting(Option<f64>),

@@ -6,7 +6,7 @@ mod rig;
 use hal_storage::{
     Configfs, Folder, Gadget, Phase, Rules, Side, Storage, StorageError, image, safe_name,
 };
-use rig::{Host, Memory, RULES, SIZE, files, read, served, settle, told};
+use rig::{Host, Memory, RULES, SIZE, files, read, reported, served, settle};
 
 #[test]
 fn a_job_appears_on_the_other_image() {
@@ -54,8 +54,8 @@ fn a_hundred_jobs_one_after_the_other_are_all_there() {
     for n in 0..100_u32 {
         let text = format!("N{n} G0 X{n}\n").repeat(50);
         storage.send(&format!("job {n}.nc"), text.as_bytes()).unwrap();
-        let told = settle(&mut storage, &mut host, f64::from(n));
-        assert_eq!(told, [if n % 2 == 0 { "presented B" } else { "presented A" }], "job {n}");
+        let reported = settle(&mut storage, &mut host, f64::from(n));
+        assert_eq!(reported, [if n % 2 == 0 { "presented B" } else { "presented A" }], "job {n}");
     }
     let side = host.sees.unwrap();
     assert_eq!(files(&memory, side).len(), 100);
@@ -76,8 +76,8 @@ fn above_80_percent_the_oldest_finished_jobs_go() {
     }
     // Four do not fit while none is finished.
     storage.send("4", &big).unwrap();
-    let told = settle(&mut storage, &mut host, 0.0);
-    assert!(told[0].starts_with("the jobs have 37748736 bytes together"), "{told:?}");
+    let reported = settle(&mut storage, &mut host, 0.0);
+    assert!(reported[0].starts_with("the jobs have 37748736 bytes together"), "{reported:?}");
     assert_eq!(
         (storage.phase(), storage.waiting(), host.sees),
         (Phase::Serving, &["4".to_owned()][..], Some(Side::B))
@@ -103,7 +103,7 @@ fn a_busy_host_is_asked_for_five_seconds_and_then_waited_for() {
     assert_eq!(settle(&mut storage, &mut host, 14.9), [""; 0]);
     let text = "the host has held the medium for 5 s: stop its job, or allow a forced eject";
     assert_eq!(settle(&mut storage, &mut host, 15.0), [text]);
-    assert_eq!(settle(&mut storage, &mut host, 60.0), [""; 0], "it is told once");
+    assert_eq!(settle(&mut storage, &mut host, 60.0), [""; 0], "the failure is reported once");
     assert_eq!((host.sees, host.forced), (Some(Side::A), 0));
     host.is_busy = false;
     assert_eq!(settle(&mut storage, &mut host, 61.0), ["presented B"]);
@@ -187,9 +187,9 @@ fn what_reads_back_otherwise_is_not_presented() {
     let (mut storage, mut host) = served(&memory, RULES);
     memory.0.borrow_mut().lost_after = Some((Side::B, memory.find(Side::A, b"JOBS       ") + 512));
     storage.send("a.nc", &[b'x'; 5000]).unwrap();
-    let told = settle(&mut storage, &mut host, 0.0);
-    assert_eq!(told.len(), 1);
-    assert!(told[0].starts_with("image B"), "{told:?}");
+    let reported = settle(&mut storage, &mut host, 0.0);
+    assert_eq!(reported.len(), 1);
+    assert!(reported[0].starts_with("image B"), "{reported:?}");
     assert_eq!((host.sees, storage.waiting()), (Some(Side::A), &["a.nc".to_owned()][..]));
     memory.0.borrow_mut().lost_after = None;
     storage.retry();
@@ -415,5 +415,5 @@ fn sizes_that_fat32_has_not_are_errors() {
     let error = Storage::open(folder, RULES).map(|_| ()).unwrap_err();
     assert_eq!(error.to_string(), "image A: the size is not 36 MiB to 32 GiB");
     std::fs::remove_dir_all(&path).unwrap();
-    assert!(told(&mut served(&Memory::default(), RULES).0).is_empty());
+    assert!(reported(&mut served(&Memory::default(), RULES).0).is_empty());
 }

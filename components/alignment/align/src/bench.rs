@@ -1,8 +1,8 @@
 //! Marks measured so far, the fit, looks and calibrations.
 
 use crate::{
-    eye::Scene,
-    job::{MarkJob, Pictures},
+    eye::Station,
+    job::{MarkJob, NO_CAMERA, Pictures, draw},
     pins::Results,
 };
 use hal_align::{Alignment, Conditions, Fit, Mark, Matrix, Misfit, Model, Transform, Vector, fit};
@@ -60,7 +60,7 @@ pub(crate) struct Bench {
     pub(crate) sights: Vec<Sight>,
     /// Number of pictures that were drawn, as a seed of their noise.
     drawn: u64,
-    /// Place of the part as far as the marks so far tell, once it was needed.
+    /// Place of the part by the marks so far, since it was first needed.
     guessed: Option<Transform>,
     /// Text of the last failure.
     pub(crate) problem: String,
@@ -87,13 +87,10 @@ type Searched = ((usize, usize), Result<FoundMark, Unfound>);
 
 impl LentCamera {
     /// Takes the next picture and searches it, which may last. The error is a text.
-    pub(crate) fn search(&mut self, at: Vector, scene: Scene) -> Result<Option<Searched>, String> {
+    pub(crate) fn search(&mut self, station: &Station) -> Result<Option<Searched>, String> {
         let picture = match &mut self.pictures {
-            Pictures::None => return Err("the job has no camera: [CAMERA]SOURCE".to_owned()),
-            Pictures::Table(_) if scene.stalls => None,
-            Pictures::Table(table) => {
-                Some(table.picture(at, Vector::new(scene.x, scene.y), scene.light, self.number))
-            }
+            Pictures::None => return Err(NO_CAMERA.to_owned()),
+            Pictures::Table(table) => draw(table, station, self.number),
             Pictures::Files(source) => source.take().map_err(|problem| problem.to_string())?,
         };
         Ok(picture.map(|picture| {
@@ -150,8 +147,9 @@ impl Bench {
         }
     }
 
-    /// Returns whether pictures may still show what was there before a look, which began so many seconds ago.
-    pub(crate) fn is_early(&mut self, seconds: f64) -> bool {
+    /// Skips pictures that may still show what was there before a look, which began so many seconds ago. Returns whether they
+    /// may.
+    pub(crate) fn skip_early(&mut self, seconds: f64) -> bool {
         match &mut self.job.pictures {
             Pictures::Files(source) if source.is_live() && seconds < self.job.delay => {
                 source.skip();
@@ -314,18 +312,17 @@ impl Bench {
         }
     }
 
-    /// Fills in what all marks tell together; `mark` is the selected one.
-    pub(crate) fn tell(&mut self, mark: u32, results: &mut Results) {
+    /// Fills in the results that follow from all marks; `mark` is the selected one.
+    pub(crate) fn report(&mut self, mark: u32, results: &mut Results) {
         let marks = self.marks();
         results.marks = i32::try_from(marks.len()).unwrap_or(i32::MAX);
         let index = usize::try_from(mark).ok().and_then(|n| n.checked_sub(1));
-        // A fit of many marks takes too long for every period.
-        if index.is_some() && self.guessed.is_none() {
-            self.guessed = Some(self.guess(&marks));
-        }
-        if let Some(place) = index.and_then(|n| self.expected(n, &marks)) {
-            let aim = place - self.job.camera.offset;
-            (results.aim_x, results.aim_y) = (aim.x, aim.y);
+        if let Some(index) = index {
+            let guess = self.guess(&marks);
+            if let Some(place) = self.expected(index, marks.len(), &guess) {
+                let aim = place - self.job.camera.offset;
+                (results.aim_x, results.aim_y) = (aim.x, aim.y);
+            }
         }
         results.valid = self.fit.is_some();
         results.live = self.live.is_some();
@@ -342,19 +339,24 @@ impl Bench {
         }
     }
 
-    /// Returns the place on the machine at which a mark of the job is expected.
-    pub(crate) fn expected(&self, index: usize, marks: &[Mark]) -> Option<Vector> {
+    /// Returns the place on the machine at which a mark of the job is expected, by the number of marks so far and the guess
+    /// from them.
+    pub(crate) fn expected(&self, index: usize, marks: usize, guess: &Transform) -> Option<Vector> {
         let file = self.job.marks.get(index)?;
         let expected = self.job.expected.get(index).copied().flatten();
-        let expected = expected.filter(|_| marks.len() < 3);
-        Some(expected.unwrap_or_else(|| self.guess(marks).apply(*file)))
+        let expected = expected.filter(|_| marks < 3);
+        Some(expected.unwrap_or_else(|| guess.apply(*file)))
     }
 
-    /// Returns the place of the part as far as the marks so far tell.
-    pub(crate) fn guess(&self, marks: &[Mark]) -> Transform {
-        if let Some(guessed) = self.guessed {
-            return guessed;
-        }
+    /// Returns the place of the part by the marks so far. A fit of many marks takes too long for every period and for every
+    /// request: one serves until the marks change.
+    pub(crate) fn guess(&mut self, marks: &[Mark]) -> Transform {
+        let guess = self.guessed.unwrap_or_else(|| self.fit_guess(marks));
+        self.guessed = Some(guess);
+        guess
+    }
+
+    fn fit_guess(&self, marks: &[Mark]) -> Transform {
         let options = |model| Conditions { model, tolerance: 1e9, mirror: self.job.options.mirror };
         for model in [Model::Affine, Model::Similarity, Model::Shift] {
             if let Ok(found) = fit(marks, &options(model)) {

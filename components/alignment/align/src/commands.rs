@@ -111,7 +111,7 @@ pub(crate) fn open(
     let shared = bench.clone();
     let doc = "Tells the marks, their residuals, the place of the part, and the last problem.";
     b.command("align.status", doc, STATUS, move |call| {
-        let bench = lock(&shared);
+        let mut bench = lock(&shared);
         match call.bit("json").unwrap_or(false) {
             true => call.reply(&bench.json().to_string()),
             false => bench.status().iter().for_each(|line| call.reply(line)),

@@ -4,6 +4,7 @@ use crate::{
     bench::Failure,
     pins::{EyePins, Results},
 };
+use hal_align::Vector;
 use hal_component::{
     Builder, Error, Period, Plain, Receiver, Sender, SeqReader, SeqWriter, TicketHandle, Touch,
     Update,
@@ -44,10 +45,8 @@ pub(crate) struct EyeEvent {
     pub(crate) number: u32,
     pub(crate) action: Action,
     pub(crate) mark: u32,
-    pub(crate) x: f64,
-    pub(crate) y: f64,
-    pub(crate) scene: Scene,
-    /// A command waits for the result, so that no message needs to tell it.
+    pub(crate) station: Station,
+    /// A command waits for the result, so that no message needs to report it.
     pub(crate) is_awaited: bool,
 }
 
@@ -59,35 +58,20 @@ pub(crate) struct Station {
     /// Y of the machine, in mm.
     pub(crate) y: f64,
     /// Light on the simulated table.
-    light: f64,
+    pub(crate) light: f64,
     /// Shift of the part on the simulated table in X, in mm.
-    part_x: f64,
+    pub(crate) part_x: f64,
     /// Shift of the part on the simulated table in Y, in mm.
-    part_y: f64,
+    pub(crate) part_y: f64,
     /// TRUE: the simulated camera takes no picture.
-    stalls: bool,
+    pub(crate) stalls: bool,
 }
 
 impl Station {
-    /// Realtime. Returns it with this scene.
-    const fn new(x: f64, y: f64, scene: Scene) -> Self {
-        let Scene { light, x: part_x, y: part_y, stalls } = scene;
-        Self { x, y, light, part_x, part_y, stalls }
+    /// Returns the place of the machine.
+    pub(crate) const fn at(&self) -> Vector {
+        Vector::new(self.x, self.y)
     }
-
-    /// Returns what the simulated camera sees.
-    pub(crate) const fn scene(&self) -> Scene {
-        Scene { light: self.light, x: self.part_x, y: self.part_y, stalls: self.stalls }
-    }
-}
-
-/// Changes of what the simulated camera sees.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Scene {
-    pub(crate) light: f64,
-    pub(crate) x: f64,
-    pub(crate) y: f64,
-    pub(crate) stalls: bool,
 }
 
 /// Values that function and worker share.
@@ -155,14 +139,14 @@ impl Update for Eye {
         let looks = rises(self.pins.look.get(), &mut self.was.look);
         let solves = rises(self.pins.solve.get(), &mut self.was.solve);
         let clears = rises(self.pins.clear.get(), &mut self.was.clear);
-        let (x, y) = (self.pins.pos_x.get(), self.pins.pos_y.get());
-        self.station.set(&Station::new(x, y, self.pins.scene()));
+        let station = self.pins.station();
+        self.station.set(&station);
         let mark = number(self.pins.mark.get());
         self.shared.mark.store(mark, Relaxed);
         let results = self.results.get();
         let busy = results.looks != self.was.number;
         if busy {
-            let way = libm::fabs(x - self.was.x) + libm::fabs(y - self.was.y);
+            let way = libm::fabs(station.x - self.was.x) + libm::fabs(station.y - self.was.y);
             // Not a number is a move, too.
             if !self.pins.still.get() || way.is_nan() || way > STILL {
                 self.shared.moved.store(true, Relaxed);
@@ -179,7 +163,7 @@ impl Update for Eye {
             };
             let pressed = action.map(|action| Instruction { action, ticket: None });
             if let Some(order) = pressed.or_else(|| self.orders.take()) {
-                self.begin(order, mark, x, y);
+                self.begin(order, mark, station);
             }
         }
         self.pins.show(&results, results.looks != self.was.number);
@@ -196,21 +180,18 @@ impl Update for Eye {
 
 impl Eye {
     /// Passes an event to the worker.
-    fn begin(&mut self, order: Instruction, mark: u32, x: f64, y: f64) {
-        let scene = self.pins.scene();
+    fn begin(&mut self, order: Instruction, mark: u32, station: Station) {
         let event = EyeEvent {
             number: self.was.number.wrapping_add(1),
             action: order.action,
             mark,
-            x,
-            y,
-            scene,
+            station,
             is_awaited: order.ticket.is_some(),
         };
         self.shared.moved.store(!self.pins.still.get(), Relaxed);
         // There is one event at a time, so that there is room.
         if self.events.send(event).is_ok() {
-            (self.was.number, self.was.x, self.was.y) = (event.number, x, y);
+            (self.was.number, self.was.x, self.was.y) = (event.number, station.x, station.y);
             self.was.ticket = order.ticket;
         } else if let Some(ticket) = order.ticket {
             ticket.fail("the worker of align takes no orders");

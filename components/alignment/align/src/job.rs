@@ -1,18 +1,28 @@
 //! The job: marks, model, camera and source of pictures, from an INI file.
 
+use crate::eye::Station;
 use hal_align::{Conditions, MAX_MARKS, Matrix, Model, Vector};
 use hal_ini::{Entry, Ini};
-use hal_marks::{Camera, Files, Ink, MarkKind, Search, Source, Table};
+use hal_marks::{Camera, Files, Ink, MarkKind, Picture, Search, Source, Table};
 use std::path::{Path, PathBuf};
 
 /// Largest number of pictures of a look.
 const MAX_FRAMES: f64 = 100.0;
+
+/// Problem of a job whose pictures have no origin.
+pub(crate) const NO_CAMERA: &str = "the job has no camera: [CAMERA]SOURCE";
 
 /// Origin of pictures.
 pub(crate) enum Pictures {
     None,
     Table(Box<Table>),
     Files(Box<dyn Source>),
+}
+
+/// Returns the picture of a simulated table from this station, with the noise of a seed; `None` if the camera stalls.
+pub(crate) fn draw(table: &Table, station: &Station, seed: u64) -> Option<Picture> {
+    let Station { light, part_x, part_y, stalls, .. } = *station;
+    (!stalls).then(|| table.picture(station.at(), Vector::new(part_x, part_y), light, seed))
 }
 
 /// Job with its camera.

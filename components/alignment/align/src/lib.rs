@@ -46,18 +46,18 @@ impl Component for Align {
 Alignment by marks: a camera on the machine finds them, and the part's place goes to pins, files and coordinate systems.
 
 `job` is an INI file. Section JOB has the marks in the file's coordinates, in mm (`MARK = X Y`, several; `MARK = X Y X Y` also
-tells where the mark is expected on the machine), their `KIND` (circle or
+states where the mark is expected on the machine), their `KIND` (circle or
 square), `SIZE` in mm, `INK` (dark or bright), `FRAMES` (pictures of a look, 5), `MODEL`, `TOLERANCE` and `MIRROR` as of
 `halgcode align`, and `NEAR = X Y`, the place where the file's origin is expected. Section CAMERA has `SOURCE` (`sim FILE`, a
 simulated table; `files FOLDER`, pictures in the order of their names; `live FOLDER`, pictures that appear `DELAY` seconds
 (1) after a look began, as `halcamera` writes them: a camera and its network may take so long from the light to the file), `MATRIX = m11 m12 m21 m22` from pixels to mm, `OFFSET = X Y` from the machine's position to the middle of
 the picture, and `TIMEOUT` in seconds for a picture. `mark` selects a mark; `aim-x` and `aim-y` are the position from which the camera should
-see it, as far as the marks before it tell.
+see it, by the marks before it.
 
-A rising edge of `look` takes pictures at the present position and finds the selected mark; `found` or `error` tell the result when
+A rising edge of `look` takes pictures at the present position and finds the selected mark; `found` or `error` shows the result when
 `busy` falls. A look during which the machine moves is refused. A rising edge of `solve` computes the place of the part from the marks found. `valid` then
 shows that `theta` (degrees), `sx`, `sy`, `shear` (degrees), `tx` and `ty` (mm) hold. A coordinate system of the machine can turn and
-shift, but neither stretch nor shear: `live` tells whether turn and shift alone fit the marks within the tolerance, and
+shift, but neither stretch nor shear: `live` shows whether turn and shift alone fit the marks within the tolerance, and
 `live-theta`, `live-x` and `live-y` are the values for `G10 L2`. For any other part `align.save` writes the marks, and `halgcode align`
 rewrites the program.
 

@@ -1,38 +1,27 @@
 //! Pins of the component.
 
-use crate::eye::Scene;
+use crate::eye::Station;
 use hal_component::{Builder, Error, In, Out, Plain, Touch};
-
-/// Type of a pin. The derive macros take their place in the source from the types of fields, which must be that of the
-/// struct: here, and not where the table is.
-macro_rules! of_pin {
-    (f64) => {
-        f64
-    };
-    (bool) => {
-        bool
-    };
-    (i32) => {
-        i32
-    };
-    (u32) => {
-        u32
-    };
-}
 
 /// Results of the worker, each with the pin of its name: field, type, first value, documentation.
 macro_rules! results {
     ($($name:ident: $ty:ident = $first:tt, $doc:tt;)*) => {
         /// Latest results.
-        #[derive(Clone, Copy, Debug, Default, Plain)]
+        #[derive(Clone, Copy, Debug, Plain)]
         pub(crate) struct Results {
-            $(#[doc = $doc] pub(crate) $name: of_pin!($ty),)*
+            $(#[doc = $doc] pub(crate) $name: $ty,)*
+        }
+
+        impl Default for Results {
+            fn default() -> Self {
+                Self { $($name: $first,)* }
+            }
         }
 
         /// Pins that show them.
         #[derive(Debug, Touch)]
         struct Shown {
-            $($name: Out<of_pin!($ty)>,)*
+            $($name: Out<$ty>,)*
         }
 
         impl Shown {
@@ -122,10 +111,16 @@ impl EyePins {
         })
     }
 
-    /// Realtime. Returns what the simulated camera sees.
-    pub(crate) fn scene(&self) -> Scene {
-        self.simulated.as_ref().map_or(Scene { light: 1.0, x: 0.0, y: 0.0, stalls: false }, |s| {
-            Scene { light: s.light.get(), x: s.x.get(), y: s.y.get(), stalls: s.stall.get() }
+    /// Realtime. Returns the place of the machine, and what the simulated camera sees there.
+    pub(crate) fn station(&self) -> Station {
+        let (x, y) = (self.pos_x.get(), self.pos_y.get());
+        let usual = Station { x, y, light: 1.0, part_x: 0.0, part_y: 0.0, stalls: false };
+        self.simulated.as_ref().map_or(usual, |s| Station {
+            light: s.light.get(),
+            part_x: s.x.get(),
+            part_y: s.y.get(),
+            stalls: s.stall.get(),
+            ..usual
         })
     }
 

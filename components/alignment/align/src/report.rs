@@ -40,13 +40,14 @@ impl Bench {
     }
 
     /// Returns the state as JSON.
-    pub(crate) fn json(&self) -> Json {
+    pub(crate) fn json(&mut self) -> Json {
         let found = self.marks();
+        let guess = self.guess(&found);
         let place_of = |file: &Vector| self.fit.as_ref().map(|f| f.transform.apply(*file));
         let off = |file: &Vector, at: Vector| place_of(file).map(|place| pair(at - place));
         let marks = self.job.marks.iter().zip(&self.measured).enumerate();
         let marks = marks.map(|(n, (file, measured))| {
-            let expected = self.expected(n, &found);
+            let expected = self.expected(n, found.len(), &guess);
             json!({
                 "file": pair(*file),
                 "expected": expected.map(pair),
@@ -74,7 +75,7 @@ impl Bench {
             let parts = live.parts();
             json!({ "theta": parts.turn, "x": parts.shift.x, "y": parts.shift.y })
         });
-        let place = self.fit.as_ref().map_or_else(|| self.guess(&found), |fit| fit.transform);
+        let place = self.fit.as_ref().map_or(guess, |fit| fit.transform);
         let source = self.job.source;
         let m = self.job.camera.linear;
         json!({

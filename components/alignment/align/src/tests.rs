@@ -2,7 +2,7 @@
 
 use crate::{
     bench::{Bench, Failure, Look},
-    eye::Scene,
+    eye::Station,
     job::MarkJob,
     pins::Results,
 };
@@ -57,17 +57,17 @@ fn wrong_jobs_are_refused_with_their_place() {
     }
 }
 
-const SCENE: Scene = Scene { light: 1.0, x: 0.0, y: 0.0, stalls: false };
+const USUAL: Station =
+    Station { x: 0.0, y: 0.0, light: 1.0, part_x: 0.0, part_y: 0.0, stalls: false };
+
+const fn station(at: Vector) -> Station {
+    Station { x: at.x, y: at.y, ..USUAL }
+}
 
 /// Takes the next picture of a look, as the worker does.
-fn picture(
-    bench: &mut Bench,
-    look: &mut Look,
-    at: Vector,
-    scene: Scene,
-) -> Result<Option<bool>, Failure> {
+fn picture(bench: &mut Bench, look: &mut Look, station: &Station) -> Result<Option<bool>, Failure> {
     let mut camera = bench.lend();
-    let searched = camera.search(at, scene);
+    let searched = camera.search(station);
     bench.give_back(camera, searched, look)
 }
 
@@ -84,7 +84,7 @@ fn a_mark_is_measured_on_the_simulated_table() {
     let mut look = Look::default();
     let at = Vector::new(45.0, 8.0);
     let mut pictures = 0;
-    while picture(&mut bench, &mut look, at, SCENE).unwrap() == Some(false) {
+    while picture(&mut bench, &mut look, &station(at)).unwrap() == Some(false) {
         pictures += 1;
     }
     assert_eq!(pictures, 2);
@@ -94,15 +94,16 @@ fn a_mark_is_measured_on_the_simulated_table() {
     assert!((results.x - 10.0).abs() < 1e-3 && (results.y - 20.0).abs() < 1e-3, "{results:?}");
     assert!((results.dx - 0.2).abs() < 1e-3 && (results.dy + 0.4).abs() < 1e-3, "{results:?}");
     bench.solve().unwrap();
-    bench.tell(1, &mut results);
+    bench.report(1, &mut results);
     assert!(results.valid && results.live && results.marks == 1);
     assert!((results.aim_x - 45.2).abs() < 1e-3 && (results.aim_y - 7.6).abs() < 1e-3);
     // A dark table, a stalled camera, a wrong place.
     let mut look = Look::default();
-    let dark = Scene { light: 0.0, ..SCENE };
-    assert_eq!(picture(&mut bench, &mut look, at, dark), Err(Failure::NoMark));
-    assert_eq!(picture(&mut bench, &mut look, at, Scene { stalls: true, ..SCENE }), Ok(None));
-    assert_eq!(picture(&mut bench, &mut look, Vector::ZERO, SCENE), Err(Failure::NoMark));
+    let dark = Station { light: 0.0, ..station(at) };
+    assert_eq!(picture(&mut bench, &mut look, &dark), Err(Failure::NoMark));
+    let stalled = Station { stalls: true, ..station(at) };
+    assert_eq!(picture(&mut bench, &mut look, &stalled), Ok(None));
+    assert_eq!(picture(&mut bench, &mut look, &USUAL), Err(Failure::NoMark));
     assert!(
         bench
             .status()
@@ -132,14 +133,14 @@ fn pictures_of_a_folder_are_taken_in_their_order_and_garbage_is_named() {
     let mut results = Results::default();
     for n in 0..2_u32 {
         let mut look = Look::default();
-        assert_eq!(picture(&mut bench, &mut look, Vector::ZERO, SCENE), Ok(Some(true)));
+        assert_eq!(picture(&mut bench, &mut look, &USUAL), Ok(Some(true)));
         bench.measure(&look, 1, Vector::ZERO, &mut results).unwrap();
         assert!((results.x + 0.1 * f64::from(n)).abs() < 1e-3, "{}", results.x);
     }
     let mut look = Look::default();
-    assert_eq!(picture(&mut bench, &mut look, Vector::ZERO, SCENE), Err(Failure::NoPicture));
+    assert_eq!(picture(&mut bench, &mut look, &USUAL), Err(Failure::NoPicture));
     assert!(bench.status().last().unwrap().ends_with("2.jpg: the picture is cut off or broken"));
-    assert_eq!(picture(&mut bench, &mut look, Vector::ZERO, SCENE), Ok(None));
+    assert_eq!(picture(&mut bench, &mut look, &USUAL), Ok(None));
 }
 
 /// Pictures for people come while they are asked for, from where the machine is, and change nothing that is measured.
@@ -172,10 +173,10 @@ fn a_view_shows_the_marks_at_the_present_position_and_measures_nothing() {
         for _ in 0..8 {
             pass();
         }
-        let told: serde_json::Value =
+        let status: serde_json::Value =
             serde_json::from_str(&bench.command("align.status", &["json=TRUE"]).unwrap()[0])
                 .unwrap();
-        told["marks"][0].clone()
+        status["marks"][0].clone()
     };
     let mark = measured(true);
     let view = fs::read(&file).unwrap();
@@ -237,7 +238,7 @@ fn the_camera_is_lent_while_a_picture_is_searched() {
     let bench = std::sync::Mutex::new(Bench::default());
     bench.lock().unwrap().open(&folder.write("job.ini", job)).unwrap();
     let mut camera = bench.lock().unwrap().lend();
-    let searched = camera.search(Vector::new(10.0, 20.0), SCENE);
+    let searched = camera.search(&station(Vector::new(10.0, 20.0)));
     let state = bench.try_lock().unwrap().json();
     assert_eq!(state["camera"]["source"], "sim");
     let mark = hal_align::Mark { file: Vector::ZERO, machine: Vector::new(1.0, 2.0) };
@@ -255,8 +256,10 @@ fn the_guess_follows_the_marks() {
     bench.open(&folder.write("job.ini", job)).unwrap();
     let aim = |bench: &mut Bench| {
         let mut results = Results::default();
-        bench.tell(2, &mut results);
-        (results.aim_x, results.aim_y)
+        bench.report(2, &mut results);
+        let aim = (results.aim_x, results.aim_y);
+        assert_eq!(bench.json()["marks"][1]["aim"], serde_json::json!([aim.0, aim.1]));
+        aim
     };
     let touch = |bench: &mut Bench, file: Vector, machine: Vector| {
         bench.touch(hal_align::Mark { file, machine }).unwrap();
@@ -269,4 +272,47 @@ fn the_guess_follows_the_marks() {
     assert!((x - 205.0).abs() < 1e-9 && (y - 6.0).abs() < 1e-9, "{x} {y}");
     bench.clear();
     assert_eq!(aim(&mut bench), (100.0, 0.0));
+}
+
+/// The worker has not run yet.
+#[test]
+fn results_begin_with_the_values_of_their_pins() {
+    let mut bench = hal_bench::Bench::new();
+    bench.load::<crate::Align>(&[]).unwrap();
+    let scales = || (bench.get::<f64>("align.sx"), bench.get::<f64>("align.sy"));
+    assert_eq!(scales(), (1.0, 1.0));
+    bench.run("align", 1_000_000);
+    assert_eq!(scales(), (1.0, 1.0));
+    bench.work("align", 1).unwrap();
+    bench.run("align", 1_000_000);
+    assert_eq!(scales(), (1.0, 1.0));
+}
+
+/// A look whose machine moves already takes no picture from the next one.
+#[test]
+fn a_look_of_a_moving_machine_takes_no_picture() {
+    let folder = Folder::new("moves");
+    let table = b"[TABLE]\nMARK = circle 0 0 4\nPICTURE = 320 240\n";
+    let table = hal_marks::Table::parse("t", table).unwrap();
+    let pictures = folder.0.join("pictures");
+    fs::create_dir(&pictures).unwrap();
+    let png = table.picture(Vector::ZERO, Vector::ZERO, 1.0, 1).png();
+    fs::write(pictures.join("only.png"), png).unwrap();
+    let job = "[JOB]\nMARK = 0 0\nSIZE = 4\nFRAMES = 1\n[CAMERA]\nSOURCE = files pictures\n";
+    let job = format!("job={}", folder.write("job.ini", job).display());
+    let mut bench = hal_bench::Bench::new();
+    bench.load::<crate::Align>(&[&job]).unwrap();
+    let error = |is_still: bool| {
+        bench.set("align.still", is_still);
+        bench.command("align.look", &["mark=1"]).unwrap();
+        for _ in 0..3 {
+            bench.run("align", 1_000_000);
+            bench.work("align", 1).unwrap();
+            bench.pass(10_000_000);
+        }
+        bench.get::<i32>("align.error")
+    };
+    assert_eq!(error(false), Failure::Moved as i32);
+    assert_eq!(error(true), 0);
+    assert!(bench.get::<bool>("align.found"));
 }

@@ -2,14 +2,14 @@
 
 use crate::{
     bench::Bench,
-    eye::{Scene, Station},
-    job::{MarkJob, Pictures},
+    eye::Station,
+    job::{MarkJob, NO_CAMERA, Pictures, draw},
     lock,
-    report::six,
+    report::{pair, six},
 };
 use hal_align::{Transform, Vector};
 use hal_marks::{Camera, Picture, Search, Table, choose, read_picture, search};
-use serde_json::{Value as Json, json};
+use serde_json::{Map, Value as Json, json};
 use std::{
     path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
@@ -51,6 +51,9 @@ pub(crate) struct View {
     number: u64,
 }
 
+/// Fields of the JSON object before a picture.
+type Head = Map<String, Json>;
+
 /// Origin of a picture, as it was when it was asked for.
 enum Origin {
     None(&'static str),
@@ -63,8 +66,8 @@ impl View {
         Self { watched, next: 0, number: 0 }
     }
 
-    /// Returns whether somebody waits for a picture now.
-    pub(crate) fn is_due(&mut self, now: i64) -> bool {
+    /// Returns whether somebody waits for a picture now; the next one is due after a while.
+    pub(crate) fn take_turn(&mut self, now: i64) -> bool {
         let is_due = self.next <= now && self.watched.get().is_some_and(|watch| now < watch.until);
         if is_due {
             self.next = now.saturating_add(EVERY_NS);
@@ -80,22 +83,23 @@ impl View {
             (origin(&bench.job), bench.job.camera, bench.job.wanted())
         };
         self.number += 1;
-        let at = Vector::new(station.x, station.y);
-        let taken = take(&origin, at, station.scene(), self.number);
-        let mut head = json!({ "number": self.number, "at": [at.x, at.y] });
-        let bytes = match taken {
+        let mut head = Head::new();
+        head.insert("number".to_owned(), self.number.into());
+        head.insert("at".to_owned(), pair(station.at()));
+        let bytes = match take(&origin, station, self.number) {
             Ok((bytes, picture)) => {
-                describe(&mut head, &picture, &camera, &wanted, at);
                 let is_png = bytes.starts_with(b"\x89PNG");
-                put(&mut head, "kind", if is_png { "image/png" } else { "image/jpeg" });
+                let kind = if is_png { "image/png" } else { "image/jpeg" };
+                head.insert("kind".to_owned(), kind.into());
+                describe(&mut head, &picture, &camera, &wanted, station.at());
                 bytes
             }
             Err(why) => {
-                put(&mut head, "problem", &why);
+                head.insert("problem".to_owned(), why.into());
                 Vec::new()
             }
         };
-        let mut text = head.to_string().into_bytes();
+        let mut text = Json::Object(head).to_string().into_bytes();
         text.push(b'\n');
         text.extend(bytes);
         // Who watches asks again; a folder that has gone needs no picture.
@@ -103,16 +107,9 @@ impl View {
     }
 }
 
-/// Adds a text to the head of a picture.
-fn put(head: &mut Json, name: &str, text: &str) {
-    if let Some(fields) = head.as_object_mut() {
-        fields.insert(name.to_owned(), text.into());
-    }
-}
-
 fn origin(job: &MarkJob) -> Origin {
     match &job.pictures {
-        Pictures::None => Origin::None("the job has no camera: [CAMERA]SOURCE"),
+        Pictures::None => Origin::None(NO_CAMERA),
         Pictures::Table(table) => Origin::Table(table.clone()),
         Pictures::Files(source) => {
             source.latest().map_or(Origin::None("no picture has come yet"), Origin::File)
@@ -121,26 +118,21 @@ fn origin(job: &MarkJob) -> Origin {
 }
 
 /// Takes a picture; returns its bytes too.
-fn take(
-    origin: &Origin,
-    at: Vector,
-    scene: Scene,
-    number: u64,
-) -> Result<(Vec<u8>, Picture), String> {
+fn take(origin: &Origin, station: &Station, number: u64) -> Result<(Vec<u8>, Picture), String> {
     match origin {
         Origin::None(why) => Err((*why).to_owned()),
-        Origin::Table(_) if scene.stalls => Err("the camera takes no picture".to_owned()),
         Origin::Table(table) => {
             // The noise is none of a look: what is measured does not depend on who watches.
-            let picture = table.picture(at, Vector::new(scene.x, scene.y), scene.light, !number);
+            let picture = draw(table, station, !number);
+            let picture = picture.ok_or_else(|| "the camera takes no picture".to_owned())?;
             Ok((picture.png(), picture))
         }
         Origin::File(path) => read_picture(path).map_err(|e| e.to_string()),
     }
 }
 
-/// Tells what is in a picture.
-fn describe(head: &mut Json, picture: &Picture, camera: &Camera, wanted: &Search, at: Vector) {
+/// Describes a picture.
+fn describe(head: &mut Head, picture: &Picture, camera: &Camera, wanted: &Search, at: Vector) {
     let size = (picture.width(), picture.height());
     let seen = search(picture, wanted);
     let chosen = choose(&seen, Camera::middle(size));
@@ -151,10 +143,15 @@ fn describe(head: &mut Json, picture: &Picture, camera: &Camera, wanted: &Search
             "is_chosen": chosen.as_ref().is_ok_and(|c| c.centre == mark.centre),
         })
     });
-    head["marks"] = marks.collect::<Vec<_>>().into();
-    head["problem"] = chosen.err().map(|why| why.to_string()).into();
-    (head["width"], head["height"]) = (size.0.into(), size.1.into());
+    let marks = marks.collect::<Vec<_>>();
     let origin = camera.machine(at, size, Vector::ZERO);
     let inverse = Transform { linear: camera.linear, shift: origin }.inverse();
-    head["to_picture"] = inverse.as_ref().map(six).into();
+    let fields = [
+        ("marks", marks.into()),
+        ("problem", chosen.err().map(|why| why.to_string()).into()),
+        ("width", size.0.into()),
+        ("height", size.1.into()),
+        ("to_picture", inverse.as_ref().map(six).into()),
+    ];
+    head.extend(fields.map(|(name, value): (&str, Json)| (name.to_owned(), value)));
 }

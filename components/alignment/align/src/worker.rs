@@ -7,7 +7,6 @@ use crate::{
     pins::Results,
     view::{View, Watched},
 };
-use hal_align::Vector;
 use hal_component::{Clock, Messages, Receiver, SeqReader, SeqWriter, Touch, Work};
 use std::sync::{Arc, Mutex, atomic::Ordering::Relaxed};
 
@@ -50,7 +49,6 @@ impl Worker {
         clock: Clock,
         messages: Messages,
     ) -> Self {
-        let last = Results { sx: 1.0, sy: 1.0, ..Results::default() };
         let Ends { results, events, station } = ends;
         let view = View::new(watched);
         Self {
@@ -62,7 +60,7 @@ impl Worker {
             view,
             bench,
             shared,
-            last,
+            last: Results::default(),
             progress: None,
         }
     }
@@ -70,7 +68,8 @@ impl Worker {
     /// Goes on with an event. Returns its result when it is done.
     fn go_on(&mut self, progress: &mut Progress) -> Option<Result<(), Failure>> {
         let Progress { event, look, begun, since } = progress;
-        let at = Vector::new(event.x, event.y);
+        let at = event.station.at();
+        let moved = || self.shared.moved.load(Relaxed);
         let mut bench = lock(&self.bench);
         match event.action {
             Action::Solve => return Some(bench.solve()),
@@ -81,18 +80,21 @@ impl Worker {
             Action::Calibrate => return Some(bench.calibrate()),
             Action::Look(_) | Action::Sight => {}
         }
+        if moved() {
+            return Some(Err(Failure::Moved));
+        }
         let early = (self.clock.now_ns() - *begun) as f64 / 1e9;
-        if bench.is_early(early) && !self.shared.moved.load(Relaxed) {
+        if bench.skip_early(early) {
             *since = self.clock.now_ns();
             return None;
         }
         // Commands may use the bench while a picture is read and searched.
         let mut camera = bench.lend();
         drop(bench);
-        let searched = camera.search(at, event.scene);
+        let searched = camera.search(&event.station);
         let mut bench = lock(&self.bench);
         let taken = bench.give_back(camera, searched, look);
-        if self.shared.moved.load(Relaxed) {
+        if moved() {
             return Some(Err(Failure::Moved));
         }
         let now = self.clock.now_ns();
@@ -164,9 +166,9 @@ impl Work for Worker {
             }
         }
         let mark = self.shared.mark.load(Relaxed);
-        lock(&self.bench).tell(mark, &mut self.last);
+        lock(&self.bench).report(mark, &mut self.last);
         self.results.set(&self.last);
-        if self.view.is_due(self.clock.now_ns()) {
+        if self.view.take_turn(self.clock.now_ns()) {
             done = 1;
             self.view.show(&self.bench, &self.station.get());
         }

@@ -13,6 +13,7 @@
 mod camera;
 mod draw;
 mod measure;
+mod moments;
 mod picture;
 mod random;
 mod refine;

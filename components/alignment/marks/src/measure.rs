@@ -1,13 +1,14 @@
 //! Measurement of a region: sub-pixel centre, shape and angle from the coverage of each pixel.
 
 use crate::{
+    moments::{Covered, Moments, centroid},
     picture::Picture,
-    refine::{Covered, refine},
+    refine::refine,
     region::{FRAME, Region},
     search::MarkKind,
 };
 use hal_align::Vector;
-use libm::{atan2, fabs, hypot, sqrt};
+use libm::{fabs, hypot, sqrt};
 
 /// Distance of pixels inside the mark that are surely covered, in pixels.
 const INSIDE: usize = 2;
@@ -17,7 +18,6 @@ const OUTSIDE: usize = 3;
 const CONTRAST: f64 = 25.0;
 /// Uncertainty that remains without noise, in pixels.
 const FLOOR: f64 = 0.005;
-
 /// Uncertainty by the model of an edge, in pixels.
 const MODEL: f64 = 0.002;
 
@@ -52,6 +52,25 @@ pub(crate) struct Measures {
     pub(crate) angle: f64,
     pub(crate) uncertainty: f64,
     pub(crate) contrast: f64,
+}
+
+impl Measures {
+    /// Returns the measures of these moments about the centroid.
+    fn of(m: &Moments, uncertainty: f64, contrast: f64) -> Self {
+        let sum = m.xx + m.yy;
+        let radius = hypot((m.xx - m.yy) / 2.0, m.xy);
+        let size = hypot(m.real, m.imaginary);
+        Self {
+            centre: m.centre,
+            area: m.mass,
+            roundness: m.mass * m.mass / (core::f64::consts::TAU * sum),
+            elongation: (sum / 2.0 + radius) / (sum / 2.0 - radius).max(1e-9),
+            squareness: 60.0 * size / (m.mass * m.mass * m.mass),
+            angle: m.angle().to_degrees(),
+            uncertainty,
+            contrast,
+        }
+    }
 }
 
 /// Light on the background around a mark: a plane, by least squares.
@@ -105,13 +124,12 @@ pub(crate) fn measure(picture: &Picture, region: &Region) -> Option<Measures> {
     let (ratio, level) = (median(&mut ratios)?, median(&mut values)?);
     // The light on a dark background says little about the light on a bright mark.
     let mark = |lit: f64| if ratio < 1.0 { lit * ratio } else { level };
-    let middle = centre_of(region);
+    let middle = region.middle();
     let lit = light.at(middle.x, middle.y);
     let contrast = lit - mark(lit);
     if fabs(contrast) < CONTRAST {
         return None;
     }
-    let mut moments = Moments::default();
     let (mut covered, mut edge): (Vec<Covered>, Vec<Covered>) = (Vec::new(), Vec::new());
     for p in pixels.iter().filter(|p| p.place != Place::Background) {
         let lit = light.at(p.x, p.y);
@@ -128,36 +146,21 @@ pub(crate) fn measure(picture: &Picture, region: &Region) -> Option<Measures> {
             covered.push((p.x, p.y, within));
         }
     }
-    for (x, y, c) in &covered {
-        moments.mass += c;
-        moments.x += c * x;
-        moments.y += c * y;
-    }
-    let centre = Vector::new(moments.x / moments.mass, moments.y / moments.mass);
-    for (x, y, c) in &covered {
-        moments.second(*c, x - centre.x, y - centre.y);
-    }
+    let centre = centroid(&covered);
+    let moments = Moments::about(centre, covered.iter().copied());
     let spread: f64 = edge.iter().map(|p| (p.0 - centre.x) * (p.0 - centre.x)).sum();
     let noise = light.noise / fabs(contrast);
     let deviation = noise * sqrt(spread) / moments.mass;
-    let mut measures = moments.shape(centre, hypot(deviation, FLOOR), contrast);
+    let mut measures = Measures::of(&moments, hypot(deviation, FLOOR), contrast);
     let is_square = measures.squareness > 0.5;
     // The profile of an edge is a model, the centroid none: without noise the centroid is exact.
-    if let Some(better) = refine(&covered, &edge, centre, is_square, noise)
+    if let Some(better) = refine(&covered, &edge, &moments, is_square, noise)
         && hypot(better.deviation, MODEL) < deviation
     {
         measures.centre = better.centre;
         measures.uncertainty = hypot(better.deviation, FLOOR);
     }
     measures.centre.is_usable().then_some(measures)
-}
-
-/// Returns the middle of a region's rectangle.
-fn centre_of(region: &Region) -> Vector {
-    Vector::new(
-        region.left as f64 + region.width as f64 / 2.0,
-        region.top as f64 + region.height as f64 / 2.0,
-    )
 }
 
 /// Returns the centre and the value of a pixel of a region's rectangle.
@@ -259,45 +262,4 @@ fn median(values: &mut [f64]) -> Option<f64> {
     let upper = values.get(middle)?;
     let lower = values.get(middle.saturating_sub(1))?;
     Some(if values.len().is_multiple_of(2) { (upper + lower) / 2.0 } else { *upper })
-}
-
-/// Moments of the coverage.
-#[derive(Default)]
-struct Moments {
-    mass: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
-    /// Sum of the fourth power of `u + iv`.
-    real: f64,
-    imaginary: f64,
-}
-
-impl Moments {
-    fn second(&mut self, c: f64, u: f64, v: f64) {
-        self.xx += c * u * u;
-        self.xy += c * u * v;
-        self.yy += c * v * v;
-        let (re, im) = (u * u - v * v, 2.0 * u * v);
-        self.real += c * (re * re - im * im);
-        self.imaginary += c * 2.0 * re * im;
-    }
-
-    fn shape(&self, centre: Vector, uncertainty: f64, contrast: f64) -> Measures {
-        let sum = self.xx + self.yy;
-        let radius = hypot((self.xx - self.yy) / 2.0, self.xy);
-        let size = hypot(self.real, self.imaginary);
-        Measures {
-            centre,
-            area: self.mass,
-            roundness: self.mass * self.mass / (core::f64::consts::TAU * sum),
-            elongation: (sum / 2.0 + radius) / (sum / 2.0 - radius).max(1e-9),
-            squareness: 60.0 * size / (self.mass * self.mass * self.mass),
-            angle: (atan2(-self.imaginary, -self.real) / 4.0).to_degrees(),
-            uncertainty,
-            contrast,
-        }
-    }
 }

@@ -1,11 +1,12 @@
 //! Centre of a mark by its edge: maximum likelihood with white noise.
 //!
-//! The centroid weighs all pixels of the band around the edge alike, although those far from the edge tell nothing. Here
+//! The centroid weighs all pixels of the band around the edge alike, although those far from the edge carry no information. Here
 //! each weighs as much as its brightness depends on the centre: least squares of the profile of a blurred edge, which
 //! is the estimator that reaches the bound of Cramér and Rao (README).
 
+use crate::moments::{Covered, Moments};
 use hal_align::{Matrix, Vector};
-use libm::{atan2, erf, exp, fabs, hypot, sqrt};
+use libm::{erf, exp, fabs, hypot, sqrt};
 
 /// Steps of Gauss and Newton; each one squares what is left.
 const STEPS: usize = 3;
@@ -13,9 +14,6 @@ const STEPS: usize = 3;
 const LARGEST: f64 = 0.5;
 /// Deviation of the edge's blur, in pixels: that of the pixels themselves, and what the band around the edge can hold.
 const BLUR: (f64, f64) = (0.4, 2.0);
-
-/// Pixel with the part that the mark covers of it.
-pub(crate) type Covered = (f64, f64, f64);
 
 /// Circle or square, as far as any linear map may change it.
 struct Outline {
@@ -33,16 +31,17 @@ pub(crate) struct Refined {
     pub(crate) deviation: f64,
 }
 
-/// Returns the centre that fits the edge best. `mass` has the pixels of the mark, `edge` those around the edge with the
-/// noise in their parts; `noise` is the deviation of a part.
+/// Returns the centre that fits the edge best; the search starts at the centre of the moments. `mass` has the pixels of the
+/// mark, and `moments` are theirs; `edge` has those around the edge with the noise in their parts; `noise` is the deviation of
+/// a part.
 pub(crate) fn refine(
     mass: &[Covered],
     edge: &[Covered],
-    centre: Vector,
+    moments: &Moments,
     is_square: bool,
     noise: f64,
 ) -> Option<Refined> {
-    let mut outline = Outline::of(mass, centre, is_square)?;
+    let mut outline = Outline::of(mass, moments, is_square)?;
     let spread: f64 = edge.iter().map(|(_, _, c)| c * (1.0 - c) + noise * noise).sum();
     // Along a normal, the integral of c (1 - c) of a blurred edge is its deviation over the root of pi.
     let blur = sqrt(core::f64::consts::PI) * spread / outline.length;
@@ -61,7 +60,7 @@ pub(crate) fn refine(
         let [xx, xy, yy] = information;
         let step = Matrix::new(xx, xy, xy, yy).inverse()? * pull;
         outline.centre = outline.centre + step;
-        let off = (outline.centre - centre).length();
+        let off = (outline.centre - moments.centre).length();
         if !matches!(off.partial_cmp(&LARGEST), Some(core::cmp::Ordering::Less)) {
             return None;
         }
@@ -72,12 +71,8 @@ pub(crate) fn refine(
 
 impl Outline {
     /// Returns the outline whose moments are those of the mark.
-    fn of(mass: &[Covered], centre: Vector, is_square: bool) -> Option<Self> {
-        let (mut m, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0);
-        for (x, y, c) in mass {
-            let (u, v) = (x - centre.x, y - centre.y);
-            (m, xx, xy, yy) = (m + c, xx + c * u * u, xy + c * u * v, yy + c * v * v);
-        }
+    fn of(mass: &[Covered], moments: &Moments, is_square: bool) -> Option<Self> {
+        let Moments { centre, mass: m, xx, xy, yy, .. } = *moments;
         let (xx, xy, yy) = (xx / m, xy / m, yy / m);
         // The root of the second moments, times the ratio of the shape's half size to its own.
         let root = sqrt(xx * yy - xy * xy);
@@ -88,13 +83,12 @@ impl Outline {
         let (larger, smaller) = to_pixels.stretches();
         let mut length = core::f64::consts::TAU * sqrt((larger * larger + smaller * smaller) / 2.0);
         if is_square {
-            let (mut re, mut im) = (0.0, 0.0);
-            for (x, y, c) in mass {
+            let in_unit = |(x, y, c): &Covered| {
                 let w = unit * (Vector::new(*x, *y) - centre);
-                let (a, b) = (w.x * w.x - w.y * w.y, 2.0 * w.x * w.y);
-                (re, im) = (re + c * (a * a - b * b), im + 2.0 * c * a * b);
-            }
-            unit = Matrix::rotation(-atan2(-im, -re) / 4.0) * unit;
+                (w.x, w.y, *c)
+            };
+            let angle = Moments::about(Vector::ZERO, mass.iter().map(in_unit)).angle();
+            unit = Matrix::rotation(-angle) * unit;
             length *= 4.0 / core::f64::consts::PI;
         }
         length.is_finite().then_some(Self { centre, unit, is_square, length })
@@ -147,7 +141,8 @@ mod tests {
                 let all = edge(at, map, is_square, 1.0);
                 let band: Vec<Covered> =
                     all.iter().copied().filter(|p| 0.001 < p.2 && p.2 < 0.999).collect();
-                let found = refine(&all, &band, at, is_square, 0.05).unwrap();
+                let start = Moments::about(at + Vector::new(0.25, -0.2), all.iter().copied());
+                let found = refine(&all, &band, &start, is_square, 0.05).unwrap();
                 let off = (found.centre - at).length();
                 assert!(off < 2e-3, "{is_square} {stretch}: {off}");
                 // The bound: twice the noise squared times the blur, over the root of pi times the radius of a circle.
@@ -158,6 +153,6 @@ mod tests {
             }
         }
         // What has no edge gives nothing.
-        assert!(refine(&[], &[], at, false, 0.05).is_none());
+        assert!(refine(&[], &[], &Moments::about(at, []), false, 0.05).is_none());
     }
 }

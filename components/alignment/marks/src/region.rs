@@ -1,5 +1,7 @@
 //! Connected regions of dark pixels, with their holes filled.
 
+use hal_align::Vector;
+
 /// Region of a picture: a rectangle with a frame of free pixels around it.
 #[derive(Clone, Debug)]
 pub(crate) struct Region {
@@ -37,8 +39,7 @@ pub(crate) struct Limits {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LargeRegion {
     /// Middle of its rectangle.
-    pub(crate) x: f64,
-    pub(crate) y: f64,
+    pub(crate) middle: Vector,
     /// Number of dark pixels.
     pub(crate) pixels: usize,
     /// Longer side of its rectangle.
@@ -92,8 +93,8 @@ pub(crate) fn regions(
             continue;
         }
         if count > limits.pixels || around.side() > limits.side {
-            let (x, y) = around.middle();
-            each(Err(LargeRegion { x, y, pixels: count, side: around.side() }));
+            let (middle, side) = (around.middle(), around.side());
+            each(Err(LargeRegion { middle, pixels: count, side }));
         } else {
             each(Ok(&Region::of(&pixels, &around, width, height)));
         }
@@ -123,8 +124,11 @@ impl PixelBox {
         (self.right - self.left).max(self.bottom - self.top) + 1
     }
 
-    fn middle(&self) -> (f64, f64) {
-        ((self.left + self.right + 1) as f64 / 2.0, (self.top + self.bottom + 1) as f64 / 2.0)
+    fn middle(&self) -> Vector {
+        Vector::new(
+            (self.left + self.right + 1) as f64 / 2.0,
+            (self.top + self.bottom + 1) as f64 / 2.0,
+        )
     }
 }
 
@@ -154,6 +158,14 @@ impl Region {
             filled,
             at_border: left == 0 || top == 0 || right + 1 >= width || bottom + 1 >= height,
         }
+    }
+
+    /// Returns the middle of the rectangle.
+    pub(crate) fn middle(&self) -> Vector {
+        Vector::new(
+            self.left as f64 + self.width as f64 / 2.0,
+            self.top as f64 + self.height as f64 / 2.0,
+        )
     }
 
     /// Returns whether a pixel of the rectangle belongs to the filled region.
@@ -207,7 +219,7 @@ mod tests {
         regions(&dark, N, N, Limits { pixels: 4000, side: 100 }, |region| {
             found.push(region.map(|r| (r.left, r.top, r.dark.len(), r.area(), r.at_border)));
         });
-        let line = LargeRegion { x: 500.0, y: 500.0, pixels: 3 * N - 2, side: N };
+        let line = LargeRegion { middle: Vector::new(500.0, 500.0), pixels: 3 * N - 2, side: N };
         assert_eq!(found, [Err(line), Ok((692, -8, 36 * 36, 400, true))]);
         regions(&dark, N, N, Limits { pixels: 399, side: N }, |region| {
             assert!(region.is_err());

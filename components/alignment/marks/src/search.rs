@@ -3,7 +3,7 @@
 use crate::{
     measure::{FoundMark, Measures, measure},
     picture::Picture,
-    region::{FRAME, Limits, Region, regions},
+    region::{Limits, Region, regions},
     threshold::dark,
 };
 use core::{f64::consts::PI, fmt};
@@ -119,13 +119,17 @@ pub struct Seen {
 const AREA: f64 = 0.3;
 /// Largest area before the exact one is known, as a part of the expected one.
 const ROUGH_MOST: f64 = (1.0 + AREA) * 1.4;
+/// Slack of the longest side in pixels: blur and threshold may add this length to a mark of any size.
+const SIDE_SLACK: usize = 16;
 /// Least roundness.
 const ROUND: f64 = 0.85;
 /// Largest elongation.
 const ELONGATED: f64 = 1.2;
-/// Largest squareness of a circle, and least of a square.
+/// Largest squareness of a circle.
 const CIRCLE: f64 = 0.2;
+/// Least squareness of a square.
 const SQUARE: f64 = 0.7;
+
 /// Searches a picture for marks.
 #[must_use]
 pub fn search(picture: &Picture, wanted: &Search) -> Seen {
@@ -152,12 +156,12 @@ pub fn search(picture: &Picture, wanted: &Search) -> Seen {
     };
     let limits = Limits {
         pixels: whole(expected * ROUGH_MOST),
-        side: whole(2.0 * wanted.size).saturating_add(2 * FRAME),
+        side: whole(2.0 * wanted.size).saturating_add(SIDE_SLACK),
     };
     regions(&dark, width, height, limits, |region| match region {
         Ok(region) => match judge(picture, region, wanted) {
             Ok(mark) => seen.marks.push(mark),
-            Err(reason) => seen.rejected.push((middle(region), reason)),
+            Err(reason) => seen.rejected.push((region.middle(), reason)),
         },
         Err(large) => {
             let reason = if large.pixels > limits.pixels {
@@ -165,17 +169,10 @@ pub fn search(picture: &Picture, wanted: &Search) -> Seen {
             } else {
                 Rejected::Side(large.side as f64, limits.side as f64)
             };
-            seen.rejected.push((Vector::new(large.x, large.y), reason));
+            seen.rejected.push((large.middle, reason));
         }
     });
     seen
-}
-
-fn middle(region: &Region) -> Vector {
-    Vector::new(
-        region.left as f64 + region.width as f64 / 2.0,
-        region.top as f64 + region.height as f64 / 2.0,
-    )
 }
 
 /// Returns the area of the wanted marks in square pixels.

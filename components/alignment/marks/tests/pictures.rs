@@ -309,7 +309,7 @@ fn check_part(begin: &str, end: &str, new: &str) {
 
 /// A hatched board: each stripe is as long as the picture, so that a map of each would take a multiple of the picture's area.
 #[test]
-fn long_stripes_are_told_by_their_length() {
+fn long_stripes_are_rejected_by_their_length() {
     const SIDE: usize = 2400;
     let stripe = |at| if (at % SIDE + at / SIDE) % 16 < 5 { 40 } else { 220 };
     let picture = hal_marks::Picture::new(SIDE, SIDE, (0..SIDE * SIDE).map(stripe).collect());

@@ -29,19 +29,10 @@ pub(super) struct Session {
     pub(super) key: String,
 }
 
-impl Drop for Printer {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            shown("the machine says", &self.machine.said().1);
-            shown("the panel says", &self.panel.said().1);
-        }
-    }
-}
-
 /// Prints what a program has said on standard error before a test failed.
 #[expect(clippy::print_stderr, reason = "the report of a test that fails")]
-fn shown(who: &str, said: &str) {
-    eprintln!("{who}: {said}");
+fn shown(name: &str, program: &Running) {
+    eprintln!("{name} said: {}", program.said().1);
 }
 
 impl Printer {
@@ -211,6 +202,10 @@ impl Drop for Printer {
         }
         let (machine, panel) = (&mut self.machine, &mut self.panel);
         until("the programs end", || !machine.is_running() && !panel.is_running());
+        if std::thread::panicking() {
+            shown("the machine", machine);
+            shown("the panel", panel);
+        }
     }
 }
 

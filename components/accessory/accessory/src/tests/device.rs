@@ -1,12 +1,13 @@
 //! Serial lines pass nothing that is old, and a screen is whole however late its bytes are read.
 
-use super::{MS, frame, hardware, terminal};
+use super::{MS, Scratch, frame, hardware, terminal};
 use crate::{keypad::KeypadComponent, lcd_reader::LcdReader};
 use hal_handheld::{FrameFormat, KeySet, st7920::row_bytes};
 use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 use std::{
     fs::File,
-    io::{Read as _, Write as _},
+    io::{ErrorKind, Read as _, Write as _},
+    os::unix::fs::symlink,
 };
 
 #[test]
@@ -95,4 +96,49 @@ fn a_screen_that_is_read_late_is_whole() {
     bench.work("lcd.line", 64).unwrap();
     assert_eq!(run(&bench, 1), 1);
     assert!(bench.get::<bool>("lcd.found-0") && bench.get::<bool>("lcd.found-1"));
+}
+
+/// An adapter is pulled, and plugged in again under the same name.
+#[test]
+fn a_device_that_has_gone_is_opened_again() {
+    let scratch = Scratch::new("gone");
+    let path = scratch.path("tty");
+    let plug = || {
+        let (cable, own) = terminal();
+        symlink(own, &path).unwrap();
+        cable
+    };
+    let mut cable = plug();
+    let mut bench = hardware();
+    bench.load::<KeypadComponent>(&[&format!("device={path}")]).unwrap();
+    let run = |periods: u32| {
+        for _ in 0..periods {
+            bench.pass(20 * MS);
+            bench.work("keypad.line", 64).unwrap();
+            bench.run("keypad.update", 20 * MS);
+        }
+        bench.get::<bool>("keypad.down-14")
+    };
+    cable.write_all(&frame(14)).unwrap();
+    assert!(run(1));
+    drop(cable);
+    std::fs::remove_file(&path).unwrap();
+    assert!(!run(200), "keys of a handheld that has gone are up");
+    assert!(bench.said().len() == 1, "{:?}", bench.said());
+    let mut cable = plug();
+    // The next attempt is at most a second later.
+    run(51);
+    cable.write_all(&frame(14)).unwrap();
+    // Read in one period, and sent on in the next.
+    assert!(run(2));
+    // The kernel delivers the latest bytes to a read that finds no others.
+    let mut sent = Vec::new();
+    assert_eq!(cable.read_to_end(&mut sent).unwrap_err().kind(), ErrorKind::WouldBlock);
+    let (none, own) = (frame(0), frame(14));
+    let frames: Vec<&[u8]> = sent.chunks(8).collect();
+    let last = frames.len() - 1;
+    assert!(frames[..last].iter().all(|f| *f == none) && frames[last] == own, "{frames:?}");
+    let said = bench.said();
+    assert!(said.len() == 1 && said[0].contains("passes bytes again"), "{said:?}");
+    assert_eq!(bench.get::<u32>("keypad.bad-frames"), 0);
 }

@@ -1,6 +1,6 @@
 //! STOP passes what waits, and no press is lost on its way.
 
-use super::{MS, Scratch, hardware};
+use super::{MS, piped, writer};
 use crate::{
     keypad::KeypadComponent,
     presses::{PressQueue, Presses},
@@ -8,7 +8,7 @@ use crate::{
 use hal_bench::Bench;
 use hal_component::{Builder, Component, Error, abi::TicketState};
 use hal_handheld::Press;
-use std::{fs::File, io::Write as _, sync::Mutex};
+use std::{io::Write as _, sync::Mutex};
 
 fn loaded() -> Bench {
     let mut bench = Bench::new();
@@ -69,11 +69,8 @@ fn stop_needs_no_room() {
 
 #[test]
 fn stop_of_the_pipe_passes_its_lines() {
-    let scratch = Scratch::new("stops");
-    let path = scratch.path("keys");
-    let mut bench = hardware();
-    bench.load::<KeypadComponent>(&[&format!("pipe={path}")]).unwrap();
-    let mut writer = File::options().write(true).open(&path).unwrap();
+    let (_scratch, bench, path) = piped("stops");
+    let mut writer = writer(&path);
     writer.write_all("15 10000\n".repeat(200).as_bytes()).unwrap();
     bench.work("keypad.pipe", 1000).unwrap();
     bench.run("keypad.update", 20 * MS);
@@ -104,11 +101,8 @@ fn stop_of_the_pipe_passes_its_lines() {
 
 #[test]
 fn a_line_without_an_end_does_not_keep_the_worker() {
-    let mut bench = hardware();
-    let scratch = Scratch::new("endless");
-    let path = scratch.path("keys");
-    bench.load::<KeypadComponent>(&[&format!("pipe={path}")]).unwrap();
-    let mut writer = File::options().write(true).open(&path).unwrap();
+    let (_scratch, bench, path) = piped("endless");
+    let mut writer = writer(&path);
     writer.write_all(&[0; 60_000]).unwrap();
     assert_eq!(bench.work("keypad.pipe", 2).unwrap(), 2);
     assert_eq!(bench.work("keypad.pipe", 1000).unwrap(), 12);
@@ -122,11 +116,8 @@ fn a_line_without_an_end_does_not_keep_the_worker() {
 /// Two senders at once: what was accepted is pressed, a number is typed whole or refused.
 #[test]
 fn senders_do_not_take_each_others_room() {
-    let scratch = Scratch::new("senders");
-    let path = scratch.path("keys");
-    let mut bench = hardware();
-    bench.load::<KeypadComponent>(&[&format!("pipe={path}")]).unwrap();
-    let mut writer = File::options().write(true).open(&path).unwrap();
+    let (_scratch, bench, path) = piped("senders");
+    let mut writer = writer(&path);
     // 63 wait: there is room for one line, and none for three digits behind it.
     writer.write_all("1 1\n".repeat(63).as_bytes()).unwrap();
     bench.work("keypad.pipe", 1000).unwrap();

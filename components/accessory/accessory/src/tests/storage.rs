@@ -1,8 +1,12 @@
 //! Jobs on the storage: presented by a folder like configfs, taken from a folder of programs.
 
 use super::{MS, Scratch, hardware};
-use crate::usbjobs::UsbJobs;
+use crate::{
+    programs_folder::{MAX_FILES, ProgramsFolder},
+    usbjobs::UsbJobs,
+};
 use hal_bench::Bench;
+use hal_component::Component as _;
 
 /// The whole storage with a folder that looks like the kernel's.
 #[test]
@@ -156,7 +160,7 @@ fn an_image_that_is_presented_stays_and_another_goes() {
     ];
     for (shown, read_only, wanted) in [
         ("", "0\n", "1\n"),
-        // A blank tells that nobody wrote it.
+        // The blank stays if nobody writes the file.
         ("jobs/a.img", "1 \n", "1 \n"),
         ("jobs/b.img", "1 \n", "1 \n"),
     ] {
@@ -196,4 +200,46 @@ fn another_size_changes_no_image_that_is_presented() {
     bench.work("usbjobs", 100).unwrap();
     assert_eq!(bench.command("usbjobs.status", &[]).unwrap(), ["serving image B", "ready part.nc"]);
     assert_eq!((len("jobs/a.img"), len("jobs/b.img")), (40, 36));
+}
+
+/// Files beyond the largest number are left out by their names, and that is reported once.
+#[test]
+fn a_folder_with_too_many_files_is_reported_once() {
+    let scratch = Scratch::new("crowded");
+    let programs = scratch.0.join("programs");
+    std::fs::create_dir_all(&programs).unwrap();
+    std::fs::create_dir(scratch.0.join("jobs")).unwrap();
+    let names: Vec<String> = (0..MAX_FILES + 2).map(|n| format!("{n:04}.nc")).collect();
+    // The order in which they come into the folder is not that of their names.
+    for name in names.iter().rev() {
+        std::fs::write(programs.join(name), "M30\n").unwrap();
+    }
+    let mut folder = ProgramsFolder::new(&programs);
+    let first = folder.look(0.0, |_| false);
+    assert!(first.is_crowded && first.changed.is_empty());
+    let second = folder.look(1.0, |_| false);
+    assert!(!second.is_crowded);
+    assert!(second.changed == names[..MAX_FILES], "{:?}", second.changed.first());
+    // As many as there may be are not too many.
+    names[..2].iter().for_each(|name| std::fs::remove_file(programs.join(name)).unwrap());
+    assert!(!folder.look(2.0, |_| false).is_crowded);
+    let fourth = folder.look(3.0, |_| false);
+    assert!(fourth.changed == names[2..], "{:?}", fourth.changed.first());
+    std::fs::write(programs.join(&names[0]), "M30\n").unwrap();
+    assert!(folder.look(4.0, |_| false).is_crowded, "again too many");
+    let mut bench = Bench::new();
+    let args = [
+        format!("folder={}", scratch.path("jobs")),
+        format!("programs={}", programs.display()),
+        "size=36".to_owned(),
+    ];
+    bench.load::<UsbJobs>(&args.each_ref().map(String::as_str)).unwrap();
+    for _ in 0..3 {
+        bench.work("usbjobs", 0).unwrap();
+        bench.pass(1000 * MS);
+    }
+    let said = bench.said();
+    let crowded = format!("the folder of programs has more than {MAX_FILES} files");
+    assert_eq!(said.iter().filter(|line| line.contains(&crowded)).count(), 1, "{said:?}");
+    assert!(UsbJobs::DOC.contains(&format!("the first {MAX_FILES} by their names")));
 }

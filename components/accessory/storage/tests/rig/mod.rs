@@ -217,10 +217,11 @@ pub(crate) fn settle(storage: &mut Storage<Memory>, host: &mut Host, now: f64) -
             break;
         }
     }
-    told(storage)
+    reported(storage)
 }
 
-pub(crate) fn told(storage: &mut Storage<Memory>) -> Vec<String> {
+/// Returns the events so far as text.
+pub(crate) fn reported(storage: &mut Storage<Memory>) -> Vec<String> {
     let text = |event| match event {
         StorageEvent::Presented(side) => format!("presented {side}"),
         StorageEvent::Deleted(name) => format!("deleted {name}"),
