@@ -104,10 +104,7 @@ impl Page {
         let field = self.fields.get(name);
         let (first, count) = *field.ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
         let record = locked(&self.record);
-        let values = record.values.get(first..first + count).unwrap_or_default();
-        let words = values.iter().flat_map(|v| v.bits().to_le_bytes());
-        let bytes: Vec<u8> = words.take_while(|b| *b != 0).collect();
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
+        Ok(Snapshot::text(record.values.get(first..first + count).unwrap_or_default()))
     }
 }
 
