@@ -6,7 +6,7 @@ import { MODES } from "./operator/states.js";
 /** Adds what all cards need to the parts of the page. */
 export function context(ctx) {
   const { info, session, link, store, messages, prefs, t } = ctx;
-  const machineUnit = info.linear_units === "inch" || info.linear_units === "in" ? "inch" : "mm";
+  const machineUnit = info.linear_units === "inch" ? "inch" : "mm";
   link.lostText = t("link.lost");
 
   const fail = (error) => {
