@@ -69,6 +69,10 @@ impl Net {
         };
         let (address, bits) = text.split_once('/').map_or((text, None), |(a, b)| (a, Some(b)));
         let address: IpAddr = address.parse().map_err(|_| wrong())?;
+        // Clients with IPv4 are compared as such: this would never match.
+        if address.to_canonical() != address {
+            return Err(wrong());
+        }
         let most = if address.is_ipv4() { 32 } else { 128 };
         let bits = bits.map_or(Ok(most), |b| b.parse().map_err(|_| wrong()))?;
         if bits <= most { Ok(Self { address, bits }) } else { Err(wrong()) }
@@ -132,6 +136,8 @@ mod tests {
             ("TELEOP_ALLOW = 192.0.2.7/33", "TELEOP_ALLOW has '192.0.2.7/33', must be addresses"),
             ("TELEOP_ALLOW = 192.0.2.7 localhost", "TELEOP_ALLOW has 'localhost'"),
             ("TELEOP_ALLOW = 192.0.2.7/-1", "TELEOP_ALLOW has '192.0.2.7/-1'"),
+            ("TELEOP_ALLOW = ::ffff:192.0.2.7", "TELEOP_ALLOW has '::ffff:192.0.2.7', must be"),
+            ("TELEOP_ALLOW = ::ffff:0:0/96", "TELEOP_ALLOW has '::ffff:0:0/96', must be"),
             ("TELEOP_CANCEL = later", "TELEOP_CANCEL is 'later', must be now or block"),
         ] {
             let said = read(entry).unwrap_err();
