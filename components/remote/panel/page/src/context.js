@@ -43,6 +43,7 @@ export function context(ctx) {
   const manual = () => (store.get("task").interpreter === 2 ? true : mode("manual"));
   return Object.assign(ctx, {
     fail, run, mode, manual, hasLease, isJoined, mayControl, mayMove, whyNot,
+    mm: new Units(machineUnit, "mm"),
     units: () => new Units(machineUnit, prefs.get("units") ?? machineUnit),
   });
 }

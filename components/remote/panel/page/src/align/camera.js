@@ -159,8 +159,8 @@ export function cameraCard(ctx) {
     path = null;
     if (!name) return draw();
     try {
-      const response = await request("GET", `${programPath(name, "/path")}?tolerance=${TOLERANCE}`, { signal });
-      const read = figures(new Path(await response.arrayBuffer()));
+      const response = await request("GET", `${programPath(name, "/path")}?tolerance=${ctx.mm.read(TOLERANCE)}`, { signal });
+      const read = figures(new Path(await response.arrayBuffer()), ctx.mm);
       if (loaded === version) path = read;
     } catch (error) {
       if (error.name !== "AbortError") ctx.fail(error);
@@ -195,10 +195,10 @@ function cross(x, y, size) {
   return figure;
 }
 
-/** Returns the cuts and the rapids of a path as figures in millimetres. */
-function figures({ count, points, origin, kinds }) {
+/** Returns the cuts and the rapids of a path in machine units as figures in millimetres. */
+export function figures({ count, points, origin, kinds }, mm) {
   const [cuts, rapids] = [new Path2D(), new Path2D()];
-  const at = (i) => [points[3 * i] + origin[0], points[3 * i + 1] + origin[1]];
+  const at = (i) => [0, 1].map((axis) => mm.show(points[3 * i + axis] + origin[axis]));
   let last = null;
   for (let i = 1; i < count; i++) {
     if (kinds[i] === 0) {
