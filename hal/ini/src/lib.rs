@@ -145,6 +145,25 @@ impl Ini {
         &self.warnings
     }
 
+    /// Returns whether the machine's unit of length, `[TRAJ]LINEAR_UNITS`, is the inch; else it is the millimetre.
+    ///
+    /// # Errors
+    ///
+    /// The entry, if it is neither.
+    pub fn is_inch(&self) -> Result<bool, &Entry> {
+        let Some(entry) = self.all("TRAJ", "LINEAR_UNITS").next() else { return Ok(false) };
+        match entry.value.trim().to_ascii_lowercase().as_str() {
+            "inch" | "in" | "imperial" => Ok(true),
+            "mm" | "metric" => Ok(false),
+            // Older files have the number of units in a millimetre.
+            text => match text.parse::<f64>() {
+                Ok(1.0) => Ok(false),
+                Ok(n) if (n * 25.4 - 1.0).abs() < 1e-3 => Ok(true),
+                _ => Err(entry),
+            },
+        }
+    }
+
     /// Returns whether the file has LinuxCNC's old format, with `[AXIS_0]` and without `[JOINT_0]`.
     /// Pins then have their old names.
     #[must_use]

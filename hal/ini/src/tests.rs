@@ -219,3 +219,24 @@ fn the_bytes_of_all_files_are_bounded() {
         assert_eq!(&*why, wanted);
     }
 }
+
+#[test]
+fn the_unit_of_length_is_the_inch_or_the_millimetre() {
+    for (entry, unit) in [
+        ("LINEAR_UNITS = inch", Some("inch")),
+        ("LINEAR_UNITS = IN", Some("inch")),
+        ("LINEAR_UNITS = Imperial", Some("inch")),
+        ("LINEAR_UNITS = 0.03937", Some("inch")),
+        ("LINEAR_UNITS = mm", Some("mm")),
+        ("LINEAR_UNITS = Metric", Some("mm")),
+        ("LINEAR_UNITS = 1.0", Some("mm")),
+        ("AXES = 3", Some("mm")),
+        ("LINEAR_UNITS = cm", None),
+        ("LINEAR_UNITS = NaN", None),
+        ("LINEAR_UNITS =", None),
+    ] {
+        let ini = Ini::parse("m.ini", format!("[TRAJ]\n{entry}\n").as_bytes()).unwrap();
+        let found = ini.is_inch().map(|is_inch| if is_inch { "inch" } else { "mm" });
+        assert_eq!(found.ok(), unit, "{entry}");
+    }
+}

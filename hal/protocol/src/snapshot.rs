@@ -99,4 +99,36 @@ impl Snapshot {
         })?;
         Some(sequence / 2)
     }
+
+    /// Returns a field of words as text: eight bytes in each, the first lowest. It ends at the first byte that is 0.
+    #[must_use]
+    pub fn text(words: &[Value]) -> String {
+        let bytes = words.iter().flat_map(|word| word.bits().to_le_bytes());
+        let bytes: Vec<u8> = bytes.take_while(|byte| *byte != 0).collect();
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! Texts in words.
+
+    use super::{Snapshot, Value};
+
+    #[test]
+    fn words_become_the_text_before_the_first_zero() {
+        for (words, text) in [
+            (&[][..], ""),
+            (&[b"part.ngc", b"\0after\0\0"], "part.ngc"),
+            (&[b"pi\xc3\xa9ce n", b"o 1\0\0\0\0\0"], "pi\u{e9}ce no 1"),
+            (&[b"a\xff b\0c\0\0"], "a\u{fffd} b"),
+            (&[b"12345678"], "12345678"),
+        ] {
+            let words: Vec<Value> = words
+                .iter()
+                .map(|word: &&[u8; 8]| Value::U64(u64::from_le_bytes(**word)))
+                .collect();
+            assert_eq!(Snapshot::text(&words), text);
+        }
+    }
 }

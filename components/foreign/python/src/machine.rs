@@ -104,10 +104,7 @@ impl Page {
         let field = self.fields.get(name);
         let (first, count) = *field.ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
         let record = locked(&self.record);
-        let values = record.values.get(first..first + count).unwrap_or_default();
-        let words = values.iter().flat_map(|v| v.bits().to_le_bytes());
-        let bytes: Vec<u8> = words.take_while(|b| *b != 0).collect();
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
+        Ok(Snapshot::text(record.values.get(first..first + count).unwrap_or_default()))
     }
 }
 
@@ -203,6 +200,12 @@ impl IniFile {
     }
 }
 
+/// Returns whether the machine's unit of length is the inch; else it is the millimetre.
+#[pyfunction]
+fn is_inch(file: &IniFile) -> bool {
+    file.ini.is_inch().unwrap_or(false)
+}
+
 /// A tool: number, pocket, nine offsets, diameter, front and back angle, orientation.
 type ToolRow = (i32, i32, [f64; 9], f64, f64, f64, u8);
 
@@ -226,6 +229,7 @@ fn _machine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Page>()?;
     module.add_class::<Channel>()?;
     module.add_class::<IniFile>()?;
+    module.add_function(wrap_pyfunction!(is_inch, module)?)?;
     module.add_function(wrap_pyfunction!(tools, module)?)?;
     module.add_function(wrap_pyfunction!(drawing::gui_respect_offsets, module)?)?;
     module.add_function(wrap_pyfunction!(drawing::gui_rot_offsets, module)?)?;

@@ -149,17 +149,8 @@ impl Machine {
     }
 
     fn apply(&mut self, ini: &Ini) -> Result<(), String> {
-        let entry = ini.all("TRAJ", "LINEAR_UNITS").next();
-        let unit = match entry.map(|e| e.value.to_ascii_lowercase()).as_deref() {
-            Some("inch" | "in" | "imperial") => Unit::Inch,
-            None | Some("mm" | "metric") => Unit::Millimetre,
-            // Older files have the number of units in a millimetre.
-            Some(text) => match text.trim().parse::<f64>() {
-                Ok(1.0) => Unit::Millimetre,
-                Ok(n) if (n * 25.4 - 1.0).abs() < 1e-3 => Unit::Inch,
-                _ => return Err(entry.map(|e| number::wrong(e, "mm or inch")).unwrap_or_default()),
-            },
-        };
+        let is_inch = ini.is_inch().map_err(|entry| number::wrong(entry, "mm or inch"))?;
+        let unit = if is_inch { Unit::Inch } else { Unit::Millimetre };
         self.settings.unit = unit;
         self.settings.program_unit = unit;
         let letters = coordinates(ini);

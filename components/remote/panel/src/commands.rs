@@ -107,8 +107,6 @@ pub(crate) struct Input<'a> {
     pub(crate) is_inch: bool,
 }
 
-/// Millimetres in an inch.
-const MM_PER_INCH: f64 = 25.4;
 /// Longest text of an argument in bytes.
 const MAX_TEXT: usize = 4096;
 
@@ -148,16 +146,6 @@ impl Input<'_> {
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
         let malformed = || Error::new(Code::Malformed, format!("{name} '{text}' is not a number"));
         number.ok_or_else(malformed)
-    }
-
-    /// Returns a length in machine units as an expression in the unit that is in force when its line is executed.
-    fn length(&self, value: f64) -> String {
-        let scale = if self.is_inch {
-            "[#<_imperial> + #<_metric> * 25.4]"
-        } else {
-            "[#<_metric> + #<_imperial> / 25.4]"
-        };
-        format!("[{value} * {scale}]")
     }
 
     /// Refuses arguments other than these.
@@ -211,6 +199,16 @@ impl Input<'_> {
     }
 }
 
+/// Returns a length in inches or millimetres as an expression in the unit that is in force when its line is executed.
+fn length(value: f64, is_inch: bool) -> String {
+    let scale = if is_inch {
+        "[#<_imperial> + #<_metric> * 25.4]"
+    } else {
+        "[#<_metric> + #<_imperial> / 25.4]"
+    };
+    format!("[{value} * {scale}]")
+}
+
 /// Sets a coordinate system so that an axis has this value where it is.
 fn touch_off(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["axis", "value", "system"])?;
@@ -220,7 +218,8 @@ fn touch_off(given: &Input<'_>) -> Result<Vec<Request>, Error> {
         return Err(malformed(format!("axis is {axis}, must be one of XYZABCUVW")));
     }
     let value = given.number("value")?;
-    let value = if "ABC".contains(&axis) { value.to_string() } else { given.length(value) };
+    let value =
+        if "ABC".contains(&axis) { value.to_string() } else { length(value, given.is_inch) };
     let system = given.text("system")?.unwrap_or_else(|| "0".to_owned());
     let system: u8 = system
         .parse()
@@ -234,10 +233,7 @@ fn touch_off(given: &Input<'_>) -> Result<Vec<Request>, Error> {
 /// Moves the machine to a place in mm, at its height: the camera then sees a mark.
 fn align_go(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     given.only(&["x", "y"])?;
-    let place = |name| {
-        let mm = given.number(name)?;
-        Ok::<_, Error>(given.length(if given.is_inch { mm / MM_PER_INCH } else { mm }))
-    };
+    let place = |name| Ok::<_, Error>(length(given.number(name)?, false));
     let text = format!("text=G53 G0 X{} Y{}", place("x")?, place("y")?);
     Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
 }
@@ -253,7 +249,7 @@ fn tool_offset(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     for (name, letter, share) in [("x", 'X', 1.0), ("z", 'Z', 1.0), ("diameter", 'R', 0.5)] {
         if given.text(name)?.is_some() {
             let value = given.number(name)? * share;
-            text += &format!(" {letter}{}", given.length(value));
+            text += &format!(" {letter}{}", length(value, given.is_inch));
         }
     }
     Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])

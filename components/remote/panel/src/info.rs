@@ -8,12 +8,6 @@ const SECTIONS: &[&str] = &["DISPLAY", "EMC", "TRAJ", "KINS"];
 /// Largest number of joints.
 const MAX_JOINTS: usize = 16;
 
-/// Returns whether the machine's unit of length is the inch.
-pub(crate) fn is_inch(info: &Map<String, Json>) -> bool {
-    let unit = info.get("linear_units").and_then(Json::as_str).unwrap_or_default();
-    ["inch", "in", "imperial"].iter().any(|inch| unit.eq_ignore_ascii_case(inch))
-}
-
 /// Returns the description of the machine.
 pub(crate) fn info(instance: &str, ini: Option<&Ini>) -> Map<String, Json> {
     let get = |section: &str, name: &str| ini.and_then(|ini| ini.get(section, name));
@@ -56,7 +50,7 @@ pub(crate) fn info(instance: &str, ini: Option<&Ini>) -> Map<String, Json> {
         "instance": instance,
         "version": env!("CARGO_PKG_VERSION"),
         "machine": get("EMC", "MACHINE"),
-        "linear_units": get("TRAJ", "LINEAR_UNITS"),
+        "linear_units": ini.map(|ini| if ini.is_inch().unwrap_or(false) { "inch" } else { "mm" }),
         "angular_units": get("TRAJ", "ANGULAR_UNITS"),
         "kinematics": get("KINS", "KINEMATICS"),
         "spindles": number("TRAJ", "SPINDLES").unwrap_or(1.0),

@@ -46,7 +46,8 @@ const MAX_CONNECTIONS: usize = 1024;
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Longest head of a request in bytes.
 const MAX_HEAD: usize = 32 << 10;
-/// Bytes that the system keeps of what a client has not received yet: what it sees next is then never old.
+/// Size of the send buffer of a connection, small so that a slow client gets recent states. A `WebSocket` begins as a
+/// request like any other, and cannot be told apart when its connection is accepted: every connection has this size.
 const SEND_BUFFER: usize = 32 << 10;
 /// Wait after the system has refused a connection.
 const REFUSED: Duration = Duration::from_millis(100);
@@ -153,7 +154,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             pressing: Mutex::default(),
             viewed: Mutex::default(),
             place,
-            is_inch: info::is_inch(&info),
+            is_inch: ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false)),
             info,
             address_file,
         });

@@ -84,16 +84,18 @@ impl Page {
         if !(0..100).any(|_| self.snapshot.read(&mut self.values).is_some()) {
             return None;
         }
-        let mut values = self.values.iter();
+        let mut values = self.values.as_slice();
         let fields = self.snapshot.info().fields.iter();
         let object = fields.map(|field| {
-            let words = values.by_ref().take(field.count as usize);
+            let count = values.len().min(field.count as usize);
+            let (words, rest) = values.split_at(count);
+            values = rest;
             let value = if TEXTS.contains(&field.name.as_str()) {
-                text(words).into()
+                Snapshot::text(words).into()
             } else if field.count == 1 {
-                words.map(number).next().unwrap_or_default()
+                words.first().map(number).unwrap_or_default()
             } else {
-                words.map(number).collect()
+                words.iter().map(number).collect()
             };
             (field.name.clone(), value)
         });
@@ -113,13 +115,6 @@ pub(crate) fn number(value: &Value) -> Json {
         Value::U64(u) | Value::Port(u) if u < 1 << 53 => u.into(),
         other => other.to_string().into(),
     }
-}
-
-/// Returns the text in words of eight bytes.
-fn text<'a>(words: impl Iterator<Item = &'a Value>) -> String {
-    let words = words.map(|word| if let Value::U64(word) = word { *word } else { 0 });
-    let bytes: Vec<u8> = words.flat_map(u64::to_le_bytes).take_while(|byte| *byte != 0).collect();
-    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// Returns the fields of `now` that differ from those of `before`.

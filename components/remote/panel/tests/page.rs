@@ -148,7 +148,7 @@ fn a_jog_goes_on_only_while_it_is_held() {
 }
 
 #[test]
-fn probing_changes_no_mode_and_each_message_is_shown_once() {
+fn lines_of_probing_messages_and_paths_over_the_picture() {
     run_script("lines.mjs");
 }
 

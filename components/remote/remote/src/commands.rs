@@ -58,7 +58,10 @@ The answer has the number of the pulse to send back next.",
             if let Some(pulse) = call.int("pulse") {
                 let pulse =
                     u32::try_from(pulse).map_err(|_| Error::new("pulse is no such number"))?;
-                keeper.lease.beat.store(pulse, Relaxed);
+                // A number that the servo thread has not made yet would count later, for another lease too.
+                if keeper.lease.pulse.load(Relaxed).wrapping_sub(pulse).cast_signed() >= 0 {
+                    keeper.lease.beat.store(pulse, Relaxed);
+                }
             }
             let permit = if keeper.lease.permit.load(Relaxed) { "TRUE" } else { "FALSE" };
             call.reply(&format!("pulse={} permit={permit}", keeper.lease.pulse.load(Relaxed)));

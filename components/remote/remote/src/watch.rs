@@ -100,12 +100,12 @@ impl Update for Watch {
         let beat = beats.into_iter().min_by_key(|beat| now.wrapping_sub(*beat)).unwrap_or(0);
         let mut number = shared.number.load(Relaxed);
         if number != judged.lease {
-            *judged = Judged { lease: number, taken: now, beat, beats: false, ..*judged };
+            *judged = Judged { lease: number, taken: now, beats: false, ..*judged };
         }
         if beat != judged.beat {
             judged.beat = beat;
-            // A pulse that left before this lease began answers for the one before.
-            judged.beats |= beat.wrapping_sub(judged.taken).cast_signed() >= 0;
+            // A pulse of this lease's first millisecond, or an older one, may have left under the lease before.
+            judged.beats |= beat.wrapping_sub(judged.taken).cast_signed() > 0;
         }
         // A number from the future has a great age.
         let age = now.wrapping_sub(beat);

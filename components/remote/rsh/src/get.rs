@@ -115,7 +115,7 @@ simple! {
     tool_offset: |look| Some(format!("TOOL_OFFSET {:.6}", look.task().number("tool_offset", 2)));
     update: |look| Some(format!("UPDATE {}", if look.settings.fresh { "AUTO" } else { "NONE" }));
     user_angular: |look| Some(format!("USER_ANGULAR_UNITS {}", angular_unit(look.state().facts.angular)));
-    user_linear: |look| Some(format!("USER_LINEAR_UNITS {}", linear_unit(look.state().facts.linear)));
+    user_linear: |look| Some(format!("USER_LINEAR_UNITS {}", linear_unit(look.state())));
 }
 
 macro_rules! poses {
@@ -137,18 +137,9 @@ fn program_unit(task: &Record) -> &'static str {
     if task.count("g_codes", 2) == INCH { "INCH" } else { "MM" }
 }
 
-/// Returns the name of a unit of length: `value` of it make a millimetre.
-fn linear_unit(value: f64) -> &'static str {
-    let is = |other: f64| (value - other).abs() < 1e-3 * other;
-    if is(1.0 / 25.4) {
-        "INCH"
-    } else if is(1.0) {
-        "MM"
-    } else if is(0.1) {
-        "CM"
-    } else {
-        "CUSTOM"
-    }
+/// Returns the name of the machine's unit of length.
+fn linear_unit(state: &Snapshots) -> &'static str {
+    if state.facts.is_inch { "INCH" } else { "MM" }
 }
 
 /// Returns the name of a unit of angles: `value` of it make a degree.
@@ -207,7 +198,7 @@ fn listed<T: core::fmt::Display>(
 }
 
 /// Returns the index of an axis, by its letter or number.
-fn axis(word: &str) -> Option<usize> {
+pub(crate) fn axis(word: &str) -> Option<usize> {
     let letter = AXES.chars().position(|letter| word.eq_ignore_ascii_case(&letter.to_string()));
     letter.or_else(|| word.parse().ok())
 }
@@ -300,7 +291,7 @@ pub(crate) fn joint_type(look: &mut Look<'_>, args: &[&str]) -> Option<String> {
 
 pub(crate) fn joint_units(look: &mut Look<'_>, args: &[&str]) -> Option<String> {
     joints(look, args, "JOINT_UNITS", |s, n| {
-        if turns(s, n) { angular_unit(s.facts.angular) } else { linear_unit(s.facts.linear) }
+        if turns(s, n) { angular_unit(s.facts.angular) } else { linear_unit(s) }
     })
 }
 

@@ -1,6 +1,6 @@
 //! Replies to `help`, from the table of subcommands.
 
-use crate::rows::{Needs, ROWS};
+use crate::rows::{Needs, ROWS, Stops};
 
 const COMMANDS: &str = "Commands:\r\n  hello <password> <client> <version>\r\n  get <subcommand> [arguments]\r\n  \
 set <subcommand> [arguments]\r\n  shutdown\r\n  quit\r\n  help [command]\r\n\r\n";
@@ -24,7 +24,13 @@ pub(crate) fn text(command: Option<&str>) -> String {
                 let rows = ROWS.iter().filter(|row| row.set.is_some_and(|(n, _)| n == needs));
                 rows.for_each(|row| line(text, row.name, row.args));
             }
-            text.push_str("Without control too: abort, pause, jog_stop, estop on, machine off\r\n");
+            let stops = ROWS.iter().filter_map(|row| match row.stops {
+                Stops::Never => None,
+                Stops::Always => Some(row.name.to_ascii_lowercase()),
+                Stops::With(word) => Some(format!("{} {word}", row.name.to_ascii_lowercase())),
+            });
+            let stops = stops.collect::<Vec<_>>().join(", ");
+            text.push_str(&format!("Without control too: {stops}\r\n"));
         }),
         "QUIT" => "quit\r\n  Ends the connection.\r\n".to_owned(),
         "SHUTDOWN" => "shutdown\r\n  Ends the machine; needs control.\r\n".to_owned(),

@@ -11,6 +11,17 @@ pub(crate) enum Needs {
     Control,
 }
 
+/// Arguments with which a subcommand of `set` ends motion: it needs no control then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stops {
+    /// None.
+    Never,
+    /// All.
+    Always,
+    /// This one, in lower case.
+    With(&'static str),
+}
+
 /// A subcommand.
 pub(crate) struct Subcommand {
     /// Name, in upper case.
@@ -21,27 +32,35 @@ pub(crate) struct Subcommand {
     pub(crate) set: Option<(Needs, Set)>,
     /// Arguments of `set`, for its help.
     pub(crate) args: &'static str,
+    /// Arguments with which it ends motion.
+    pub(crate) stops: Stops,
+}
+
+impl Subcommand {
+    const fn stops(self, stops: Stops) -> Self {
+        Self { stops, ..self }
+    }
 }
 
 const fn get(name: &'static str, get: Get) -> Subcommand {
-    Subcommand { name, get: Some(get), set: None, args: "" }
+    Subcommand { name, get: Some(get), set: None, args: "", stops: Stops::Never }
 }
 
 const fn set(name: &'static str, args: &'static str, set: Set) -> Subcommand {
-    Subcommand { name, get: None, set: Some((Needs::Control, set)), args }
+    Subcommand { name, get: None, set: Some((Needs::Control, set)), args, stops: Stops::Never }
 }
 
 const fn both(name: &'static str, args: &'static str, get: Get, set: Set) -> Subcommand {
-    Subcommand { name, get: Some(get), set: Some((Needs::Control, set)), args }
+    Subcommand { name, get: Some(get), set: Some((Needs::Control, set)), args, stops: Stops::Never }
 }
 
 const fn free(name: &'static str, args: &'static str, get: Get, set: Set) -> Subcommand {
-    Subcommand { name, get: Some(get), set: Some((Needs::Hello, set)), args }
+    Subcommand { name, get: Some(get), set: Some((Needs::Hello, set)), args, stops: Stops::Never }
 }
 
 /// All subcommands.
 pub(crate) const ROWS: &[Subcommand] = &[
-    set("ABORT", "", set::abort),
+    set("ABORT", "", set::abort).stops(Stops::Always),
     get("ABS_ACT_POS", get::abs_act_pos),
     get("ABS_CMD_POS", get::abs_cmd_pos),
     both(
@@ -60,7 +79,7 @@ pub(crate) const ROWS: &[Subcommand] = &[
     free("ECHO", "<on | off>", get::echo, set::echo),
     free("ENABLE", "<password | off>", get::enable, set::enable),
     get("ERROR", get::error),
-    both("ESTOP", "<on | off>", get::estop, set::estop),
+    both("ESTOP", "<on | off>", get::estop, set::estop).stops(Stops::With("on")),
     both("FEED_OVERRIDE", "<percent>", get::feed_override, set::feed_override),
     both("FLOOD", "<on | off>", get::flood, set::flood),
     set("HOME", "<joint | -1>", set::home),
@@ -68,7 +87,7 @@ pub(crate) const ROWS: &[Subcommand] = &[
     both("INIFILE", "", get::inifile, set::nothing),
     set("JOG", "<joint | axis> <speed>", set::jog),
     set("JOG_INCR", "<joint | axis> <speed> <distance>", set::jog_incr),
-    set("JOG_STOP", "<joint | axis>", set::jog_stop),
+    set("JOG_STOP", "<joint | axis>", set::jog_stop).stops(Stops::Always),
     get("JOINT_FAULT", get::joint_fault),
     get("JOINT_HOMED", get::joint_homed),
     get("JOINT_LIMIT", get::joint_limit),
@@ -85,7 +104,7 @@ pub(crate) const ROWS: &[Subcommand] = &[
     set("LOAD_TOOL_TABLE", "<file>", set::load_tool_table),
     both("LUBE", "<on | off>", get::lube, set::lube),
     get("LUBE_LEVEL", get::lube_level),
-    both("MACHINE", "<on | off>", get::machine, set::machine),
+    both("MACHINE", "<on | off>", get::machine, set::machine).stops(Stops::With("off")),
     set("MDI", "<text>", set::mdi),
     both("MIST", "<on | off>", get::mist, set::mist),
     both("MODE", "<manual | auto | mdi>", get::mode, set::mode),
@@ -94,7 +113,7 @@ pub(crate) const ROWS: &[Subcommand] = &[
     get("OPERATOR_TEXT", get::operator_text),
     both("OPTIONAL_STOP", "<0 | 1>", get::optional_stop, set::optional_stop),
     both("OVERRIDE_LIMITS", "<on | off>", get::override_limits, set::override_limits),
-    set("PAUSE", "", set::pause),
+    set("PAUSE", "", set::pause).stops(Stops::Always),
     both("PLAT", "", get::plat, set::nothing),
     get("POS_OFFSET", get::pos_offset),
     set("PROBE", "<x> <y> <z>", set::probe),
@@ -122,7 +141,8 @@ pub(crate) const ROWS: &[Subcommand] = &[
     ),
     both("SPINDLE_OVERRIDE", "[spindle] <percent>", get::spindle_override, set::spindle_override),
     set("STEP", "", set::step),
-    set("TASK_PLAN_INIT", "", set::task_plan_init),
+    // The interpreter starts each job from the place where the machine is.
+    set("TASK_PLAN_INIT", "", set::nothing),
     both("TELEOP_ENABLE", "<on | off>", get::teleop_enable, set::teleop_enable),
     get("TIME", get::time),
     both("TIMEOUT", "<seconds>", get::timeout, set::timeout),
@@ -138,4 +158,13 @@ pub(crate) const ROWS: &[Subcommand] = &[
 /// Returns the subcommand of this name, in any case.
 pub(crate) fn find(name: &str) -> Option<&'static Subcommand> {
     ROWS.iter().find(|row| row.name.eq_ignore_ascii_case(name))
+}
+
+/// Returns whether a subcommand of `set` with this argument ends motion.
+pub(crate) fn stops(name: &str, word: &str) -> bool {
+    find(name).is_some_and(|row| match row.stops {
+        Stops::Never => false,
+        Stops::Always => true,
+        Stops::With(other) => word.eq_ignore_ascii_case(other),
+    })
 }

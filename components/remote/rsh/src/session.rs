@@ -111,7 +111,7 @@ pub fn is_stop(line: &str) -> bool {
     let mut words = line.split_ascii_whitespace();
     let is_set = words.next().is_some_and(|word| word.eq_ignore_ascii_case("set"));
     let name = words.next().unwrap_or_default();
-    is_set && set::stops(name, words.next().unwrap_or_default())
+    is_set && rows::stops(name, words.next().unwrap_or_default())
 }
 
 impl Session {
@@ -212,7 +212,7 @@ impl Session {
         self.poll(machine);
         let row = rows::find(name).and_then(|row| row.set);
         let done = row.is_some_and(|(needs, set)| {
-            let free = needs == Needs::Hello || set::stops(name, args.first().unwrap_or(&""));
+            let free = needs == Needs::Hello || rows::stops(name, args.first().unwrap_or(&""));
             let permitted = free || machine.has_control();
             if !permitted {
                 self.settings.fail("this connection has no control: set enable PASSWORD");

@@ -1,6 +1,10 @@
 //! Effects of `set`: commands of the machine, and settings of the session.
 
-use crate::{Jog, JogTarget, Machine, get::AXES, session::Settings};
+use crate::{
+    Jog, JogTarget, Machine,
+    get::{AXES, axis},
+    session::Settings,
+};
 use std::time::Duration;
 
 /// Seconds in a minute: speeds of jogs are in units per minute.
@@ -22,16 +26,6 @@ pub(crate) struct SetLine<'a> {
 
 /// Executes it; returns false for arguments that it does not have, and for a refusal of which the client learns.
 pub(crate) type Set = fn(&mut SetLine<'_>, &[&str]) -> bool;
-
-/// Returns whether a subcommand ends motion: it needs no control.
-pub(crate) fn stops(name: &str, word: &str) -> bool {
-    let is = |text: &str, other: &str| text.eq_ignore_ascii_case(other);
-    is(name, "abort")
-        || is(name, "pause")
-        || is(name, "jog_stop")
-        || is(name, "estop") && is(word, "on")
-        || is(name, "machine") && is(word, "off")
-}
 
 impl SetLine<'_> {
     /// Gives a command. As with LinuxCNC it counts as received although the machine refuses it; `get error` has the
@@ -129,11 +123,6 @@ pub(crate) fn never(_: &mut SetLine<'_>, _: &[&str]) -> bool {
     false
 }
 
-/// Does nothing: the interpreter starts each job from the place where the machine is.
-pub(crate) fn task_plan_init(_: &mut SetLine<'_>, _: &[&str]) -> bool {
-    true
-}
-
 pub(crate) fn estop(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     either(order, args, "task.estop", "task.estop-reset")
 }
@@ -163,14 +152,10 @@ pub(crate) fn home(order: &mut SetLine<'_>, args: &[&str]) -> bool {
 
 /// Returns the joint or axis of a jog: a number is that of a joint, or of an axis where jogs move axes.
 fn target(order: &SetLine<'_>, word: &str) -> Option<JogTarget> {
-    let is_teleop = order.machine.state().is_teleop();
-    match word.parse::<u32>() {
-        Ok(n) if is_teleop => AXES.chars().nth(usize::try_from(n).ok()?).map(JogTarget::Axis),
-        Ok(n) => Some(JogTarget::Joint(n)),
-        Err(_) => {
-            let letter = AXES.chars().find(|letter| word.eq_ignore_ascii_case(&letter.to_string()));
-            letter.filter(|_| is_teleop).map(JogTarget::Axis)
-        }
+    if order.machine.state().is_teleop() {
+        AXES.chars().nth(axis(word)?).map(JogTarget::Axis)
+    } else {
+        word.parse().ok().map(JogTarget::Joint)
     }
 }
 

@@ -1,10 +1,8 @@
 //! State of a machine: the records of its snapshots, and facts of its INI file.
 
 use hal_ini::Ini;
-use hal_protocol::{SnapshotInfo, Value};
+use hal_protocol::{Snapshot, SnapshotInfo, Value};
 use std::collections::BTreeMap;
-
-const MM_PER_INCH: f64 = 25.4;
 
 /// A record of a snapshot: values by the name of their field.
 #[derive(Clone, Debug, Default)]
@@ -84,9 +82,7 @@ impl Record {
     /// Returns a field of words as text: eight bytes in each, the first lowest.
     #[must_use]
     pub fn text(&self, name: &str) -> String {
-        let words = self.all(name).iter().flat_map(|value| value.bits().to_le_bytes());
-        let bytes: Vec<u8> = words.take_while(|byte| *byte != 0).collect();
-        String::from_utf8_lossy(&bytes).into_owned()
+        Snapshot::text(self.all(name))
     }
 }
 
@@ -97,8 +93,8 @@ pub struct Facts {
     pub path: String,
     /// The file.
     pub ini: Ini,
-    /// Units of length per millimetre.
-    pub linear: f64,
+    /// True if the unit of length is the inch.
+    pub is_inch: bool,
     /// Units of angles per degree.
     pub angular: f64,
     /// True for a joint that turns.
@@ -113,11 +109,6 @@ impl Facts {
     pub fn new(path: String, ini: Ini) -> Self {
         let word = |section: &str, name: &str| ini.get(section, name).unwrap_or("").trim();
         let lower = |section: &str, name: &str| word(section, name).to_lowercase();
-        let linear = match lower("TRAJ", "LINEAR_UNITS").as_str() {
-            "in" | "inch" | "imperial" => 1.0 / MM_PER_INCH,
-            "cm" => 0.1,
-            _ => 1.0,
-        };
         let angular = match lower("TRAJ", "ANGULAR_UNITS").as_str() {
             "rad" | "radian" => core::f64::consts::PI / 180.0,
             "grad" | "gon" => 10.0 / 9.0,
@@ -129,7 +120,7 @@ impl Facts {
         let words = lower("KINS", "KINEMATICS");
         let is_plain = words.split_whitespace().next() == Some("trivkins");
         let kinematics = if is_plain && !words.contains("kinstype=both") { 1 } else { 4 };
-        Self { path, linear, angular, turns, kinematics, ini }
+        Self { path, is_inch: ini.is_inch().unwrap_or(false), angular, turns, kinematics, ini }
     }
 }
 

@@ -210,6 +210,7 @@ fn bytes_and_events_in_any_order_leave_one_job_and_whole_answers() {
         let (mut server, mut ids, mut now) = (Server::default(), Vec::new(), 0);
         // Number of jobs that the machine would have.
         let (mut starting, mut running) = (0_u32, 0_u32);
+        let mut cancels = 0;
         for _ in 0..400 {
             let pick = next(&mut seed) % 100;
             match (pick, ids.is_empty()) {
@@ -245,10 +246,13 @@ fn bytes_and_events_in_any_order_leave_one_job_and_whole_answers() {
                         server.signed_in(id, Ok(secret == "clave"), now);
                     }
                     Action::Start { .. } => {
-                        (starting, jobs) = (starting + 1, jobs + 1);
+                        (starting, jobs, cancels) = (starting + 1, jobs + 1, 0);
                         assert_eq!((starting, running), (1, 0), "one job at a time");
                     }
-                    Action::Cancel => assert_eq!(starting + running, 1),
+                    Action::Cancel => {
+                        cancels += 1;
+                        assert_eq!((starting + running, cancels), (1, 1), "once for a job");
+                    }
                     Action::Lose => assert_eq!(running, 1),
                     Action::Close(id) => assert!(ids.contains(&id)),
                 }

@@ -174,6 +174,31 @@ fn a_program_is_written_and_edited_in_the_page() {
 }
 
 #[test]
+fn an_open_program_is_read_again_where_it_was_stored_or_the_page_built_again() {
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    fixture.ready();
+    open(&fixture, "again.ngc", "G21 G90\nG1 X5 F600\nM2\n");
+    let shows = |line: &str| {
+        b.until(&format!("document.querySelector('.listing').textContent.includes('{line}')"));
+    };
+    shows("X5");
+    b.until("Number(document.querySelector('.view').dataset.points) > 0");
+    let points = b.run("return Number(document.querySelector('.view').dataset.points)");
+    let file = fixture.printer.scratch.path().join("again.ngc");
+    fixture.printer.scratch.write("again.ngc", "G21 G90\nG1 X7 F600\nY7\nX0\nY0\nM2\n");
+    b.fill("#upload", file.to_str().unwrap());
+    shows("X7");
+    b.until(&format!("Number(document.querySelector('.view').dataset.points) > {points}"));
+    b.run("document.querySelector('.view').id = 'before'");
+    b.click("#theme");
+    b.until("!document.querySelector('#before')");
+    shows("X7");
+    b.until("Number(document.querySelector('.view').dataset.points) > 0");
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
 fn offsets_are_in_units_of_the_page_whatever_those_of_the_program() {
     let Some(fixture) = Fixture::start(DESKTOP) else { return };
     let b = &fixture.browser;

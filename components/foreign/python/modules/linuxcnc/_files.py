@@ -17,9 +17,8 @@ tool = namedtuple(
 NO_TOOL = tool(-1, *(0.0,) * 12, 0)
 tool.__module__ = "linuxcnc"
 
-#: Units per millimetre or per degree.
-UNITS = {
-    "mm": 1.0, "metric": 1.0, "in": 1 / MM_PER_INCH, "inch": 1 / MM_PER_INCH, "imperial": 1 / MM_PER_INCH,
+#: Units per degree.
+ANGULAR_UNITS = {
     "deg": 1.0, "degree": 1.0, "grad": 0.9, "gon": 0.9, "rad": 0.017453292519943295, "radian": 0.017453292519943295,
 }
 
@@ -46,8 +45,8 @@ class Facts:
         self.path = path
         self.ini = _machine.ini(path) if path else None
         number, word = self.number, self.word
-        self.linear_units = UNITS.get(word("TRAJ", "LINEAR_UNITS", "mm").lower(), 1.0)
-        self.angular_units = UNITS.get(word("TRAJ", "ANGULAR_UNITS", "deg").lower(), 1.0)
+        self.linear_units = 1 / MM_PER_INCH if self.ini and _machine.is_inch(self.ini) else 1.0
+        self.angular_units = ANGULAR_UNITS.get(word("TRAJ", "ANGULAR_UNITS", "deg").lower(), 1.0)
         letters = word("TRAJ", "COORDINATES", "XYZ").upper().replace(" ", "")
         self.coordinates = [LETTERS.index(c) for c in letters if c in LETTERS]
         self.axis_mask = sum({1 << n for n in self.coordinates})

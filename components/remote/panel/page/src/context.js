@@ -6,7 +6,7 @@ import { MODES } from "./operator/states.js";
 /** Adds what all cards need to the parts of the page. */
 export function context(ctx) {
   const { info, session, link, store, messages, prefs, t } = ctx;
-  const machineUnit = info.linear_units === "inch" || info.linear_units === "in" ? "inch" : "mm";
+  const machineUnit = info.linear_units === "inch" ? "inch" : "mm";
   link.lostText = t("link.lost");
 
   const fail = (error) => {
@@ -43,6 +43,7 @@ export function context(ctx) {
   const manual = () => (store.get("task").interpreter === 2 ? true : mode("manual"));
   return Object.assign(ctx, {
     fail, run, mode, manual, hasLease, isJoined, mayControl, mayMove, whyNot,
+    mm: new Units(machineUnit, "mm"),
     units: () => new Units(machineUnit, prefs.get("units") ?? machineUnit),
   });
 }

@@ -35,9 +35,10 @@ async function start() {
 async function run(session) {
   let info;
   try {
-    info = await getJson("/info");
+    const [described, align] = await Promise.all([getJson("/info"), getJson(listPath("components", ["align"]))]);
+    info = described;
+    info.hasAlign = align.length > 0;
     if (!info.joints) await addJoints(info);
-    info.hasAlign = (await getJson(listPath("components", ["align"]))).length > 0;
   } catch (error) {
     document.body.replaceChildren(el("main", { class: "sign-in" }, el("p", { role: "alert" }, error.message),
       el("button", { type: "button", onclick: () => location.reload() }, translator(prefs.get("language"))("refresh"))));

@@ -42,9 +42,9 @@ fn only_what_ends_motion_needs_no_lease() {
 }
 
 /// Returns the engine's command for these arguments.
-fn sent(name: &str, args: &Json) -> Result<String, String> {
+fn sent(name: &str, args: &Json, is_inch: bool) -> Result<String, String> {
     let args: Args = serde_json::from_value(args.clone()).unwrap();
-    let given = Input { args: &args, is_inch: false };
+    let given = Input { args: &args, is_inch };
     let requests = match super::find(name).map_err(|e| e.text)?.action {
         Action::Engine(requests) => requests(&given),
         Action::Jog => given.jog(7),
@@ -146,6 +146,30 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
         ("shutdown", json!({}), Err("there is no command 'shutdown'")),
     ] {
         let wanted = wanted.map(str::to_owned).map_err(str::to_owned);
-        assert_eq!(sent(name, &args), wanted, "{name} {args}");
+        assert_eq!(sent(name, &args, false), wanted, "{name} {args}");
+    }
+}
+
+#[test]
+fn lengths_of_an_inch_machine_are_inches_but_for_places_of_the_part() {
+    for (name, args, wanted) in [
+        (
+            "touch-off",
+            json!({"axis": "z", "value": 1.5}),
+            "task.mdi text=G10 L20 P0 Z[1.5 * [#<_imperial> + #<_metric> * 25.4]]",
+        ),
+        (
+            "tool-offset",
+            json!({"tool": 3, "diameter": 0.5}),
+            "task.mdi text=G10 L1 P3 R[0.25 * [#<_imperial> + #<_metric> * 25.4]]",
+        ),
+        (
+            "align-go",
+            json!({"x": 145.2, "y": -5}),
+            "task.mdi text=G53 G0 X[145.2 * [#<_metric> + #<_imperial> / 25.4]] \
+             Y[-5 * [#<_metric> + #<_imperial> / 25.4]]",
+        ),
+    ] {
+        assert_eq!(sent(name, &args, true).as_deref(), Ok(wanted), "{name} {args}");
     }
 }

@@ -20,7 +20,7 @@ use hal_align::{
     rewrite::{Arcs, Refusal, Rules, rewrite as rewritten},
 };
 use hal_protocol::{Reply, Request};
-use serde_json::{Value as Json_, json};
+use serde_json::{Value, json};
 use std::{
     fs,
     io::{self, BufRead as _, BufReader, Read as _},
@@ -47,8 +47,8 @@ const WAIT: Duration = Duration::from_secs(5);
 const MAX_VIEW: u64 = 40 << 20;
 /// Begin of the name of a rewritten program.
 const ALIGNED: &str = "aligned-";
-/// Number of refused lines that are told.
-const MAX_TOLD: usize = 5;
+/// Largest number of refused lines that are reported.
+const MAX_REPORTED: usize = 5;
 
 impl Panel {
     /// Returns the file into which the component writes pictures.
@@ -80,7 +80,7 @@ impl Panel {
     }
 }
 
-/// Tells marks, fit and camera.
+/// Returns marks, fit and camera.
 pub(crate) async fn state(State(panel): State<Arc<Panel>>, _: Session) -> Result<Response, Error> {
     let json = panel.alignment().await?;
     Ok(([(header::CONTENT_TYPE, "application/json")], json).into_response())
@@ -117,7 +117,7 @@ pub(crate) async fn picture(
 }
 
 /// Reads a picture with the line before it, unless its number is this one.
-fn read_view(file: &FilePath, after: Option<u64>) -> io::Result<Option<(Json_, Vec<u8>)>> {
+fn read_view(file: &FilePath, after: Option<u64>) -> io::Result<Option<(Value, Vec<u8>)>> {
     let opened = match fs::File::open(file) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
         opened => opened?,
@@ -125,8 +125,8 @@ fn read_view(file: &FilePath, after: Option<u64>) -> io::Result<Option<(Json_, V
     let mut opened = BufReader::new(opened.take(MAX_VIEW));
     let (mut line, mut bytes) = (Vec::new(), Vec::new());
     opened.read_until(b'\n', &mut line)?;
-    let head: Json_ = serde_json::from_slice(&line)?;
-    if after.is_some() && head.get("number").and_then(Json_::as_u64) == after {
+    let head: Value = serde_json::from_slice(&line)?;
+    if after.is_some() && head.get("number").and_then(Value::as_u64) == after {
         return Ok(None);
     }
     opened.read_to_end(&mut bytes)?;
@@ -134,8 +134,8 @@ fn read_view(file: &FilePath, after: Option<u64>) -> io::Result<Option<(Json_, V
 }
 
 /// Answers with a picture, or without content where the camera has none: the header then has the problem.
-fn answer(head: &Json_, bytes: Vec<u8>) -> Response {
-    let kind = match head.get("kind").and_then(Json_::as_str) {
+fn answer(head: &Value, bytes: Vec<u8>) -> Response {
+    let kind = match head.get("kind").and_then(Value::as_str) {
         Some("image/png") => Some("image/png"),
         Some("image/jpeg") => Some("image/jpeg"),
         _ => None,
@@ -158,10 +158,10 @@ pub(crate) async fn rewrite(
     State(panel): State<Arc<Panel>>,
     session: Session,
     Path(name): Path<String>,
-    Json(asked): Json<Json_>,
+    Json(asked): Json<Value>,
 ) -> Result<Response, Error> {
     session.needs(Role::Operator)?;
-    let arcs = match asked.get("arcs").and_then(Json_::as_str) {
+    let arcs = match asked.get("arcs").and_then(Value::as_str) {
         None | Some("lines") => Arcs::Lines,
         Some("refuse") => Arcs::Refuse,
         Some(other) => {
@@ -173,7 +173,7 @@ pub(crate) async fn rewrite(
     let target = panel.program(&new)?;
     let transform = place(&panel.alignment().await?)?;
     panel.check_idle(&target)?;
-    let rules = Rules { arcs, header: Some(name), ..Rules::default() };
+    let rules = Rules { arcs, header: Some(name), inches: panel.is_inch, ..Rules::default() };
     let done = block_in_place(|| {
         let text = whole(&source, MAX_BYTES).map_err(|e| disk(&e))?;
         let done = rewritten(&text, &transform, &rules).map_err(|all| refused(&all))?;
@@ -188,12 +188,12 @@ pub(crate) async fn rewrite(
     .into_response())
 }
 
-/// Returns the place of the part, from what the component tells.
-fn place(told: &str) -> Result<Transform, Error> {
-    let told: Json_ = serde_json::from_str(told).unwrap_or_default();
-    let is_solved = told.get("fit").is_some_and(Json_::is_object);
-    let numbers = told.get("place").and_then(Json_::as_array).filter(|_| is_solved);
-    let numbers: Vec<f64> = numbers.into_iter().flatten().filter_map(Json_::as_f64).collect();
+/// Returns the place of the part, from the answer of the component.
+fn place(answer: &str) -> Result<Transform, Error> {
+    let answer: Value = serde_json::from_str(answer).unwrap_or_default();
+    let is_solved = answer.get("fit").is_some_and(Value::is_object);
+    let numbers = answer.get("place").and_then(Value::as_array).filter(|_| is_solved);
+    let numbers: Vec<f64> = numbers.into_iter().flatten().filter_map(Value::as_f64).collect();
     let [m11, m12, m21, m22, x, y] = numbers.as_slice() else {
         return Err(Error::new(Code::Conflict, "the marks do not give the place of the part yet"));
     };
@@ -202,19 +202,24 @@ fn place(told: &str) -> Result<Transform, Error> {
 
 /// Names the lines that cannot be rewritten.
 fn refused(all: &[Refusal]) -> Error {
-    let told = all.iter().take(MAX_TOLD).map(|r| format!("line {}: {}", r.line, r.reason));
-    let mut text = told.collect::<Vec<_>>().join("; ");
-    if all.len() > MAX_TOLD {
-        text.push_str(&format!("; and {} more", all.len() - MAX_TOLD));
+    let reported = all.iter().take(MAX_REPORTED).map(|r| format!("line {}: {}", r.line, r.reason));
+    let mut text = reported.collect::<Vec<_>>().join("; ");
+    if all.len() > MAX_REPORTED {
+        text.push_str(&format!("; and {} more", all.len() - MAX_REPORTED));
     }
     Error::new(Code::Refused, text)
 }
 
 #[cfg(test)]
 mod tests {
-    //! Places that are known, and those that are not.
+    //! Places that are known, and those that are not; programs of machines with either unit of length.
 
-    use super::{Code, place};
+    use super::{Arc, Code, Json, Panel, Path, Reply, Request, State, fs, json, place, rewrite};
+    use crate::{
+        engine::Engine,
+        lease::tests::{run, session},
+    };
+    use hal_protocol::Answer;
 
     #[test]
     fn only_a_place_that_is_solved_counts() {
@@ -229,6 +234,35 @@ mod tests {
             r#"{"fit": {}, "place": [1, 0, 0, 1, 0, 0, 0]}"#,
         ] {
             assert_eq!(place(none).unwrap_err().code, Code::Conflict, "{none}");
+        }
+    }
+
+    #[test]
+    fn a_program_without_a_unit_is_in_the_unit_of_the_machine() {
+        for (is_inch, text, wanted) in [
+            (false, "G90 G0 X1 Y2\nM2\n", "G0 X26.4000 Y52.8000"),
+            (true, "G90 G0 X1 Y2\nM2\n", "G0 X2.00000 Y4.00000"),
+            (true, "G21 G90 G0 X1 Y2\nM2\n", "G0 X26.4000 Y52.8000"),
+            (false, "G20 G90 G0 X1 Y2\nM2\n", "G0 X2.00000 Y4.00000"),
+        ] {
+            let engine = Engine::that(|request| {
+                let Request::Command { .. } = request else { return Ok(Reply::Done) };
+                let known = json!({ "fit": {}, "place": [1, 0, 0, 1, 25.4, 50.8] });
+                let lines = vec![known.to_string()];
+                Ok(Reply::Answer(Answer { lines, ticket: None, awaited: false }))
+            });
+            let mut panel = Panel::that(engine, &format!("align-{is_inch}-{}", text.len()));
+            let folder = panel.place.folder().to_owned();
+            panel.is_inch = is_inch;
+            panel.programs = Some(folder.clone());
+            fs::write(folder.join("a.ngc"), text).unwrap();
+            let (name, asked) = (Path("a.ngc".to_owned()), Json(json!({})));
+            let panel = State(Arc::new(panel));
+            run(async { tokio::spawn(rewrite(panel, session("ana"), name, asked)).await.unwrap() })
+                .unwrap();
+            let done = fs::read_to_string(folder.join("aligned-a.ngc")).unwrap();
+            fs::remove_dir_all(&folder).unwrap();
+            assert!(done.contains(wanted), "inch {is_inch}, {text}: {done}");
         }
     }
 }

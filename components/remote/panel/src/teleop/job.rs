@@ -25,7 +25,9 @@ use tokio::{
 
 /// Time between two looks at a command that has not ended.
 const LOOK: Duration = Duration::from_millis(20);
-/// Looks after which a cancellation that is refused gives the lease back as well.
+/// Longest wait for the end of the present command of a job that is cancelled.
+pub(super) const MAX_END: Duration = Duration::from_secs(60);
+/// Number of refused aborts after which the lease is given back.
 const MAX_REFUSALS: u32 = 25;
 /// Longest time until the status shows the end of a job that has ended.
 const SETTLE: Duration = Duration::from_secs(1);
@@ -274,15 +276,27 @@ pub(super) async fn end_lease(panel: &Panel, user: &User) {
 
 /// Brakes and ends the job: tries until the engine has taken the command, or the job is over. Meanwhile it gives the lease
 /// back, so that the job at least ends as `[REMOTE]ON_LOSS` says.
-/// With `ends_command` its present command is executed to its end before.
+/// With `end`, the longest wait, its present command is executed to its end before.
 pub(super) async fn cancel(
     panel: &Panel,
     owner: Option<&User>,
     is_over: &AtomicBool,
-    ends_command: bool,
+    end: Option<Duration>,
 ) {
-    if ends_command && let Err(why) = end_command(panel).await {
-        panel.audit.note("teleop", 0, &json!("end of the command"), Err(&why));
+    if let Some(most) = end {
+        let ended = tokio::select! {
+            biased;
+            // The next job is another one: there is nothing to cancel.
+            () = over(is_over) => return,
+            ended = timeout(most, end_command(panel)) => ended,
+        };
+        let late = || {
+            let text = format!("the command has not ended within {} s", most.as_secs_f64());
+            Err(Error::new(Kind::Refused, text))
+        };
+        if let Err(why) = ended.unwrap_or_else(|_| late()) {
+            panel.audit.note("teleop", 0, &json!("end of the command"), Err(&why));
+        }
     }
     for n in 1_u32.. {
         let abort = Request::Command { name: "task.abort".to_owned(), args: Vec::new() };
@@ -299,6 +313,13 @@ pub(super) async fn cancel(
         if let Some(owner) = owner.filter(|_| n == MAX_REFUSALS) {
             end_lease(panel, owner).await;
         }
+        sleep(LOOK).await;
+    }
+}
+
+/// Waits until the job is over.
+async fn over(is_over: &AtomicBool) {
+    while !is_over.load(Relaxed) {
         sleep(LOOK).await;
     }
 }

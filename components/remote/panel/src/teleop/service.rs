@@ -110,9 +110,10 @@ impl Service {
                 biased;
                 _ = look.tick() => self.look(*end.borrow()),
                 Some(event) = self.happened.recv() => self.take(event),
-                Ok((stream, peer)) = listener.accept() => match self.settings.admits(peer.ip()) {
-                    true => self.connect(stream, peer),
-                    false => refuse(stream, self.tls.is_none(), NOT_ALLOWED),
+                Ok((stream, peer)) = listener.accept() => if self.settings.admits(peer.ip()) {
+                    self.connect(stream, peer);
+                } else {
+                    refuse(stream, self.tls.is_none(), NOT_ALLOWED);
                 },
             }
             self.act();
@@ -296,10 +297,10 @@ impl Service {
                 Action::Start { id, program } => self.start(id, program),
                 Action::Cancel => {
                     let (panel, owner) = (self.panel.clone(), self.owner.clone());
-                    let (is_over, ends_command) =
-                        (self.is_over.clone(), self.settings.ends_command);
+                    let is_over = self.is_over.clone();
+                    let end = self.settings.ends_command.then_some(job::MAX_END);
                     tokio::spawn(async move {
-                        job::cancel(&panel, owner.as_ref(), &is_over, ends_command).await;
+                        job::cancel(&panel, owner.as_ref(), &is_over, end).await;
                     });
                 }
                 Action::Lose => self.lose(),

@@ -7,6 +7,8 @@ use std::net::{IpAddr, SocketAddr};
 
 /// Largest number of entries of the list of addresses.
 const MAX_ALLOWED: usize = 64;
+/// Number of bits before an IPv4 address within an IPv6 address.
+const MAPPED_BITS: u32 = 96;
 
 /// Addresses with the same beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,10 +70,14 @@ impl Net {
             )
         };
         let (address, bits) = text.split_once('/').map_or((text, None), |(a, b)| (a, Some(b)));
-        let address: IpAddr = address.parse().map_err(|_| wrong())?;
-        let most = if address.is_ipv4() { 32 } else { 128 };
-        let bits = bits.map_or(Ok(most), |b| b.parse().map_err(|_| wrong()))?;
-        if bits <= most { Ok(Self { address, bits }) } else { Err(wrong()) }
+        let stated: IpAddr = address.parse().map_err(|_| wrong())?;
+        let most = if stated.is_ipv4() { 32 } else { 128 };
+        let bits: u32 = bits.map_or(Ok(most), |b| b.parse().map_err(|_| wrong()))?;
+        // Clients with IPv4 are compared as such, also with an entry that is IPv4 within IPv6.
+        let address = stated.to_canonical();
+        let mapped = if address == stated { 0 } else { MAPPED_BITS };
+        let bits = bits.checked_sub(mapped).filter(|_| bits <= most).ok_or_else(wrong)?;
+        Ok(Self { address, bits })
     }
 
     fn has(self, client: IpAddr) -> bool {
@@ -111,6 +117,13 @@ mod tests {
             ("192.0.2.7", "192.0.2.7", true),
             ("192.0.2.7", "192.0.2.8", false),
             ("192.0.2.7", "::ffff:192.0.2.7", true),
+            ("::ffff:192.0.2.7", "192.0.2.7", true),
+            ("::ffff:192.0.2.7", "::ffff:192.0.2.7", true),
+            ("::ffff:192.0.2.7", "192.0.2.8", false),
+            ("::ffff:192.0.2.0/120", "192.0.2.8", true),
+            ("::ffff:192.0.2.0/120", "192.0.3.8", false),
+            ("::ffff:0:0/96", "192.0.2.8", true),
+            ("::ffff:0:0/96", "2001:db8::1", false),
             ("192.0.2.0/24 198.51.100.1", "192.0.2.200", true),
             ("192.0.2.0/24 198.51.100.1", "198.51.100.1", true),
             ("192.0.2.0/24 198.51.100.1", "198.51.100.2", false),
@@ -132,6 +145,8 @@ mod tests {
             ("TELEOP_ALLOW = 192.0.2.7/33", "TELEOP_ALLOW has '192.0.2.7/33', must be addresses"),
             ("TELEOP_ALLOW = 192.0.2.7 localhost", "TELEOP_ALLOW has 'localhost'"),
             ("TELEOP_ALLOW = 192.0.2.7/-1", "TELEOP_ALLOW has '192.0.2.7/-1'"),
+            ("TELEOP_ALLOW = ::ffff:0:0/95", "TELEOP_ALLOW has '::ffff:0:0/95', must be"),
+            ("TELEOP_ALLOW = ::ffff:0:0/129", "TELEOP_ALLOW has '::ffff:0:0/129', must be"),
             ("TELEOP_CANCEL = later", "TELEOP_CANCEL is 'later', must be now or block"),
         ] {
             let said = read(entry).unwrap_err();

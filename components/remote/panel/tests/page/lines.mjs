@@ -1,4 +1,4 @@
-// Lines that the page's probing gives, and messages of the machine. Run by `tests/page.rs`.
+// Lines that the page's probing gives, messages of the machine, and paths over the camera's picture. Run by `tests/page.rs`.
 
 import assert from "node:assert/strict";
 
@@ -6,6 +6,8 @@ globalThis.window = new EventTarget();
 globalThis.document = new EventTarget();
 
 const { probeLines } = await import("../../page/src/operator/probe.js");
+const { figures } = await import("../../page/src/align/camera.js");
+const { Units } = await import("../../page/src/format.js");
 const { machineMessages } = await import("../../page/src/operator/messages.js");
 
 const mm = { far: 10, speed: 50, tip: 2, isInch: false };
@@ -32,3 +34,20 @@ state(8, "a word", 0);
 state(0, "", 0);
 state(1, "anew", 0);
 assert.deepEqual(shown, ["error: a limit", "error: a limit", "warning: messages.missed 2", "info: a word", "info: anew"]);
+
+// The camera's picture is in millimetres, whatever the unit of the machine.
+globalThis.Path2D = class {
+  drawn = [];
+  moveTo(x, y) {
+    this.drawn.push("from", x, y);
+  }
+  lineTo(x, y) {
+    this.drawn.push("to", x, y);
+  }
+};
+const path = { count: 4, points: [0, 0, 9, 1, 0, 9, 1, 1, 9, 0, 1, 9], origin: [1, 2, 3], kinds: [0, 1, 2, 2] };
+for (const [unit, by] of [["mm", 1], ["inch", 25.4]]) {
+  const { cuts, rapids } = figures(path, new Units(unit, "mm"));
+  assert.deepEqual(rapids.drawn, ["from", by, 2 * by, "to", 2 * by, 2 * by]);
+  assert.deepEqual(cuts.drawn, ["from", 2 * by, 2 * by, "to", 2 * by, 3 * by, "to", by, 3 * by]);
+}

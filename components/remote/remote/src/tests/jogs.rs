@@ -213,6 +213,32 @@ fn an_answer_to_a_pulse_of_the_lease_before_is_no_beat() {
 }
 
 #[test]
+fn a_pulse_of_the_lease_before_keeps_no_other() {
+    let mut rig = Rig::leased(&[]);
+    rig.lose();
+    // It has the number of the new lease's first millisecond.
+    let pulse: u32 = rig.bench.get("remote.pulse");
+    rig.command("remote.take", "holder=eva from=1").unwrap();
+    rig.bench.run("remote", PERIOD);
+    rig.bench.set("remote.beat", pulse);
+    rig.bench.run("remote", PERIOD);
+    assert!(!rig.is("heartbeat"));
+    rig.cycles(1);
+    rig.bench.set("remote.beat", rig.bench.get::<u32>("remote.pulse"));
+    rig.cycles(1);
+    assert!(rig.is("heartbeat"), "its own");
+    // It comes true after that lease.
+    let future = rig.bench.get::<u32>("remote.pulse") + 50;
+    rig.command("remote.beat", &format!("lease=2 pulse={future}")).unwrap();
+    rig.command("remote.give", "lease=2").unwrap();
+    rig.command("remote.take", "holder=ana").unwrap();
+    for _ in 0..200 {
+        rig.cycles(1);
+        assert!(!rig.is("heartbeat"));
+    }
+}
+
+#[test]
 fn a_program_without_the_pin_sends_pulses_back_by_a_command() {
     let mut rig = Rig::leased(&[]);
     rig.lose();

@@ -40,6 +40,7 @@ export function cameraCard(ctx) {
       try {
         const response = await request("GET", view ? `/align/picture?after=${view.number}` : "/align/picture", { signal });
         const header = response.headers.get("X-Ferrule-View");
+        canvas.classList.toggle("stale", response.status === 204);
         if (response.status === 204) {
           // The camera has no picture, or none has come yet.
           if (header) setText(state, JSON.parse(decodeURIComponent(header)).problem);
@@ -53,6 +54,7 @@ export function cameraCard(ctx) {
         draw();
       } catch (error) {
         if (signal.aborted) return;
+        canvas.classList.add("stale");
         setText(state, error.message);
         await pause(RETRY_MS);
       }
@@ -152,26 +154,26 @@ export function cameraCard(ctx) {
     return (store.get("program").name ?? "").startsWith(ALIGNED) ? "machine" : "placed";
   };
 
-  let loaded = null;
-  async function load(name) {
+  let loaded = 0;
+  async function load(name, version) {
     path = null;
     if (!name) return draw();
     try {
-      const response = await request("GET", `${programPath(name, "/path")}?tolerance=${TOLERANCE}`, { signal });
-      const read = figures(new Path(await response.arrayBuffer()));
-      if (loaded === name) path = read;
+      const response = await request("GET", `${programPath(name, "/path")}?tolerance=${ctx.mm.read(TOLERANCE)}`, { signal });
+      const read = figures(new Path(await response.arrayBuffer()), ctx.mm);
+      if (loaded === version) path = read;
     } catch (error) {
       if (error.name !== "AbortError") ctx.fail(error);
     }
     draw();
   }
   store.listen(() => {
-    // The text of a program that was stored again is read again too.
-    const { name, lines } = store.get("program");
-    const key = name && lines ? name : null;
-    if (key === loaded) return;
-    loaded = key;
-    load(key);
+    const { name, lines, version } = store.get("program");
+    const isRead = Boolean(name && lines);
+    const next = isRead ? version : 0;
+    if (next === loaded) return;
+    loaded = next;
+    load(isRead ? name : null, next);
   }, signal);
   prefs.listen(draw, signal);
   signal.addEventListener("abort", () => bitmap?.close());
@@ -193,10 +195,10 @@ function cross(x, y, size) {
   return figure;
 }
 
-/** Returns the cuts and the rapids of a path as figures in millimetres. */
-function figures({ count, points, origin, kinds }) {
+/** Returns the cuts and the rapids of a path in machine units as figures in millimetres. */
+export function figures({ count, points, origin, kinds }, mm) {
   const [cuts, rapids] = [new Path2D(), new Path2D()];
-  const at = (i) => [points[3 * i] + origin[0], points[3 * i + 1] + origin[1]];
+  const at = (i) => [0, 1].map((axis) => mm.show(points[3 * i + axis] + origin[axis]));
   let last = null;
   for (let i = 1; i < count; i++) {
     if (kinds[i] === 0) {

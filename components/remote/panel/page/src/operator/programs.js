@@ -6,6 +6,9 @@ import { getJson, programPath, request } from "../http.js";
 import { editProgram } from "./editor.js";
 import { Listing, Program } from "./listing.js";
 
+/** Number of the program text that was read last: a program that is stored again has another one. */
+let version = 0;
+
 /** Makes the card of programs. */
 export function programsCard(ctx) {
   const { store, t, signal } = ctx;
@@ -20,6 +23,8 @@ export function programsCard(ctx) {
   const fresh = el("button", { type: "button", id: "program-new", onclick: () => edit(null) }, t("program.new"));
   const files = el("details", { open: true }, el("summary", {}, t("programs")), list);
   let loading = null;
+  // A page that was built again reads it again.
+  let opened;
 
   async function refresh() {
     try {
@@ -45,7 +50,7 @@ export function programsCard(ctx) {
   /** Shows a program that was stored; one that is open is read again. */
   function stored(name) {
     setText(note, t("program.uploaded", name));
-    if (store.get("program").name === name) load(name);
+    if (opened === name) load(name);
     refresh();
   }
 
@@ -80,7 +85,8 @@ export function programsCard(ctx) {
     loading?.abort();
     loading = new AbortController();
     const { signal: mine } = loading;
-    store.replace("program", { name: file, lines: 0 });
+    opened = file;
+    store.replace("program", { name: file, lines: 0, version: ++version });
     setText(name, file ?? t("program.none"));
     listing.open(null);
     if (!file) return;
@@ -97,7 +103,7 @@ export function programsCard(ctx) {
   store.listen(() => {
     const [motion, task] = [store.get("motion"), store.get("task")];
     const file = (task.file ?? "").split("/").at(-1) || null;
-    if (file !== (store.get("program").name ?? null)) load(file);
+    if (file !== opened) load(file);
     listing.mark(task.interpreter ? motion.line || task.line || 0 : 0);
     for (const control of [input, fresh]) enable(control, ctx.session.role !== "viewer");
   }, signal);

@@ -42,7 +42,7 @@ export function viewCard(ctx) {
     colourBy,
   );
 
-  const state = { file: undefined, path: null, zeros: "", pose: "" };
+  const state = { version: undefined, path: null, zeros: "", pose: "" };
   let [low, high] = travel(info);
   let machine = null;
   let tool = new Tool(1, colours.tool);
@@ -115,8 +115,8 @@ export function viewCard(ctx) {
   }, signal);
   store.listen(() => {
     const [motion, task, program] = ["motion", "task", "program"].map((part) => store.get(part));
-    if (program.name !== state.file && (program.lines > 0 || !program.name)) {
-      state.file = program.name;
+    if (program.version !== state.version && (program.lines > 0 || !program.name)) {
+      state.version = program.version;
       load(program.name);
     }
     if (!motion.pose) return;

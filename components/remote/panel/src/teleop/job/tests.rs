@@ -8,11 +8,14 @@ use crate::{
     session::Role,
     status::{Joined, Machine},
 };
-use hal_protocol::{Answer, Reply, Request};
+use hal_protocol::{Answer, Reply, Request, TicketInfo};
 use serde_json::json;
-use std::sync::{
-    Arc, Mutex,
-    mpsc::{Receiver, channel},
+use std::{
+    sync::{
+        Arc, Mutex,
+        mpsc::{Receiver, channel},
+    },
+    time::Duration,
 };
 use tokio::{sync::watch, task::yield_now};
 
@@ -125,9 +128,9 @@ fn cancelled(refusals: usize, name: &str) -> Vec<String> {
     let user = User { client: panel.clients.enter_without_page(&of), session: of };
     run(async {
         panel.clients.take(&panel.engine, user.client, &user.session, false).await.unwrap();
-        cancel(&panel, Some(&user), &AtomicBool::new(false), false).await;
+        cancel(&panel, Some(&user), &AtomicBool::new(false), None).await;
         // After the job there is nothing to cancel.
-        cancel(&panel, Some(&user), &AtomicBool::new(true), false).await;
+        cancel(&panel, Some(&user), &AtomicBool::new(true), None).await;
     });
     std::fs::remove_dir_all(panel.place.folder()).unwrap();
     let told = told.lock().unwrap();
@@ -144,4 +147,41 @@ fn a_cancellation_is_repeated_until_the_engine_takes_it() {
     let aborts = told.iter().filter(|name| *name == "task.abort").count();
     let given = told.iter().position(|name| name == "remote.give");
     assert_eq!((aborts, given), (42, Some(26)), "{told:?}");
+}
+
+/// Cancels a job at the end of its command, within this time; returns the commands that the engine got. A step never ends.
+fn cancelled_at_end(rests: bool, is_over: bool, end: Duration) -> Vec<String> {
+    let (tell, told) = channel();
+    let engine = Engine::that(move |request| {
+        let Request::Command { name, .. } = request else {
+            return Ok(Reply::Ticket(TicketInfo::Pending));
+        };
+        let ticket = (name == "task.step").then_some(1);
+        drop(tell.send(name));
+        Ok(Reply::Answer(Answer { lines: Vec::new(), ticket, awaited: false }))
+    });
+    let mut panel = Panel::that(engine, "end");
+    let object = |value: serde_json::Value| value.as_object().cloned();
+    let velocity = if rests { 0.0 } else { 1.0 };
+    let motion = object(json!({ "velocity": velocity, "paused": true, "line": 3 }));
+    let task = object(json!({ "state": 2, "interpreter": 2, "jobs": 0 }));
+    let machine = Machine { engine: Joined::Joined, motion, task };
+    let (_tell, seen) = watch::channel(Arc::new(machine));
+    panel.machine = seen;
+    run(cancel(&panel, None, &AtomicBool::new(is_over), Some(end)));
+    std::fs::remove_dir_all(panel.place.folder()).unwrap();
+    told.try_iter().collect()
+}
+
+#[test]
+fn a_command_that_does_not_end_is_ended_by_the_abort() {
+    let short = Duration::from_millis(1);
+    assert_eq!(cancelled_at_end(false, false, short), ["task.pause", "task.abort"]);
+    // A step that moves nothing, as while feed is inhibited. A slow computer needs longer to come there.
+    let mut ends = (0..16).map(|n| cancelled_at_end(true, false, short * (1 << n)));
+    let told = ends.find(|told| told.iter().any(|name| name == "task.step"));
+    let expected = ["task.pause", "task.step", "task.abort"].map(str::to_owned);
+    assert_eq!(told.as_deref(), Some(&expected[..]));
+    // The job is over already.
+    assert_eq!(cancelled_at_end(false, true, Duration::MAX), [""; 0]);
 }

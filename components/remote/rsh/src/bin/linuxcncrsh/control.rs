@@ -18,6 +18,10 @@ struct Held {
     lease: u64,
     /// Pulse to send back.
     pulse: u64,
+    /// Number of beats.
+    beats: u32,
+    /// True once a beat has permitted motion.
+    permitted: bool,
 }
 
 #[derive(Debug)]
@@ -30,7 +34,8 @@ struct Holders {
 #[derive(Debug)]
 pub(crate) struct Control {
     table: Mutex<Holders>,
-    taken: Condvar,
+    /// Notified when control is taken, and after each beat.
+    changed: Condvar,
 }
 
 impl Control {
@@ -38,7 +43,7 @@ impl Control {
     pub(crate) fn start(place: &Place) -> Result<Arc<Self>, String> {
         let client = Client::connect(place, "").map_err(|e| e.to_string())?;
         let table = Mutex::new(Holders { client, held: None });
-        let control = Arc::new(Self { table, taken: Condvar::new() });
+        let control = Arc::new(Self { table, changed: Condvar::new() });
         let shared = control.clone();
         let begun = thread::Builder::new().name("lease".to_owned()).spawn(move || shared.keep());
         begun.map_err(|e| hal_output::reason(&e))?;
@@ -49,18 +54,20 @@ impl Control {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    fn wait_while<'a>(
+        &self,
+        table: MutexGuard<'a, Holders>,
+        is_so: impl Fn(&Holders) -> bool,
+    ) -> MutexGuard<'a, Holders> {
+        let waited = self.changed.wait_while(table, |table| is_so(table));
+        waited.unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Sends pulses back, as long as a session has control.
     fn keep(&self) {
         loop {
-            let mut table = self.lock();
-            while table.held.is_none() {
-                table = self.taken.wait(table).unwrap_or_else(PoisonError::into_inner);
-            }
-            if table.beat().is_err() {
-                // The plugin has ended the lease.
-                table.held = None;
-            }
-            drop(table);
+            self.wait_while(self.lock(), |table| table.held.is_none()).beat();
+            self.changed.notify_all();
             crate::pause(INTERVAL);
         }
     }
@@ -68,25 +75,21 @@ impl Control {
     /// Gives control to a session, also from another one of this program.
     pub(crate) fn take(&self, session: u64) -> Result<(), String> {
         let mut table = self.lock();
-        let mut args = vec!["holder=linuxcncrsh".to_owned()];
-        if let Some(held) = table.held {
-            if held.session == session {
-                return Ok(());
+        let Some(lease) = table.take(session)? else { return Ok(()) };
+        // The thread keeps the lease from here on.
+        self.changed.notify_all();
+        let own = |table: &Holders| table.held.filter(|held| held.lease == lease);
+        table = self.wait_while(table, |table| {
+            own(table).is_some_and(|held| !held.permitted && held.beats < MAX_FIRST)
+        });
+        match own(&table) {
+            Some(held) if held.permitted => Ok(()),
+            Some(_) => {
+                table.give();
+                Err("the machine permits no motion from afar: remote.allow-motion is FALSE, or its thread does not run".to_owned())
             }
-            args.push(format!("from={}", held.lease));
+            None => Err("control has ended again, or another connection has it".to_owned()),
         }
-        let lines = table.ask("remote.take", args)?;
-        let lease = number(&lines, "lease=").ok_or("the machine gave no lease")?;
-        table.held = Some(Held { session, lease, pulse: 0 });
-        for _ in 0..MAX_FIRST {
-            if table.beat()? {
-                self.taken.notify_one();
-                return Ok(());
-            }
-            crate::pause(INTERVAL);
-        }
-        table.give();
-        Err("the machine permits no motion from afar: remote.allow-motion is FALSE, or its thread does not run".to_owned())
     }
 
     /// Takes control from a session, if it has it: its jogs stop.
@@ -113,6 +116,21 @@ impl Control {
 }
 
 impl Holders {
+    /// Takes the lease for a session. Returns its number, or nothing if the session has it already.
+    fn take(&mut self, session: u64) -> Result<Option<u64>, String> {
+        let mut args = vec!["holder=linuxcncrsh".to_owned()];
+        if let Some(held) = self.held {
+            if held.session == session {
+                return Ok(None);
+            }
+            args.push(format!("from={}", held.lease));
+        }
+        let lines = self.ask("remote.take", args)?;
+        let lease = number(&lines, "lease=").ok_or("the machine gave no lease")?;
+        self.held = Some(Held { session, lease, pulse: 0, beats: 0, permitted: false });
+        Ok(Some(lease))
+    }
+
     fn ask(&mut self, name: &str, args: Vec<String>) -> Result<Vec<String>, String> {
         match self.client.call(Request::Command { name: name.to_owned(), args }) {
             Ok(Reply::Answer(answer)) => Ok(answer.lines),
@@ -121,14 +139,16 @@ impl Holders {
         }
     }
 
-    /// Sends the last pulse back. Returns whether a held jog is permitted.
-    fn beat(&mut self) -> Result<bool, String> {
-        let Some(held) = self.held else { return Ok(false) };
+    /// Sends the last pulse back. An error ends control: the plugin has ended the lease.
+    fn beat(&mut self) {
+        let Some(held) = self.held else { return };
         let args = vec![format!("lease={}", held.lease), format!("pulse={}", held.pulse)];
-        let lines = self.ask("remote.beat", args)?;
-        let pulse = number(&lines, "pulse=").unwrap_or(0);
-        self.held = Some(Held { pulse, ..held });
-        Ok(lines.iter().any(|line| line.contains("permit=TRUE")))
+        self.held = self.ask("remote.beat", args).ok().map(|lines| Held {
+            pulse: number(&lines, "pulse=").unwrap_or(0),
+            beats: held.beats.saturating_add(1),
+            permitted: held.permitted || lines.iter().any(|line| line.contains("permit=TRUE")),
+            ..held
+        });
     }
 
     fn give(&mut self) {
