@@ -222,6 +222,8 @@ pub(crate) struct Core {
     pub(crate) input_was_late: bool,
     /// Number of jobs that have ended, and of those that have failed.
     pub(crate) jobs: (u32, u32),
+    /// Number of aborts, and of ends of the state on.
+    pub(crate) stops: u32,
     /// Machine time of the current or last job in seconds.
     pub(crate) job_time: f64,
     /// The last message for the operator.
@@ -281,6 +283,7 @@ impl Core {
             overriding: overrides::Orders::default(),
             input_was_late: false,
             jobs: (0, 0),
+            stops: 0,
             job_time: 0.0,
             message: Box::default(),
             messages: 0,
@@ -328,11 +331,10 @@ impl Core {
         }
         let was = core::mem::replace(&mut self.power, power);
         if was == Power::On && power != Power::On {
-            let why = if power == Power::Estop {
-                "the machine is in e-stop"
-            } else {
-                "the machine was switched off"
-            };
+            let is_estop = power == Power::Estop;
+            let off = "the machine was switched off";
+            let why = if is_estop { "the machine is in e-stop" } else { off };
+            self.stops = self.stops.wrapping_add(1);
             self.mode = if self.job.is_some() { self.mode } else { Mode::Manual };
             return self.end_job(why, out);
         }

@@ -14,7 +14,7 @@ use hal_gcode::{
 use std::sync::Arc;
 
 /// Version of [`TaskStatus`].
-pub(crate) const VERSION: u32 = 4;
+pub(crate) const VERSION: u32 = 5;
 /// Number of words of a text.
 const TEXT: usize = 32;
 /// Number of spindles.
@@ -41,6 +41,8 @@ pub(crate) struct TaskStatus {
     pub(crate) jobs: u32,
     /// Number of jobs that have failed or were aborted.
     pub(crate) jobs_failed: u32,
+    /// Number of times that something was stopped: by an abort, also without a job, or because the machine was no longer on.
+    pub(crate) stops: u32,
     /// Machine time of the current or last job in seconds, at the last change.
     pub(crate) job_time: f64,
     /// Estimate of the seconds until the program ends; -1 while it is not known.
@@ -217,6 +219,7 @@ fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
         block_delete: state.settings.block_delete,
         jobs: core.jobs.0,
         jobs_failed: core.jobs.1,
+        stops: core.stops,
         job_time: core.job_time,
         time_left: core.time_left().unwrap_or(-1.0),
         line: core.line(),

@@ -17,7 +17,7 @@ const MAX_WAITING: usize = 64 << 10;
 /// The machine as the server knows it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Machine {
-    /// Reason why nobody can begin a job, if the machine or its lease belongs to somebody else.
+    /// Reason why nobody can begin a job, if that is known before a start is tried: somebody has the lease.
     pub busy: Option<String>,
     /// Progress of its job in percent; `None` without one.
     pub progress: Option<u8>,
@@ -269,12 +269,14 @@ impl Server {
     /// Returns the time in milliseconds up to which pulses are answered for the client of the job, as if it had answered
     /// them itself: in the past once it has vanished or is silent.
     ///
-    /// While a start is checked, the client may say nothing: it counts as there as long as its connection lasts.
+    /// While a start is checked, and while the client waits for the end of a job that it has cancelled, it may say nothing:
+    /// it counts as there as long as its connection lasts.
     pub fn answers_until(&self, now: u64) -> u64 {
         let gone = now.saturating_sub(1);
         let Some(job) = self.job else { return gone };
         let Some(session) = job.owner.and_then(|id| self.sessions.get(&id)) else { return gone };
-        let heard = if job.has_begun { session.heard } else { now };
+        let is_waiting = !job.has_begun || job.phase == Phase::Ends { by_owner: true };
+        let heard = if is_waiting { now } else { session.heard };
         heard + LIVENESS_MS
     }
 

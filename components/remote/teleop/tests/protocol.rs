@@ -6,7 +6,8 @@ use std::{
     path::Path,
 };
 use teleop::{
-    Action, Answer, CODES, Code, MAX_LINE, MAX_PROGRAM, Machine, REQUESTS, Reason, Server, Word,
+    Action, Answer, CODES, Code, LIVENESS_MS, MAX_LINE, MAX_PROGRAM, Machine, REQUESTS, Reason,
+    Server, Word,
 };
 
 const BEGIN: &str = "<!-- written by UPDATE_EXPECT=1 cargo test -p teleop protocol -->\n";
@@ -152,6 +153,22 @@ fn a_client_that_sends_while_its_request_is_executed_is_read_no_further() {
     server.started(Ok(()), 0);
     assert!(!server.is_full(id));
     assert_eq!(server.output(id).len(), 10_000 * "AVANCE 0\r\n".len());
+}
+
+#[test]
+fn a_client_that_waits_for_the_end_of_its_job_is_there_as_long_as_its_connection() {
+    let (mut server, id) = server("RUNNING");
+    assert_eq!(
+        server.answers_until(9_000),
+        LIVENESS_MS,
+        "it has said nothing since it was started"
+    );
+    server.receive(id, b"CANCELAR\n", 9_000);
+    assert_eq!(server.answers_until(50_000), 50_000 + LIVENESS_MS);
+    server.poll(50_000);
+    assert!(server.is_linked(), "a client that waits is not silent");
+    server.gone(id);
+    assert_eq!(server.answers_until(50_000), 49_999);
 }
 
 #[test]

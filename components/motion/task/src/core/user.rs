@@ -95,6 +95,7 @@ impl Core {
             Command::Resume => self.resume(out),
             Command::Step => self.single_step(ticket, out),
             Command::Abort => {
+                self.stops = self.stops.wrapping_add(1);
                 if self.ending.is_none() {
                     self.end_job("aborted", out);
                 }

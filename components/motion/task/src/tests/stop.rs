@@ -237,3 +237,17 @@ fn a_result_of_the_machine_stays_after_an_abort() {
     let numbered = &rig.core.interpreter.state.numbered;
     assert_eq!([5399, 1].map(|n| numbered.get(n)), [1.0, 1.0]);
 }
+
+#[test]
+fn stops_are_counted_also_without_a_job() {
+    let mut rig = Rig::new("M2\n");
+    rig.pass(0.1);
+    let before = rig.core.stops;
+    rig.good(Command::Abort);
+    assert_eq!(rig.core.stops, before + 1, "an abort");
+    rig.fake.io.estop = Estop { commanded: true, open: false };
+    rig.pass(0.1);
+    assert_eq!(rig.core.stops, before + 2, "an e-stop");
+    rig.pass(0.1);
+    assert_eq!(rig.core.stops, before + 2, "once");
+}

@@ -1,5 +1,7 @@
 //! A job: its start through the task, its end, and the lease meanwhile.
 
+mod cancel;
+
 use super::check::{self, Lengths};
 use crate::{
     error::{Code as Kind, Error},
@@ -7,14 +9,10 @@ use crate::{
     session::Session,
 };
 use hal_protocol::{Reply, Request, TicketInfo};
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Map, Value as Json};
 use std::{
-    io::Write as _,
     path::PathBuf,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering::Relaxed},
-    },
+    sync::{Arc, atomic::Ordering::Relaxed},
     time::Duration,
 };
 use teleop::{Code, Reason};
@@ -23,12 +21,10 @@ use tokio::{
     time::{Instant, sleep, timeout},
 };
 
+pub(super) use cancel::{MAX_END, cancel};
+
 /// Time between two looks at a command that has not ended.
 const LOOK: Duration = Duration::from_millis(20);
-/// Longest wait for the end of the present command of a job that is cancelled.
-pub(super) const MAX_END: Duration = Duration::from_secs(60);
-/// Number of refused aborts after which the lease is given back.
-const MAX_REFUSALS: u32 = 25;
 /// Longest time until the status shows the end of a job that has ended.
 const SETTLE: Duration = Duration::from_secs(1);
 /// State of the task's status while the machine is on.
@@ -52,10 +48,16 @@ pub(super) struct Begun {
     pub(super) lengths: Lengths,
 }
 
+/// Returns who else has the control lease.
+pub(super) fn leased(panel: &Panel, client: Option<u64>) -> Option<String> {
+    let holder = panel.clients.view().1.filter(|holder| Some(holder.client) != client)?;
+    Some(format!("{} has the control lease", holder.user))
+}
+
 /// Returns why the machine begins no job of this client now, because of somebody else.
-pub(super) fn busy(panel: &Panel, client: Option<u64>) -> Option<String> {
-    if let Some(holder) = panel.clients.view().1.filter(|h| Some(h.client) != client) {
-        return Some(format!("{} has the control lease", holder.user));
+fn busy(panel: &Panel, client: u64) -> Option<String> {
+    if let Some(text) = leased(panel, Some(client)) {
+        return Some(text);
     }
     let machine = panel.machine.borrow();
     if machine.task.as_ref().is_some_and(|task| number(task, "interpreter") != 0) {
@@ -101,6 +103,11 @@ fn unready(panel: &Panel) -> Option<Reason> {
     None
 }
 
+/// Returns how often the machine was stopped, also by commands that did not come through the panel.
+fn local_stops(panel: &Panel) -> u64 {
+    panel.machine.borrow().task.as_ref().map_or(0, |task| number(task, "stops"))
+}
+
 /// Returns where the machine is, in machine units.
 fn pose(panel: &Panel) -> [f64; 9] {
     let machine = panel.machine.borrow();
@@ -113,20 +120,22 @@ fn pose(panel: &Panel) -> [f64; 9] {
 struct Start<'a> {
     panel: &'a Panel,
     client: u64,
-    /// Number of stops when it was asked for.
+    /// Number of stops by the panel when it was asked for.
     stops: u64,
+    /// Number of stops of the machine, by whomever, since the machine was looked at first.
+    local_stops: u64,
 }
 
 impl Start<'_> {
     /// Refuses the start if the machine is not ready, or not this client's, or anything has been stopped since.
     fn check(&self) -> Result<(), Reason> {
-        if let Some(text) = busy(self.panel, Some(self.client)) {
+        if let Some(text) = busy(self.panel, self.client) {
             return Err(Reason::new(Code::Ocupado, text));
         }
         if let Some(why) = unready(self.panel) {
             return Err(why);
         }
-        if self.panel.engine.stops() != self.stops {
+        if self.panel.engine.stops() != self.stops || local_stops(self.panel) != self.local_stops {
             let text = "a stop has come meanwhile: give the command again";
             return Err(Reason::new(Code::Ocupado, text));
         }
@@ -166,7 +175,7 @@ pub(super) async fn start(
         status.mark_unchanged();
         drop(timeout(SETTLE, status.changed()).await);
     }
-    let start = Start { panel, client: user.client, stops };
+    let start = Start { panel, client: user.client, stops, local_stops: local_stops(panel) };
     let reading = start.during(panel.reading.lock()).await?;
     let file = panel.teleop_file();
     let lengths = block_in_place(|| {
@@ -193,7 +202,7 @@ async fn begin(
     file: PathBuf,
     lengths: Lengths,
 ) -> Result<Begun, Reason> {
-    let Start { panel, client, stops } = start;
+    let Start { panel, client, stops, .. } = start;
     let (engine, clients) = (&panel.engine, &panel.clients);
     clients.take(engine, client, &user.session, false).await.map_err(refused)?;
     let lost = || Reason::new(Code::Ocupado, "the control lease has ended");
@@ -272,96 +281,6 @@ pub(super) async fn end_lease(panel: &Panel, user: &User) {
     panel.heart.keep(0);
     // An engine that does not answer has no lease either.
     drop(panel.clients.give(&panel.engine, user.client).await);
-}
-
-/// Brakes and ends the job: tries until the engine has taken the command, or the job is over. Meanwhile it gives the lease
-/// back, so that the job at least ends as `[REMOTE]ON_LOSS` says.
-/// With `end`, the longest wait, its present command is executed to its end before.
-pub(super) async fn cancel(
-    panel: &Panel,
-    owner: Option<&User>,
-    is_over: &AtomicBool,
-    end: Option<Duration>,
-) {
-    if let Some(most) = end {
-        let ended = tokio::select! {
-            biased;
-            // The next job is another one: there is nothing to cancel.
-            () = over(is_over) => return,
-            ended = timeout(most, end_command(panel)) => ended,
-        };
-        let late = || {
-            let text = format!("the command has not ended within {} s", most.as_secs_f64());
-            Err(Error::new(Kind::Refused, text))
-        };
-        if let Err(why) = ended.unwrap_or_else(|_| late()) {
-            panel.audit.note("teleop", 0, &json!("end of the command"), Err(&why));
-        }
-    }
-    for n in 1_u32.. {
-        let abort = Request::Command { name: "task.abort".to_owned(), args: Vec::new() };
-        let Err(why) = panel.engine.stop(abort, true).await else { return };
-        if is_over.load(Relaxed) {
-            return;
-        }
-        if n == 1 {
-            panel.audit.note("teleop", 0, &json!("cancel"), Err(&why));
-            let text = "the job cannot be cancelled yet, it is tried again";
-            // Without standard error there is nowhere else to say it.
-            drop(writeln!(std::io::stderr(), "halpanel: teleoperation: {text}: {}", why.text));
-        }
-        if let Some(owner) = owner.filter(|_| n == MAX_REFUSALS) {
-            end_lease(panel, owner).await;
-        }
-        sleep(LOOK).await;
-    }
-}
-
-/// Waits until the job is over.
-async fn over(is_over: &AtomicBool) {
-    while !is_over.load(Relaxed) {
-        sleep(LOOK).await;
-    }
-}
-
-/// Pauses, and goes on to the end of the present command. The job rests there.
-async fn end_command(panel: &Panel) -> Result<(), Error> {
-    let request = |name: &str| Request::Command { name: name.to_owned(), args: Vec::new() };
-    panel.engine.call(request("task.pause")).await?;
-    let Some(line) = paused(panel, |_| true).await else { return Ok(()) };
-    let step = panel.engine.call(request("task.step")).await?;
-    if let Some(ticket) = ticket(step) {
-        finish(panel, ticket).await.map_err(|why| Error::new(Kind::Refused, why))?;
-    }
-    // The step has begun; the job rests again behind its line.
-    paused(panel, |motion| {
-        float(motion, "distance_to_go") == 0.0 || number(motion, "line") != line
-    })
-    .await;
-    Ok(())
-}
-
-/// Waits until motion rests in a pause and is so; returns the line there, or nothing if the job has ended.
-async fn paused(panel: &Panel, is_so: impl Fn(&Map<String, Json>) -> bool) -> Option<u64> {
-    loop {
-        {
-            let machine = panel.machine.borrow();
-            let (task, motion) = (machine.task.as_ref()?, machine.motion.as_ref()?);
-            if number(task, "interpreter") == 0 {
-                return None;
-            }
-            let rests = float(motion, "velocity") == 0.0;
-            if rests && motion.get("paused") == Some(&Json::Bool(true)) && is_so(motion) {
-                return Some(number(motion, "line"));
-            }
-        }
-        sleep(LOOK).await;
-    }
-}
-
-/// Returns a number of a snapshot; NaN if it has none.
-fn float(snapshot: &Map<String, Json>, name: &str) -> f64 {
-    snapshot.get(name).and_then(Json::as_f64).unwrap_or(f64::NAN)
 }
 
 /// Waits for the end of a command.

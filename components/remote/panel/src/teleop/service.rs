@@ -143,8 +143,10 @@ impl Service {
         self.show();
     }
 
+    /// Returns the machine as the server shall know it. What moves there is judged by the start itself, whose status is
+    /// no older than the request.
     fn machine(&mut self) -> Machine {
-        let busy = job::busy(&self.panel, None);
+        let busy = job::leased(&self.panel, None);
         let machine = self.panel.machine.borrow();
         let (Some(task), Some(motion)) = (&machine.task, &machine.motion) else {
             return Machine { busy, progress: None };
@@ -275,7 +277,7 @@ impl Service {
 
     /// Shows the machine to the server after a job: the next request may have arrived already.
     fn is_free(&mut self) {
-        let busy = job::busy(&self.panel, None);
+        let busy = job::leased(&self.panel, None);
         self.server.machine(Machine { busy, progress: None });
     }
 

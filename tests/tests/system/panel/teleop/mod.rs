@@ -75,15 +75,16 @@ fn a_user_cancels() {
     use_case("cancel");
 }
 
-/// With `TELEOP_CANCEL = block` the line in progress is executed to its end; motion brakes at the begin of the next one.
+/// With `TELEOP_CANCEL = block` the line in progress is executed to its end, also where that takes longer than a client may be
+/// silent: it waits for the answer. Motion brakes at the begin of the next line.
 #[test]
 fn a_cancelled_job_ends_at_the_end_of_its_command() {
     let mut mill = Mill::start("ON_LOSS = hold\nTELEOP_CANCEL = block\n", &[]);
     mill.ready();
     play(
         &mut mill,
-        "A> INGRESAR ana:TOKEN\nA< ACEPTADO\nA> ENVIAR_NUEVO G20 G1 X0.5 F6\nA< RECIBIDO\n\
-         A> ENVIAR_AGREGAR G1 Y2\nA< RECIBIDO\nA> EJECUTAR\nA starts\nA? AVANCE 5\n\
+        "A> INGRESAR ana:TOKEN\nA< ACEPTADO\nA> ENVIAR_NUEVO G20 G1 X0.5 F1\nA< RECIBIDO\n\
+         A> ENVIAR_AGREGAR G1 Y2 F6\nA< RECIBIDO\nA> EJECUTAR\nA starts\nA? AVANCE 5\n\
          A> CANCELAR\nA< CANCELADO\nA> AVANCE\nA< AVANCE 100\nA> SALIR\nA< ADIOS\nA closed\n",
     );
     assert_eq!(mill.number("joint.0.pos-cmd"), 0.5);

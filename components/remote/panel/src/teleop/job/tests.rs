@@ -1,6 +1,6 @@
 //! Starts that are refused while they are checked, and cancellations that are refused.
 
-use super::{AtomicBool, Code, Panel, Reason, Relaxed, Session, User, cancel, start};
+use super::{Code, Panel, Reason, Relaxed, Session, User, cancel, start};
 use crate::{
     engine::Engine,
     error::{Code as Kind, Error},
@@ -13,6 +13,7 @@ use serde_json::json;
 use std::{
     sync::{
         Arc, Mutex,
+        atomic::AtomicBool,
         mpsc::{Receiver, channel},
     },
     time::Duration,
@@ -36,9 +37,14 @@ fn engine() -> (Engine, Receiver<String>) {
 
 /// Returns a machine in a state of the task, and homed.
 fn machine(state: u32, jogging: bool) -> Arc<Machine> {
+    stopped(state, jogging, 0)
+}
+
+/// Returns a machine that was stopped so many times.
+fn stopped(state: u32, jogging: bool, stops: u32) -> Arc<Machine> {
     let object = |value: serde_json::Value| value.as_object().cloned();
     let motion = object(json!({ "all_homed": true, "jogging": jogging, "pose": vec![0.0; 9] }));
-    let task = object(json!({ "state": state, "interpreter": 0, "jobs": 0 }));
+    let task = object(json!({ "state": state, "interpreter": 0, "jobs": 0, "stops": stops }));
     Arc::new(Machine { engine: Joined::Joined, motion, task })
 }
 
@@ -49,6 +55,8 @@ enum Event {
     Jog,
     Forbidden,
     Stop,
+    /// A person at the machine aborts, or presses e-stop and switches on again.
+    LocalStop,
 }
 
 #[test]
@@ -58,6 +66,7 @@ fn what_is_stopped_while_a_start_is_checked_does_not_move_afterwards() {
         (Event::Jog, Code::Ocupado, "somebody moves the machine"),
         (Event::Forbidden, Code::Apagado, "remote.allow-motion is FALSE"),
         (Event::Stop, Code::Ocupado, "a stop has come meanwhile"),
+        (Event::LocalStop, Code::Ocupado, "a stop has come meanwhile"),
     ] {
         let (engine, told) = engine();
         let (tell, seen) = watch::channel(machine(2, false));
@@ -79,6 +88,7 @@ fn what_is_stopped_while_a_start_is_checked_does_not_move_afterwards() {
                 Event::Estop => drop(tell.send_replace(machine(0, false))),
                 Event::Jog => drop(tell.send_replace(machine(2, true))),
                 Event::Forbidden => panel.heart.allowed.store(false, Relaxed),
+                Event::LocalStop => drop(tell.send_replace(stopped(2, false, 1))),
                 Event::Stop => drop(panel.engine.stop(Request::Ready, true).await.unwrap()),
             }
             begun.await.unwrap().unwrap_err()
