@@ -52,7 +52,7 @@ struct Common {
     has_flags: AtomicBool,
 }
 
-/// One copy of a module.
+/// Copy of a module that one side calls.
 #[derive(Debug)]
 struct Copy {
     entries: Entries,
