@@ -6,7 +6,7 @@
 
 pub(crate) mod offer;
 
-use crate::{mirror::Pair, module::Module, running};
+use crate::{mirror::Input, module::Module, running};
 use core::{
     ffi::{c_int, c_ulong, c_void},
     sync::atomic::{
@@ -52,12 +52,12 @@ struct Common {
     has_flags: AtomicBool,
 }
 
-/// Copy of a module that one side calls.
+/// Copy of a module, which one thread at a time may enter.
 #[derive(Debug)]
-struct Copy {
+struct Solver {
     entries: Entries,
     /// Inputs that are refreshed before each call.
-    inputs: Box<[Pair]>,
+    inputs: Box<[Input]>,
     common: Arc<Common>,
     /// True while a thread is in the module.
     busy: AtomicBool,
@@ -71,23 +71,23 @@ struct Copy {
 }
 
 // SAFETY: `busy` lets one thread at a time into the module and to the memory of its inputs.
-unsafe impl Send for Copy {}
+unsafe impl Send for Solver {}
 // SAFETY: as for `Send`.
-unsafe impl Sync for Copy {}
+unsafe impl Sync for Solver {}
 
 /// Offered service: the table and what its contexts point at.
 #[derive(Debug)]
-struct Service {
+struct BothSolvers {
     table: Kinematics,
     /// Copy for the worker; declared first, because it reads the items of the other.
-    apart: Copy,
-    own: Copy,
+    apart: Solver,
+    own: Solver,
 }
 
-impl Copy {
+impl Solver {
     fn new(
         entries: Entries,
-        inputs: Box<[Pair]>,
+        inputs: Box<[Input]>,
         common: Arc<Common>,
         module: Arc<Module>,
     ) -> Self {
@@ -110,7 +110,7 @@ impl Copy {
             return None;
         }
         let result = running::within(Arc::as_ptr(&self.module), || {
-            self.inputs.iter().for_each(Pair::refresh);
+            self.inputs.iter().for_each(Input::refresh);
             code()
         });
         // Release pairs with the Acquire above.
@@ -251,7 +251,7 @@ fn gathered(joints: &[f64]) -> Option<Joints> {
 }
 
 /// # Safety
-/// `ctx` must point to a live [`Copy`]. The arrays must hold `n` and nine numbers.
+/// `ctx` must point to a live [`Solver`]. The arrays must hold `n` and nine numbers.
 unsafe extern "C" fn forward(
     ctx: *const c_void,
     joints: *const f64,
@@ -259,16 +259,16 @@ unsafe extern "C" fn forward(
     pose: *mut f64,
 ) -> Status {
     // SAFETY: this is the table's own context.
-    let copy = unsafe { &*ctx.cast::<Copy>() };
+    let solver = unsafe { &*ctx.cast::<Solver>() };
     // SAFETY: the caller guarantees an array of `n` numbers.
     let joints = unsafe { core::slice::from_raw_parts(joints, n) };
     // SAFETY: the caller guarantees an array of nine numbers.
     let pose = unsafe { &mut *pose.cast::<Pose>() };
-    copy.forward(joints, pose)
+    solver.forward(joints, pose)
 }
 
 /// # Safety
-/// `ctx` must point to a live [`Copy`]. The arrays must hold nine and `n` numbers.
+/// `ctx` must point to a live [`Solver`]. The arrays must hold nine and `n` numbers.
 unsafe extern "C" fn inverse(
     ctx: *const c_void,
     pose: *const f64,
@@ -276,17 +276,17 @@ unsafe extern "C" fn inverse(
     n: usize,
 ) -> Status {
     // SAFETY: this is the table's own context.
-    let copy = unsafe { &*ctx.cast::<Copy>() };
+    let solver = unsafe { &*ctx.cast::<Solver>() };
     // SAFETY: the caller guarantees an array of nine numbers.
     let pose = unsafe { &*pose.cast::<Pose>() };
     // SAFETY: the caller guarantees an array of `n` numbers.
     let joints = unsafe { core::slice::from_raw_parts_mut(joints, n) };
-    copy.inverse(pose, joints)
+    solver.inverse(pose, joints)
 }
 
 /// # Safety
-/// `ctx` must point to a live [`Copy`].
+/// `ctx` must point to a live [`Solver`].
 unsafe extern "C" fn switch(ctx: *const c_void, to: u32) -> Status {
     // SAFETY: this is the table's own context.
-    unsafe { &*ctx.cast::<Copy>() }.switch(to)
+    unsafe { &*ctx.cast::<Solver>() }.switch(to)
 }

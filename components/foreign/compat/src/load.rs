@@ -111,7 +111,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     module.made.store(true, Relaxed);
     module.ports.complete(loading.ports.into_inner().into());
     if let (Some(entries), Some(kind)) = (kinematics, kind) {
-        let load = offer::Load { host, file, path: &path, elf: &elf, words: &words };
+        let load = offer::Repeat { host, file, path: &path, elf: &elf, words: &words };
         offer::offer(&load, &module, entries, kind, loading.items.into_inner())?;
     }
     report_without_effect(&module, handle);

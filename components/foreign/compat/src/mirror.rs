@@ -9,7 +9,7 @@ use hal_component::abi::{dir, ty};
 
 /// Pin or parameter to be made.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct NewItem<'n> {
+pub(crate) struct ItemRequest<'n> {
     /// Name with the prefix.
     pub(crate) name: &'n str,
     pub(crate) ty: u8,
@@ -27,12 +27,12 @@ pub(crate) struct NewItem<'n> {
 pub(crate) struct Made {
     name: String,
     ty: u8,
-    from: From,
+    from: FirstValue,
 }
 
 /// Memory of a value in the first copy.
 #[derive(Clone, Copy, Debug)]
-enum From {
+enum FirstValue {
     /// Pointer to the cell of a pin. The engine changes it with every link.
     Pin(*const AtomicPtr<AtomicU64>),
     /// Value of a parameter.
@@ -40,11 +40,11 @@ enum From {
 }
 
 impl Made {
-    pub(crate) fn new(item: &NewItem<'_>) -> Self {
+    pub(crate) fn new(item: &ItemRequest<'_>) -> Self {
         let from = if item.place.is_null() {
-            From::Param(item.storage)
+            FirstValue::Param(item.storage)
         } else {
-            From::Pin(item.place.cast_const().cast())
+            FirstValue::Pin(item.place.cast_const().cast())
         };
         Self { name: item.name.to_owned(), ty: item.ty, from }
     }
@@ -52,8 +52,8 @@ impl Made {
 
 /// Input of the second copy, and its source.
 #[derive(Debug)]
-pub(crate) struct Pair {
-    from: From,
+pub(crate) struct Input {
+    from: FirstValue,
     to: *mut c_void,
     ty: u8,
 }
@@ -62,17 +62,17 @@ pub(crate) struct Pair {
 #[derive(Debug)]
 pub(crate) struct Mirror {
     first: Vec<Made>,
-    pub(crate) pairs: RefCell<Vec<Pair>>,
+    pub(crate) inputs: RefCell<Vec<Input>>,
 }
 
 impl Mirror {
     pub(crate) const fn new(first: Vec<Made>) -> Self {
-        Self { first, pairs: RefCell::new(Vec::new()) }
+        Self { first, inputs: RefCell::new(Vec::new()) }
     }
 
     /// Gives the second copy an item of the first; `cell` are 8 bytes for the value of a pin. Returns false if the first
     /// copy has no such item.
-    pub(crate) fn make(&self, item: &NewItem<'_>, cell: *mut u64) -> bool {
+    pub(crate) fn make(&self, item: &ItemRequest<'_>, cell: *mut u64) -> bool {
         let found = self.first.iter().find(|m| m.name == item.name && m.ty == item.ty);
         let Some(first) = found else { return false };
         let to = if item.place.is_null() {
@@ -86,17 +86,17 @@ impl Mirror {
         };
         let is_input = [dir::IN, dir::IO, dir::RW].contains(&item.dir);
         if is_input && item.ty != ty::PORT {
-            self.pairs.borrow_mut().push(Pair { from: first.from, to, ty: item.ty });
+            self.inputs.borrow_mut().push(Input { from: first.from, to, ty: item.ty });
         }
         true
     }
 }
 
-impl Pair {
+impl Input {
     /// Copies the value of the first copy to the second.
     pub(crate) fn refresh(&self) {
         match self.from {
-            From::Pin(pointer) => {
+            FirstValue::Pin(pointer) => {
                 // SAFETY: the first copy's memory, which stays as long as the second copy.
                 let cell = unsafe { &*pointer }.load(Relaxed);
                 // SAFETY: the cell of a pin or signal, in memory that stays mapped.
@@ -104,7 +104,7 @@ impl Pair {
                 // SAFETY: the second copy's cell, 8 bytes.
                 unsafe { &*self.to.cast::<AtomicU64>() }.store(cell.load(Relaxed), Relaxed);
             }
-            From::Param(from) => self.copy(from),
+            FirstValue::Param(from) => self.copy(from),
         }
     }
 

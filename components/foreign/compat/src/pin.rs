@@ -2,7 +2,7 @@
 
 use crate::{
     loading::{Loading, loading},
-    mirror::{Made, NewItem},
+    mirror::{ItemRequest, Made},
     module::Module,
 };
 use core::ffi::{CStr, c_char, c_double, c_int, c_long, c_ulong, c_void};
@@ -54,7 +54,7 @@ fn item(new: &New, initial: u64, storage: *mut c_void, place: *mut *mut c_void) 
     };
     let full = format!("{}{name}", l.module.prefix);
     let dir = u8::try_from(new.dir).unwrap_or(0);
-    let item = NewItem { name: &full, ty: new.ty, dir, initial, storage, place };
+    let item = ItemRequest { name: &full, ty: new.ty, dir, initial, storage, place };
     if let Some(mirror) = &l.mirror {
         let Some(cell) = l.module.take(8) else { return Status::ENOMEM.0 };
         if mirror.make(&item, cell.cast()) {

@@ -1,6 +1,6 @@
 //! Search of a loaded module for kinematics, its second copy, and the offer of the service.
 
-use super::{Common, Copy, Entries, JOINTS, Service, forward, inverse, switch};
+use super::{BothSolvers, Common, Entries, JOINTS, Solver, forward, inverse, switch};
 use crate::{
     access, arguments,
     elf::Elf,
@@ -65,7 +65,7 @@ pub(crate) fn entries(handle: *mut c_void) -> Result<Option<Entries>, String> {
 }
 
 /// Parts of a load that its second copy repeats.
-pub(crate) struct Load<'l> {
+pub(crate) struct Repeat<'l> {
     pub(crate) host: Host,
     pub(crate) file: ForeignFile,
     pub(crate) path: &'l Path,
@@ -79,7 +79,7 @@ pub(crate) struct Load<'l> {
 /// # Errors
 /// The kinematics lack a direction, the second copy cannot be loaded, or other kinematics are offered already.
 pub(crate) fn offer(
-    load: &Load<'_>,
+    load: &Repeat<'_>,
     module: &Arc<Module>,
     entries: Entries,
     kind: c_int,
@@ -97,7 +97,7 @@ pub(crate) fn offer(
     twin.quiet.store(false, Relaxed);
     let common =
         Arc::new(Common { types, selected: AtomicU32::new(0), has_flags: AtomicBool::new(false) });
-    let pairs = mirror.pairs.into_inner().into_boxed_slice();
+    let inputs = mirror.inputs.into_inner().into_boxed_slice();
     let table = Kinematics {
         size: size::<Kinematics>(),
         joints: u32::try_from(JOINTS).unwrap_or(0),
@@ -111,10 +111,10 @@ pub(crate) fn offer(
         switch: Some(switch),
         apart: core::ptr::null(),
     };
-    let service = Box::into_raw(Box::new(Service {
+    let service = Box::into_raw(Box::new(BothSolvers {
         table,
-        apart: Copy::new(again, pairs, common.clone(), twin),
-        own: Copy::new(entries, Box::default(), common, module.clone()),
+        apart: Solver::new(again, inputs, common.clone(), twin),
+        own: Solver::new(entries, Box::default(), common, module.clone()),
     }));
     // SAFETY: made just now, and not shared yet.
     let made = unsafe { &mut *service };
@@ -140,8 +140,8 @@ pub(crate) fn offer(
 /// # Safety
 /// The engine calls this once, with a state made by [`offer`].
 unsafe extern "C" fn free(state: *mut c_void) {
-    // SAFETY: made by `Box::into_raw` as a `Service`; freed once.
-    drop(unsafe { Box::from_raw(state.cast::<Service>()) });
+    // SAFETY: made by `Box::into_raw` as a `BothSolvers`; freed once.
+    drop(unsafe { Box::from_raw(state.cast::<BothSolvers>()) });
 }
 
 /// Refuses kinematics that motion cannot use.
@@ -160,7 +160,7 @@ fn is_complete(kind: c_int) -> Result<(), String> {
 
 /// Loads the file again, with variables of its own, and runs its setup on the values of the first copy.
 fn second(
-    load: &Load<'_>,
+    load: &Repeat<'_>,
     module: &Arc<Module>,
     items: Vec<Made>,
 ) -> Result<(Arc<Module>, Entries, Mirror), String> {
