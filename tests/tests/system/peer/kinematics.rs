@@ -249,7 +249,7 @@ fn linuxcncs_modules_move_the_joints_of_our_examples() {
         let page = std::fs::read_to_string(page).unwrap();
         let (_, example) = page.split_once("```hal\n").unwrap();
         let (example, _) = example.split_once("```").unwrap();
-        let lines = format!("{example}show pin joint.*.pos-cmd axis.*.pos-cmd\n");
+        let lines = format!("{example}show pin joint.*.pos-cmd\n");
         let shown = ["", "--c "].map(|c| {
             let module = format!("loadrt {name}");
             scratch.write("one.hal", lines.replace(&module, &format!("loadrt {c}{name}")));
@@ -276,9 +276,9 @@ fn linuxcncs_modules_move_the_joints_of_our_examples() {
     golden::check(&root().join("tests/kinematics/linuxcnc.txt"), &said);
 }
 
-/// Returns the positions that `show` has printed, by pin.
+/// Returns the positions of joints that `show` has printed, by pin.
 fn positions(shown: &str) -> Vec<(&str, f64)> {
-    let rows = shown.lines().filter(|l| l.contains(".pos-cmd"));
+    let rows = shown.lines().filter(|l| l.contains(" joint.") && l.contains(".pos-cmd"));
     rows.map(|line| {
         let words: Vec<&str> = line.split_whitespace().collect();
         (words[4], words[3].parse().unwrap())
