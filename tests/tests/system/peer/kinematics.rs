@@ -1,6 +1,7 @@
 //! Kinematics of users in C: compiled by `halcompile`, loaded by ordinary scripts and INI files, used by `motmod`.
 //!
 //! `tests/kinematics` has the modules, a machine with a program, and scripts with the output expected of them.
+#![expect(clippy::indexing_slicing, clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
     foreign::installed,
