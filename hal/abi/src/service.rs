@@ -73,6 +73,9 @@ pub struct Kinematics {
     /// Since minor 2: selects a kinematics type, from 0. Returns `EINVAL` if it does not exist. The
     /// relation between poses and joints changes from then on.
     pub switch: Option<unsafe extern "C" fn(*const c_void, to: u32) -> Status>,
+    /// Since minor 10: context for the calls of one worker, if the functions may not run with
+    /// [`ctx`](Self::ctx) in two threads at once. Null if they may: `ctx` then serves all threads.
+    pub apart: *const c_void,
 }
 
 impl Kinematics {

@@ -87,6 +87,7 @@ pub(crate) fn table<K: Kinematics>(k: &K) -> abi::Kinematics {
         types: k.types(),
         solutions: Some(solutions::<K>),
         switch: Some(switch::<K>),
+        apart: core::ptr::null(),
     }
 }
 
@@ -168,6 +169,16 @@ unsafe extern "C" fn switch<K: Kinematics>(ctx: *const c_void, to: u32) -> Statu
 pub struct KinematicsRef(pub(crate) Found<abi::Kinematics, [Use; 0]>);
 
 impl KinematicsRef {
+    /// Returns the same kinematics for the calls of one worker, which may run at the same time as
+    /// those of realtime functions. Kinematics that are not reentrant have a second copy for it.
+    #[must_use]
+    pub const fn for_worker(mut self) -> Self {
+        if !self.0.table.apart.is_null() {
+            self.0.table.ctx = self.0.table.apart;
+        }
+        self
+    }
+
     /// Returns the number of joints.
     #[must_use]
     pub const fn joints(&self) -> usize {

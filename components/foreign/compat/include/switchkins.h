@@ -5,6 +5,7 @@
  * calls. Where a module has several C files, all but one define SWITCHKINS_TYPES_ONLY before they include it. */
 #ifndef SWITCHKINS_H
 #define SWITCHKINS_H
+#include <ctype.h>
 #include <string.h>
 #include "hal.h"
 #include "kinematics.h"
@@ -83,7 +84,7 @@ int rtapi_app_main(void)
     const char *axes = coordinates ? coordinates : parms.required_coordinates;
     const char *needed = parms.required_coordinates;
     for (; coordinates && needed && *needed; needed++)
-        if (!strchr(coordinates, *needed)) {
+        if (!strchr(coordinates, toupper(*needed)) && !strchr(coordinates, tolower(*needed))) {
             rtapi_print_msg(RTAPI_MSG_ERR, "%s: coordinates=%s has no '%c'\n", parms.kinsname,
                             coordinates, *needed);
             return -EINVAL;

@@ -2,6 +2,7 @@
 //! returns, only the copy ends, and the failure becomes a finding.
 
 use crate::{
+    kinematics::Ask,
     loading::Loading,
     module::{Exit, Main},
     running, trap,
@@ -18,14 +19,21 @@ const TIMEOUT_MS: c_int = 5000;
 
 /// Progress of the copy, which it reports as a byte at each step.
 const IN_MAIN: u8 = b'm';
+const IN_KIND: u8 = b'k';
 const IN_EXIT: u8 = b'e';
 const DONE: u8 = b'd';
 
-/// Runs `rtapi_app_main` and, if that succeeds, `rtapi_app_exit` in a copy of this process, and discards the copy.
+/// Runs `rtapi_app_main` and, if that succeeds, `kinematicsType` of kinematics and `rtapi_app_exit` in a copy of this
+/// process, and discards the copy.
 ///
 /// # Errors
 /// The setup would have ended this process, or never returned: the error names the entry point and the reason.
-pub(crate) fn dry_run_of(loading: &Loading, main: Main, exit: Option<Exit>) -> Result<(), String> {
+pub(crate) fn dry_run_of(
+    loading: &Loading,
+    main: Main,
+    kind: Option<Ask>,
+    exit: Option<Exit>,
+) -> Result<(), String> {
     let mut ends: [RawFd; 2] = [-1; 2];
     // SAFETY: memory for two numbers.
     if unsafe { libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) } != 0 {
@@ -42,7 +50,7 @@ pub(crate) fn dry_run_of(loading: &Loading, main: Main, exit: Option<Exit>) -> R
         return Ok(());
     }
     if copy == 0 {
-        perform(loading, main, exit, to.as_raw_fd());
+        perform(loading, (main, kind, exit), to.as_raw_fd());
     }
     drop(to);
     let (far, came_back) = follow(from);
@@ -53,7 +61,11 @@ pub(crate) fn dry_run_of(loading: &Loading, main: Main, exit: Option<Exit>) -> R
     let mut status = 0;
     // SAFETY: memory for the status of the copy, for which nothing else waits.
     unsafe { libc::waitpid(copy, &raw mut status, 0) };
-    let entry = if far == IN_EXIT { "rtapi_app_exit" } else { "rtapi_app_main" };
+    let entry = match far {
+        IN_EXIT => "rtapi_app_exit",
+        IN_KIND => "kinematicsType",
+        _ => "rtapi_app_main",
+    };
     if far == DONE {
         return Ok(());
     }
@@ -69,7 +81,11 @@ pub(crate) fn dry_run_of(loading: &Loading, main: Main, exit: Option<Exit>) -> R
 }
 
 /// Runs setup and exit in the copy, with its output discarded.
-fn perform(loading: &Loading, main: Main, exit: Option<Exit>, to: RawFd) -> ! {
+fn perform(
+    loading: &Loading,
+    (main, kind, exit): (Main, Option<Ask>, Option<Exit>),
+    to: RawFd,
+) -> ! {
     let limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
     // SAFETY: disables core dumps of a process that may crash.
     unsafe { libc::setrlimit(libc::RLIMIT_CORE, &raw const limit) };
@@ -86,6 +102,10 @@ fn perform(loading: &Loading, main: Main, exit: Option<Exit>, to: RawFd) -> ! {
     tell(IN_MAIN);
     let module = &raw const *loading.module;
     let code = running::within(module, || main());
+    if let (0.., Some(kind)) = (code, kind) {
+        tell(IN_KIND);
+        running::within(module, || kind());
+    }
     if let (0.., Some(exit)) = (code, exit) {
         tell(IN_EXIT);
         running::within(module, || {

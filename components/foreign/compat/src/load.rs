@@ -6,11 +6,12 @@ use crate::{
     dry_run::dry_run_of,
     elf::Elf,
     funct,
-    loading::{self, Loading},
-    module::{self, Exit, Main, Module},
+    kinematics::offer,
+    loading::{self, Loading, Refusal},
+    module::{self, Module},
     running, system, trap,
 };
-use core::ffi::{CStr, c_int, c_void};
+use core::ffi::{CStr, c_void};
 use hal_component::abi::{
     ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, host_flags, level, size,
 };
@@ -35,14 +36,12 @@ pub(crate) unsafe extern "C" fn load(host: *const Host, file: *const ForeignFile
         Ok(Err(refusal)) => refusal,
         Err(_) => (Status::EFAULT, "its loader panicked".to_owned()),
     };
-    if let Some(fail) = host.fail {
+    if let Some(fail) = host.fail.filter(|_| !why.is_empty()) {
         // SAFETY: the engine's function; the text lives across the call.
         unsafe { fail(host.ctx, Str::borrow(&why)) };
     }
     status
 }
-
-type Refusal = (Status, String);
 
 fn text(s: Str) -> String {
     // SAFETY: a string of the engine's, alive during the load.
@@ -67,7 +66,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     trap::watch();
     let handle =
         system::open(&path).map_err(|why| lacking(&why)).map_err(refuse(Status(-libc::ENOEXEC)))?;
-    let (main, exit) = entries(handle);
+    let (main, exit) = module::entries(handle);
     let docs = Docs::read(handle, &elf.descriptions);
     if let Some(describe) = file.describe {
         // SAFETY: the engine's function; the text lives across the call.
@@ -87,19 +86,34 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     arguments::set(&module, &elf.parameters, &words).map_err(refuse(Status::EINVAL))?;
 
     let in_dry_run = host.flags & host_flags::TRIAL != 0;
-    let loading = Loading { host, file, module: module.clone(), ports: Vec::new().into() };
+    let kinematics = if prefix.is_empty() { offer::entries(handle) } else { Ok(None) };
+    let kinematics = kinematics.map_err(refuse(Status::EINVAL))?;
+    let kind = kinematics.map(|k| k.kind);
+    let loading = Loading::new(host, file, module.clone());
     let code = loading::within(&loading, || {
         prepared(&module, &path)
-            .and_then(|()| if in_dry_run { dry_run_of(&loading, main, exit) } else { Ok(()) })
+            .and_then(|()| if in_dry_run { dry_run_of(&loading, main, kind, exit) } else { Ok(()) })
             .map(|()| running::within(Arc::as_ptr(&module), || main()))
+            // Some modules make their pins when they are asked for their type.
+            .map(|code| {
+                (
+                    code,
+                    kind.filter(|_| code >= 0)
+                        .map(|k| running::within(Arc::as_ptr(&module), || k())),
+                )
+            })
     });
-    let code = code.map_err(refuse(Status::EINVAL))?;
+    let (code, kind) = code.map_err(refuse(Status::EINVAL))?;
     if code < 0 {
-        let why = format!("rtapi_app_main: {} ({code})", explained(code));
+        let why = format!("rtapi_app_main: {} ({code})", system::explained(code));
         return Err((Status(code), why));
     }
     module.made.store(true, Relaxed);
     module.ports.complete(loading.ports.into_inner().into());
+    if let (Some(entries), Some(kind)) = (kinematics, kind) {
+        let load = offer::Repeat { host, file, path: &path, elf: &elf, words: &words };
+        offer::offer(&load, &module, entries, kind, loading.items.into_inner())?;
+    }
     report_without_effect(&module, handle);
     hold_until_unload(&host, module)
 }
@@ -117,16 +131,6 @@ fn lacking(why: &str) -> String {
 /// Sets the registers of simulated hardware to their power-on contents.
 fn prepared(module: &Module, path: &std::path::Path) -> Result<(), String> {
     if module.is_simulated() { board::prepare(path, &module.registers) } else { Ok(()) }
-}
-
-fn entries(handle: *mut c_void) -> (Option<Main>, Option<Exit>) {
-    let main = system::symbol(handle, c"rtapi_app_main");
-    let exit = system::symbol(handle, c"rtapi_app_exit");
-    // SAFETY: the interface defines the types of these symbols; null is `None`.
-    let main = unsafe { core::mem::transmute::<*mut c_void, Option<Main>>(main) };
-    // SAFETY: as above.
-    let exit = unsafe { core::mem::transmute::<*mut c_void, Option<Exit>>(exit) };
-    (main, exit)
 }
 
 /// Keeps modules loaded while this one uses their symbols.
@@ -181,12 +185,4 @@ fn hold_until_unload(host: &Host, module: Arc<Module>) -> Result<(), Refusal> {
     let status =
         host.stop.map_or(Status::EINVAL, |stop| unsafe { stop(host.ctx, &raw const spec) });
     if status.is_ok() { Ok(()) } else { Err((status, "the engine refused it".to_owned())) }
-}
-
-/// Returns the system's text for an error number.
-pub(crate) fn explained(code: c_int) -> String {
-    // SAFETY: a C string of the C library's, copied at once on the only thread that loads.
-    let text = unsafe { libc::strerror(code.saturating_neg()) };
-    // SAFETY: as above.
-    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }

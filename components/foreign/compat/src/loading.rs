@@ -1,9 +1,15 @@
 //! Load in progress: the engine's functions, and the module that is being set up.
 
-use crate::module::Module;
+use crate::{
+    mirror::{Made, Mirror},
+    module::Module,
+};
 use core::cell::{Cell, RefCell};
-use hal_component::abi::{ForeignFile, Host};
+use hal_component::abi::{ForeignFile, Host, Status};
 use std::sync::Arc;
+
+/// Error number and text of a refusal. Without a text, the engine has one.
+pub(crate) type Refusal = (Status, String);
 
 /// Load in progress.
 #[derive(Debug)]
@@ -13,6 +19,17 @@ pub(crate) struct Loading {
     pub(crate) module: Arc<Module>,
     /// Addresses of the component's pointers to port pins.
     pub(crate) ports: RefCell<Vec<usize>>,
+    /// Pins and parameters that the component has made.
+    pub(crate) items: RefCell<Vec<Made>>,
+    /// Items of the first copy, while a second copy of a module is loaded: it adds nothing to the graph.
+    pub(crate) mirror: Option<Mirror>,
+}
+
+impl Loading {
+    pub(crate) fn new(host: Host, file: ForeignFile, module: Arc<Module>) -> Self {
+        let (ports, items) = (RefCell::default(), RefCell::default());
+        Self { host, file, module, ports, items, mirror: None }
+    }
 }
 
 thread_local! {

@@ -7,6 +7,7 @@ use core::ffi::{c_int, c_void};
 use hal_component::abi::{CallHost, ForeignFile, Host, Str, host_flags};
 use std::{
     ffi::CString,
+    os::fd::OwnedFd,
     path::PathBuf,
     sync::{
         Mutex, PoisonError,
@@ -47,12 +48,27 @@ pub(crate) struct Module {
     pub(crate) made: AtomicBool,
     /// True once the component is complete: no more pins can be made.
     pub(crate) ready: AtomicBool,
+    /// True while a second copy is set up, whose messages would appear twice.
+    pub(crate) quiet: AtomicBool,
+    /// File of a second copy, held open so that no other file gets its number while it is mapped.
+    copied: Option<OwnedFd>,
 }
 
 // SAFETY: it points to immutable data, or to the engine's, which any thread may access.
 unsafe impl Send for Module {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for Module {}
+
+/// Returns the entry points of a file.
+pub(crate) fn entries(handle: *mut c_void) -> (Option<Main>, Option<Exit>) {
+    let main = system::symbol(handle, c"rtapi_app_main");
+    let exit = system::symbol(handle, c"rtapi_app_exit");
+    // SAFETY: the interface defines the types of these symbols; null is `None`.
+    let main = unsafe { core::mem::transmute::<*mut c_void, Option<Main>>(main) };
+    // SAFETY: as above.
+    let exit = unsafe { core::mem::transmute::<*mut c_void, Option<Exit>>(exit) };
+    (main, exit)
+}
 
 /// Module that is loaded in this process, in any instance.
 #[derive(Debug)]
@@ -124,6 +140,33 @@ impl Module {
             named: AtomicBool::new(false),
             made: AtomicBool::new(false),
             ready: AtomicBool::new(false),
+            quiet: AtomicBool::new(false),
+            copied: None,
+        }
+    }
+
+    /// Returns a second copy of this module, opened from `copied`. No other module takes symbols from it.
+    pub(crate) fn twin(&self, handle: *mut c_void, copied: OwnedFd) -> Self {
+        let further = self.further.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Self {
+            name: self.name.clone(),
+            component: self.component,
+            prefix: self.prefix.clone(),
+            calls: self.calls,
+            file: self.file,
+            flags: self.flags,
+            handle,
+            exit: entries(handle).1,
+            memory: Memory::default(),
+            registers: Registers::default(),
+            ports: Ports::default(),
+            docs: Docs::default(),
+            further: further.into(),
+            named: AtomicBool::new(false),
+            made: AtomicBool::new(false),
+            ready: AtomicBool::new(false),
+            quiet: AtomicBool::new(true),
+            copied: Some(copied),
         }
     }
 
@@ -150,7 +193,7 @@ impl Module {
 
     /// Realtime. Logs a message; level 0 is always shown.
     pub(crate) fn say(&self, level: u8, text: &str) {
-        if let Some(say) = self.file.say {
+        if let Some(say) = self.file.say.filter(|_| !self.quiet.load(Relaxed)) {
             // SAFETY: the engine's function; `text` lives across the call.
             unsafe { say(self.calls.ctx, level, Str::borrow(text)) };
         }
@@ -176,6 +219,8 @@ impl Module {
 
 impl Drop for Module {
     fn drop(&mut self) {
+        // The first copy says what there is to say.
+        self.quiet.store(self.copied.is_some(), Relaxed);
         if self.made.load(Relaxed)
             && let Some(exit) = self.exit
         {

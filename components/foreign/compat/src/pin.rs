@@ -2,6 +2,7 @@
 
 use crate::{
     loading::{Loading, loading},
+    mirror::{ItemRequest, Made},
     module::Module,
 };
 use core::ffi::{CStr, c_char, c_double, c_int, c_long, c_ulong, c_void};
@@ -52,6 +53,16 @@ fn item(new: &New, initial: u64, storage: *mut c_void, place: *mut *mut c_void) 
         return refuse(Some(l), Status::EINVAL.0, &why);
     };
     let full = format!("{}{name}", l.module.prefix);
+    let dir = u8::try_from(new.dir).unwrap_or(0);
+    let item = ItemRequest { name: &full, ty: new.ty, dir, initial, storage, place };
+    if let Some(mirror) = &l.mirror {
+        let Some(cell) = l.module.take(8) else { return Status::ENOMEM.0 };
+        if mirror.make(&item, cell.cast()) {
+            return 0;
+        }
+        let why = format!("'{full}': the second copy of the module makes other items");
+        return refuse(Some(l), Status::EINVAL.0, &why);
+    }
     let spec = ItemSpec {
         size: size::<ItemSpec>(),
         flags: 0,
@@ -61,13 +72,16 @@ fn item(new: &New, initial: u64, storage: *mut c_void, place: *mut *mut c_void) 
         initial,
         storage,
         ty: new.ty,
-        dir: u8::try_from(new.dir).unwrap_or(0),
+        dir,
     };
+    let make = l.file.item;
     // SAFETY: the engine's function; the record lives across the call.
-    l.file
-        .item
-        .map_or(Status::EINVAL, |f| unsafe { f(l.host.ctx, &raw const spec, owner, place) })
-        .0
+    let made = make.map(|f| unsafe { f(l.host.ctx, &raw const spec, owner, place) });
+    let status = made.unwrap_or(Status::EINVAL);
+    if status.is_ok() {
+        l.items.borrow_mut().push(Made::new(&item));
+    }
+    status.0
 }
 
 /// Makes a pin whose address is stored at `place`.
@@ -236,6 +250,9 @@ pub(crate) fn change(what: u32, a: *const c_char, b: *const c_char, number: i64)
     let Some(l) = loading() else {
         return refuse(None, Status::EINVAL.0, "the graph is changed while a component is loaded");
     };
+    if l.mirror.is_some() {
+        return 0;
+    }
     let named = |own: bool, name: *const c_char| {
         let name = text(name).unwrap_or_default();
         if own && !name.is_empty() { format!("{}{name}", l.module.prefix) } else { name.to_owned() }

@@ -130,6 +130,10 @@ extern "C" fn hal_stream_create(
     let (Some(l), Some(h), Some(letters)) = (loading(), handle(p), text(types)) else {
         return Status::EINVAL.0;
     };
+    if l.mirror.is_some() {
+        // A ring has one end on each side.
+        return Status::EBUSY.0;
+    }
     let Some((types, width)) = parse(letters) else {
         l.module.say(1, &format!("HAL: ERROR: stream: '{letters}' are not types of a record"));
         return Status::EINVAL.0;

@@ -1,8 +1,13 @@
 //! Calls of the system's dynamic linker.
 
 use core::ffi::{CStr, c_int, c_void};
-use std::ffi::CString;
-use std::path::Path;
+use std::{
+    ffi::CString,
+    fs::File,
+    io::Write,
+    os::fd::{AsRawFd, FromRawFd, OwnedFd},
+    path::Path,
+};
 
 fn said() -> String {
     // SAFETY: valid until the next call on this thread.
@@ -23,6 +28,38 @@ pub(crate) fn open(path: &Path) -> Result<*mut c_void, String> {
     // SAFETY: a module's initialisers are ordinary C.
     let handle = unsafe { libc::dlopen(path.as_ptr(), libc::RTLD_NOW | libc::RTLD_GLOBAL) };
     if handle.is_null() { Err(said()) } else { Ok(handle) }
+}
+
+/// Opens a copy of a file, with variables of its own. Its symbols serve the copy alone, which prefers them to those of
+/// the original. The descriptor must stay open as long as the copy: the linker knows the copy by its number.
+///
+/// # Errors
+/// The file cannot be read or copied, or the linker's message.
+pub(crate) fn open_copy(path: &Path) -> Result<(*mut c_void, OwnedFd), String> {
+    let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
+    let name = CString::new(path.file_name().unwrap_or_default().as_encoded_bytes());
+    let name = name.map_err(|e| e.to_string())?;
+    let create = |flags| {
+        // SAFETY: a C string.
+        unsafe { libc::memfd_create(name.as_ptr(), libc::MFD_CLOEXEC | flags) }
+    };
+    let mut fd = create(libc::MFD_EXEC);
+    if fd < 0 {
+        // Systems before Linux 6.3 do not know that flag, and need none.
+        fd = create(0);
+    }
+    if fd < 0 {
+        return Err(std::io::Error::last_os_error().to_string());
+    }
+    // SAFETY: opened just now, owned from here on.
+    let mut file = unsafe { File::from_raw_fd(fd) };
+    file.write_all(&bytes).map_err(|e| e.to_string())?;
+    let shown = CString::new(format!("/proc/self/fd/{}", file.as_raw_fd()));
+    let shown = shown.map_err(|e| e.to_string())?;
+    let flags = libc::RTLD_NOW | libc::RTLD_LOCAL | libc::RTLD_DEEPBIND;
+    // SAFETY: a module's initialisers are ordinary C.
+    let handle = unsafe { libc::dlopen(shown.as_ptr(), flags) };
+    if handle.is_null() { Err(said()) } else { Ok((handle, file.into())) }
 }
 
 /// Closes a file. Returns whether it is unmapped.
@@ -131,4 +168,12 @@ pub(crate) fn replace(handle: *mut c_void, places: &[u64], with: *const c_void) 
         // SAFETY: the place of one address, by the file's own relocation table; none of its code runs yet.
         unsafe { (at as *mut *const c_void).write(with) };
     }
+}
+
+/// Returns the system's text for an error number.
+pub(crate) fn explained(code: c_int) -> String {
+    // SAFETY: a C string of the C library's, copied at once on the only thread that loads.
+    let text = unsafe { libc::strerror(code.saturating_neg()) };
+    // SAFETY: as above.
+    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }

@@ -152,7 +152,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     let (to_controller, from_handler) = b.queue(QUEUE_LEN);
     let (hand, planner_hand) = b.shared(HandOver::new());
     let (path_setup, planner_setup) = b.seqlock(PathSetup::NONE);
-    let planner = PlannerWorker::new(planner_hand, planner_setup, kinematics);
+    let planner = PlannerWorker::new(planner_hand, planner_setup, kinematics.for_worker());
     let doc = "Plans the path of coordinated moves ahead of the motion, within all limits.";
     b.worker("motmod.planner", doc, worker::PERIOD_NS, worker::ITEMS, planner)?;
     let path = Path::new(hand.clone(), path_setup);

@@ -56,6 +56,14 @@ impl Doing {
         Arc::new(new)
     }
 
+    /// Returns the component of a worker.
+    pub(super) fn worker(&self) -> Option<&str> {
+        match self.what {
+            Activity::Worker(_) => Some(&self.component),
+            _ => None,
+        }
+    }
+
     /// Appends the component and the kind of code.
     pub(crate) fn describe(&self, text: &mut Text) {
         text.add(format_args!("component '{}', ", self.component));

@@ -13,10 +13,18 @@ use crate::{realtime::thread::Thread, sync::Ordering};
 pub(super) fn describe(text: &mut Text, place: Registers, origins: &[Origin]) {
     if let Some(thread) = cycle() {
         describe_cycle(text, thread);
+        let current = thread.current.load(Ordering::Relaxed);
+        let list = thread.list.load();
+        if let Some(e) = list.labels.iter().find(|e| e.id == current && current != NOBODY) {
+            describe_code(text, place, origins, e.component.as_str());
+        }
         return;
     }
     if let Some(doing) = running() {
         doing.describe(text);
+        if let Some(caller) = doing.worker() {
+            describe_code(text, place, origins, caller);
+        }
         return;
     }
     let mut room = [0; 16];
@@ -49,6 +57,29 @@ pub(super) fn describe_cycle(text: &mut Text, thread: &Thread) {
         )),
         None => text.add(format_args!("thread '{}', between its functions", thread.name)),
     }
+}
+
+/// Names the component whose code a function of another one has called, such as kinematics.
+fn describe_code(text: &mut Text, place: Registers, origins: &[Origin], caller: &str) {
+    let mut found: Option<&Origin> = None;
+    maps::each(|code, path| {
+        let here = code.holds(place.code);
+        if here {
+            found = origins.iter().find(|o| is_from(&o.file, path));
+        }
+        here
+    });
+    let Some(found) = found else { return };
+    let is_own = |o: &Origin| o.file == found.file && o.component.as_str() == caller;
+    if !origins.iter().any(is_own) {
+        text.add(format_args!(", in code of component '{}'", found.component));
+    }
+}
+
+/// Returns whether a mapping is that of a file, or of a copy of it in memory.
+fn is_from(file: &str, path: &str) -> bool {
+    let copy = path.strip_prefix("/memfd:").and_then(|p| p.strip_suffix(" (deleted)"));
+    file == path || copy.is_some() && copy == file.rsplit('/').next()
 }
 
 /// Returns the library that code belongs to: that of the address, or that of the innermost caller
@@ -99,6 +130,13 @@ mod tests {
         ends::doing::{Activity, Control, Doing},
         name::Name,
     };
+
+    #[test]
+    fn a_copy_in_memory_is_of_its_file() {
+        let from = |path| super::is_from("/home/x/mykins.so", path);
+        assert!(from("/home/x/mykins.so") && from("/memfd:mykins.so (deleted)"));
+        assert!(!from("/memfd:kins.so (deleted)") && !from("/home/mykins.so"));
+    }
 
     #[test]
     fn what_runs_is_known_while_it_runs() {

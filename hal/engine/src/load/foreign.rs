@@ -118,7 +118,8 @@ impl Engine {
         // SAFETY: the loader's code, called with records that live across the call.
         let status = unsafe { (found.load)(&raw const host, &raw const file) };
         if !status.is_ok() {
-            let why = creating.failed.take();
+            let refused = creating.refused.take().map(|e| e.to_string());
+            let why = creating.failed.take().or(refused);
             let why = why.unwrap_or_else(|| format!("it refused ({})", status.0));
             return Err(Error::InitFailed { name: module.into(), why: why.into(), code: status.0 });
         }
@@ -155,7 +156,12 @@ impl Creating<'_> {
 
     fn rename(&mut self, name: &str) -> Result<(), Error> {
         let name = Name::parse("component", name)?;
-        self.engine.model.rename(self.component, name)
+        self.engine.model.rename(self.component, name.clone())?;
+        let component = self.engine.model.component_mut(self.component);
+        if let Some(origin) = component.and_then(|c| c.origin.as_mut()) {
+            origin.component = name;
+        }
+        Ok(())
     }
 
     /// Creates a further component of the file, which is removed with the first.

@@ -3,6 +3,7 @@
 mod comp;
 mod compat;
 mod conformance;
+mod kinematics;
 mod language;
 mod modules;
 mod motion;
