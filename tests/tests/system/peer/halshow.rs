@@ -1,5 +1,4 @@
 //! LinuxCNC's program halshow, unchanged, on a screen without a monitor.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
     programs::root,
