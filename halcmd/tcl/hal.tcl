@@ -91,13 +91,15 @@ proc ::ferrule::place {} {
 }
 
 # Executes a HAL command given as words, and returns what it prints and what it did.
-proc hal {args} {
+proc ::ferrule::hal {args} {
     switch -- [lindex $args 0] {
         {} { return -code error {wrong # args: should be "hal command ..."} }
-        --commands { return [lrange [::ferrule::request commands] 1 end] }
+        --commands { return [lrange [request commands] 1 end] }
     }
-    ::ferrule::text [::ferrule::request do {*}[::ferrule::place] {*}$args]
+    text [request do {*}[place] {*}$args]
 }
+
+proc hal args { tailcall ::ferrule::hal {*}$args }
 
 # Makes an array for each section of an INI file. An element is the list of the values of its entries. Without a file, the
 # entries are those of the INI file that the instance was started with.

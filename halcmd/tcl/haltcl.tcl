@@ -4,6 +4,7 @@
 # `halcmd check`, which executes the file where it can affect nothing outside.
 
 source [file join [file dirname [info script]] hal.tcl]
+source [file join [file dirname [info script]] load.tcl]
 
 # Makes a command of Tcl for each command of HAL whose name is free.
 proc ::ferrule::commands {} {
@@ -33,22 +34,6 @@ proc ::ferrule::passes {} {
     if {![info exists ::env(FERRULE_PASS)]} { return }
     namespace eval ::tp {}
     proc ::tp::passnumber {} [list return $::env(FERRULE_PASS)]
-}
-
-# LinuxCNC's own scripts load its library `hal.so` when `hal` is first called. The command of this package takes its place.
-proc ::ferrule::keep_own_hal {} {
-    rename ::load ::ferrule::load
-    rename ::hal ::ferrule::hal
-    proc ::hal args { tailcall ::ferrule::hal {*}$args }
-    proc ::load {args} {
-        if {[file tail [lindex $args 0]] eq "hal[info sharedlibextension]"} {
-            # The procedure that runs now stays, under another name: `info frame` reads the commands of all levels.
-            rename ::hal ::ferrule::loader[incr ::ferrule::loaders]
-            proc ::hal args { tailcall ::ferrule::hal {*}$args }
-            return
-        }
-        uplevel 1 [list ::ferrule::load {*}$args]
-    }
 }
 
 # Executes a file. An error is reported with its place, and ends the program.
@@ -99,7 +84,7 @@ if {[info exists env(FERRULE_TRIAL)]} {
 if {[catch {
     ::ferrule::commands
     ::ferrule::passes
-    ::ferrule::keep_own_hal
+    ::ferrule::watch_load
     parse_ini
 } text]} {
     puts stderr "haltcl: $text"

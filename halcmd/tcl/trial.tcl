@@ -21,7 +21,7 @@ proc ::ferrule::trial {words} {
     variable lost
     set child [interp create -safe]
     interp limit $child command -value 5000000
-    foreach name {place text passes} { copy ::ferrule::$name }
+    foreach name {place text passes hal} { copy ::ferrule::$name }
     foreach name {hal parse_ini} { copy ::$name }
     copy ::ferrule::commands
     $child eval [list namespace eval ::ferrule [list variable here $here]]

@@ -39,6 +39,7 @@ const PROGRAMS: &[Tool] = &[
     Tool { name: "fst2vcd", what: "fst2vcd", remedy: "apt-get install gtkwave" },
     Tool { name: "sigrok-cli", what: "sigrok-cli", remedy: "apt-get install sigrok-cli" },
     Tool { name: "tclsh", what: "tclsh", remedy: "apt-get install tcl" },
+    Tool { name: "xvfb-run", what: "xvfb-run", remedy: "apt-get install xvfb xauth" },
     Tool { name: "dot", what: "Graphviz", remedy: "apt-get install graphviz" },
     Tool { name: "python3", what: "python3", remedy: "apt-get install python3" },
     Tool { name: "pytest", what: "pytest", remedy: "apt-get install python3-pytest" },

@@ -4,6 +4,7 @@ mod begin;
 pub(crate) mod compat;
 mod detach;
 mod display;
+mod environment;
 pub(crate) mod folders;
 mod job;
 mod log;

@@ -10,7 +10,7 @@ use pyo3::{
     prelude::*,
     types::PyTuple,
 };
-use std::{collections::BTreeMap, path::Path, sync::Mutex};
+use std::{collections::BTreeMap, path::Path, sync::Mutex, thread, time::Duration};
 
 pyo3::create_exception!(
     linuxcnc,
@@ -19,8 +19,13 @@ pyo3::create_exception!(
     "A failure of the machine, or of its files."
 );
 
-/// Number of times that a record is read again while its component replaces it.
-const MAX_READS: u32 = 1000;
+/// Number of times that a record is read at once while its component replaces it.
+const MAX_READS: u32 = 100;
+/// Number of further reads, each after a wait: a component that the system suspends while it writes goes on in its next
+/// time slice.
+const MAX_WAITS: u32 = 5000;
+/// Wait between these reads.
+const WAIT: Duration = Duration::from_micros(200);
 
 fn connect(py: Python<'_>) -> PyResult<Client> {
     py.detach(|| {
@@ -70,7 +75,10 @@ impl Page {
         if record.client.is_gone() {
             return Err(error::new_err("the machine has ended"));
         }
-        for _ in 0..MAX_READS {
+        for n in 0..MAX_READS + MAX_WAITS {
+            if n >= MAX_READS {
+                thread::park_timeout(WAIT);
+            }
             if let Some(count) = record.snapshot.read(&mut record.next) {
                 std::mem::swap(&mut record.values, &mut record.next);
                 return Ok(count);

@@ -1,6 +1,6 @@
 //! Start of a machine from its INI file.
 
-use super::{folders::Folders, refused::operator_entry, settings};
+use super::{environment::variables, folders::Folders, refused::operator_entry, settings};
 use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
@@ -8,7 +8,7 @@ use crate::{
     session::tcl::tclsh::TclFile,
 };
 use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
-use std::{ffi::OsString, path::Path};
+use std::path::Path;
 
 /// Beginning of the comment that excludes a file from the two passes, without its spaces.
 const EXCLUDES: &str = "#notwopass";
@@ -16,7 +16,7 @@ const EXCLUDES: &str = "#notwopass";
 /// Executes the INI file's requests in order, and the files of `POSTGUI_HALFILE` if `postgui`.
 pub(crate) fn start(session: &mut Session<'_>, ini: &Ini, path: &Path, postgui: bool) -> Outcome {
     let folders = Folders::of(path);
-    session.variables = variables(path, &folders.here);
+    session.variables = variables(ini, path, &folders.here);
     // Relative file names in scripts are relative to the INI file's folder.
     if session.is_dry_run() {
         session.set_folder(&folders.named);
@@ -73,18 +73,6 @@ pub(super) fn shut_down(session: &mut Session<'_>, ini: &Ini, path: &Path) {
     for entry in ini.all("HAL", "SHUTDOWN").filter(|entry| !entry.value.is_empty()) {
         machine.file(entry, true);
     }
-}
-
-/// Returns the variables that the programs of a machine look for: its INI file and folder, and a path with Ferrule's own
-/// programs first.
-fn variables(ini: &Path, folder: &Path) -> Vec<(&'static str, OsString)> {
-    let ini = std::path::absolute(ini).unwrap_or_else(|_| ini.to_path_buf());
-    let mut all = vec![("INI_FILE_NAME", ini.into()), ("CONFIG_DIR", folder.into())];
-    let here = std::env::current_exe().ok().and_then(|p| p.parent().map(Path::to_path_buf));
-    let before = std::env::var_os("PATH").unwrap_or_default();
-    let paths = here.into_iter().chain(std::env::split_paths(&before));
-    all.extend(std::env::join_paths(paths).ok().map(|path| ("PATH", path)));
-    all
 }
 
 struct MachineStart<'a, 's> {

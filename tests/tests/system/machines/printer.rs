@@ -48,6 +48,25 @@ fn its_own_files_make_the_machine() {
     }
 }
 
+/// Programs with a page of offsets (`QtDragon`) fail if they do not find the file at their start.
+#[test]
+fn the_parameter_file_is_there_before_any_job() {
+    let scratch = Scratch::copy_of(&root().join("configs/printer"));
+    let file = scratch.path().join("linuxcnc.var");
+    // Machines that ran in their own folder have left it there.
+    drop(std::fs::remove_file(&file));
+    assert_eq!(scratch.halcmd(&["check", "printer.ini"]).status, Some(0));
+    assert!(!file.exists(), "a check writes nothing");
+    let output = scratch.halrun(&["--virtual", "--for", "1s", "printer.ini"]);
+    assert_eq!(output.status, Some(0), "{output:?}");
+    assert!(scratch.read("linuxcnc.var").contains("\n5221\t0.0"));
+    // The next start keeps what the file says.
+    scratch.write("linuxcnc.var", "5221\t7.5\n");
+    let output = scratch.halrun(&["--virtual", "--for", "1s", "printer.ini"]);
+    assert_eq!(output.status, Some(0), "{output:?}");
+    assert_eq!(scratch.read("linuxcnc.var"), "5221\t7.5\n");
+}
+
 #[test]
 fn the_file_with_its_broken_lines_is_refused() {
     let scratch = printer("");

@@ -3,6 +3,7 @@
 mod comp;
 mod compat;
 mod conformance;
+mod halshow;
 mod kinematics;
 mod language;
 mod modules;
