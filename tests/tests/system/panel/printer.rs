@@ -30,9 +30,14 @@ pub(super) struct Session {
 }
 
 /// Prints what a program has said on standard error before a test failed.
+pub(super) fn shown(name: &str, program: &Running) {
+    report(&format!("{name} said: {}", program.said().1));
+}
+
+/// Prints a part of the report of a test that fails.
 #[expect(clippy::print_stderr, reason = "the report of a test that fails")]
-fn shown(name: &str, program: &Running) {
-    eprintln!("{name} said: {}", program.said().1);
+pub(super) fn report(text: &str) {
+    eprintln!("{text}");
 }
 
 impl Printer {

@@ -1,6 +1,6 @@
 //! The mill on the virtual clock, its panel with teleoperation, and people who speak the protocol.
 
-use super::super::printer::Session;
+use super::super::printer::{Session, report, shown};
 use hal_tests::{
     programs::root,
     scratch::{Running, Scratch, until},
@@ -155,6 +155,11 @@ impl Drop for Mill {
         }
         let (machine, panel) = (&mut self.machine, &mut self.panel);
         until("the programs end", || !machine.is_running() && !panel.is_running());
+        if std::thread::panicking() {
+            shown("the machine", machine);
+            shown("the panel", panel);
+            report(&self.scratch.read("audit"));
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use super::{LOOK, User, end_lease, finish, number, ticket};
 use crate::{
     error::{Code as Kind, Error},
     server::Panel,
+    status::Joined,
 };
 use hal_protocol::Request;
 use serde_json::{Map, Value as Json, json};
@@ -91,13 +92,18 @@ async fn paused(panel: &Panel, is_so: impl Fn(&Map<String, Json>) -> bool) -> Op
     loop {
         {
             let machine = panel.machine.borrow();
-            let (task, motion) = (machine.task.as_ref()?, machine.motion.as_ref()?);
-            if number(task, "interpreter") == 0 {
+            if machine.engine == Joined::Gone {
                 return None;
             }
-            let rests = float(motion, "velocity") == 0.0;
-            if rests && motion.get("paused") == Some(&Json::Bool(true)) && is_so(motion) {
-                return Some(number(motion, "line"));
+            // A status that cannot be read at this moment is no sign of an end.
+            if let (Some(task), Some(motion)) = (&machine.task, &machine.motion) {
+                if number(task, "interpreter") == 0 {
+                    return None;
+                }
+                let rests = float(motion, "velocity") == 0.0;
+                if rests && motion.get("paused") == Some(&Json::Bool(true)) && is_so(motion) {
+                    return Some(number(motion, "line"));
+                }
             }
         }
         sleep(LOOK).await;
