@@ -1,17 +1,10 @@
 /* Kinematics of a user with flags: an arm of two links of 100, whose forward kinematics report the side of the elbow,
  * and whose inverse kinematics take the side from there. */
-#include "hal.h"
-#include "kinematics.h"
-#include "rtapi.h"
-#include "rtapi_app.h"
+#include "module.h"
 #include "rtapi_math.h"
-
-MODULE_LICENSE("GPL");
 
 #define LINK 100.0
 #define RIGHT 1
-
-static int id;
 
 int kinematicsForward(const double *joints, EmcPose *pose, const KINEMATICS_FORWARD_FLAGS *forward,
                       KINEMATICS_INVERSE_FLAGS *inverse)
@@ -40,16 +33,5 @@ int kinematicsInverse(const EmcPose *pose, double *joints, const KINEMATICS_INVE
     return 0;
 }
 
-KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
-KINS_NOT_SWITCHABLE
-EXPORT_SYMBOL(kinematicsForward);
-EXPORT_SYMBOL(kinematicsInverse);
-EXPORT_SYMBOL(kinematicsType);
-
-int rtapi_app_main(void)
-{
-    id = hal_init("elbow");
-    return id < 0 ? id : hal_ready(id);
-}
-
-void rtapi_app_exit(void) { hal_exit(id); }
+BOTH_WAYS
+COMPONENT("elbow")

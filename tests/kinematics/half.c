@@ -1,10 +1,5 @@
 /* Kinematics without an inverse. */
-#include "hal.h"
-#include "kinematics.h"
-#include "rtapi.h"
-#include "rtapi_app.h"
-
-MODULE_LICENSE("GPL");
+#include "module.h"
 
 int kinematicsForward(const double *joints, EmcPose *pose, const KINEMATICS_FORWARD_FLAGS *forward,
                       KINEMATICS_INVERSE_FLAGS *inverse)
@@ -21,10 +16,4 @@ KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_FORWARD_ONLY; }
 EXPORT_SYMBOL(kinematicsForward);
 EXPORT_SYMBOL(kinematicsType);
 
-int rtapi_app_main(void)
-{
-    int id = hal_init("half");
-    return id < 0 ? id : hal_ready(id);
-}
-
-void rtapi_app_exit(void) {}
+COMPONENT("half")

@@ -1,10 +1,5 @@
 /* Kinematics that motion refuses: their type is a parameter. */
-#include "hal.h"
-#include "kinematics.h"
-#include "rtapi.h"
-#include "rtapi_app.h"
-
-MODULE_LICENSE("GPL");
+#include "module.h"
 
 static int type = KINEMATICS_INVERSE_ONLY;
 RTAPI_MP_INT(type, "what kinematicsType returns");

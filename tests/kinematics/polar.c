@@ -1,14 +1,7 @@
 /* Kinematics of a user that need the last solution: joint 0 is a radius and joint 1 an angle of any number of turns,
  * next to the one before. Joint 2 is C, which the forward kinematics know up to whole turns: the last pose has them. */
-#include "hal.h"
-#include "kinematics.h"
-#include "rtapi.h"
-#include "rtapi_app.h"
+#include "module.h"
 #include "rtapi_math.h"
-
-MODULE_LICENSE("GPL");
-
-static int id;
 
 static double near(double angle, double last) { return angle + 360 * floor((last - angle) / 360 + 0.5); }
 
@@ -37,16 +30,5 @@ int kinematicsInverse(const EmcPose *pose, double *joints, const KINEMATICS_INVE
     return 0;
 }
 
-KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
-KINS_NOT_SWITCHABLE
-EXPORT_SYMBOL(kinematicsForward);
-EXPORT_SYMBOL(kinematicsInverse);
-EXPORT_SYMBOL(kinematicsType);
-
-int rtapi_app_main(void)
-{
-    id = hal_init("polar");
-    return id < 0 ? id : hal_ready(id);
-}
-
-void rtapi_app_exit(void) { hal_exit(id); }
+BOTH_WAYS
+COMPONENT("polar")

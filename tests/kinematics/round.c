@@ -1,13 +1,6 @@
 /* Kinematics of a user with the mathematics of rotatekins: X and Y stand on a rotary axis C. */
-#include "hal.h"
-#include "kinematics.h"
-#include "rtapi.h"
-#include "rtapi_app.h"
+#include "module.h"
 #include "rtapi_math.h"
-
-MODULE_LICENSE("GPL");
-
-static int id;
 
 static void turn(double *x, double *y, double degrees)
 {
@@ -41,16 +34,5 @@ int kinematicsInverse(const EmcPose *pose, double *joints, const KINEMATICS_INVE
     return 0;
 }
 
-KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
-KINS_NOT_SWITCHABLE
-EXPORT_SYMBOL(kinematicsForward);
-EXPORT_SYMBOL(kinematicsInverse);
-EXPORT_SYMBOL(kinematicsType);
-
-int rtapi_app_main(void)
-{
-    id = hal_init("round");
-    return id < 0 ? id : hal_ready(id);
-}
-
-void rtapi_app_exit(void) { hal_exit(id); }
+BOTH_WAYS
+COMPONENT("round")

@@ -3,13 +3,8 @@
  * As is usual for such modules, its variables are static, and it does not bear two calls at once: a call that finds
  * another one in the module is counted. The pin fault makes it fail on purpose: 1 no solution, 2 NaN, 3 a crash with the
  * next pose, 4 a crash with a pose beyond x 5, which the planner meets first. */
-#include "hal.h"
-#include "kinematics.h"
-#include "rtapi.h"
-#include "rtapi_app.h"
+#include "module.h"
 #include "rtapi_math.h"
-
-MODULE_LICENSE("GPL");
 
 static char *coordinates = "XYZ";
 RTAPI_MP_STRING(coordinates, "letters of the axes");
@@ -70,11 +65,7 @@ int kinematicsInverse(const EmcPose *pose, double *joints, const KINEMATICS_INVE
     return end(0, *pins->fault == 4 && pose->tran.x > 5);
 }
 
-KINEMATICS_TYPE kinematicsType(void) { return KINEMATICS_BOTH; }
-KINS_NOT_SWITCHABLE
-EXPORT_SYMBOL(kinematicsForward);
-EXPORT_SYMBOL(kinematicsInverse);
-EXPORT_SYMBOL(kinematicsType);
+BOTH_WAYS
 
 int rtapi_app_main(void)
 {

@@ -5,7 +5,13 @@ use crate::{Type, Value, stream::Mapping};
 use hal_abi::{PAGE_MAGIC, Page, PageReader};
 use rustix::mm::ProtFlags;
 use serde::{Deserialize, Serialize};
-use std::os::fd::OwnedFd;
+use std::{os::fd::OwnedFd, thread, time::Duration};
+
+/// Number of times that a record is read at once while its component replaces it.
+const AT_ONCE: u32 = 100;
+/// Number of further reads, each after a wait, and that wait: together a second.
+const WAITS: u32 = 5000;
+const WAIT: Duration = Duration::from_micros(200);
 
 /// A field of a snapshot.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -87,7 +93,7 @@ impl Snapshot {
 
     /// Puts the values of the latest record into `out`, field after field, and returns the number
     /// of records published so far. Returns `None` if the component was writing a record at that
-    /// moment: try again.
+    /// moment, and leaves `out` empty: try again.
     pub fn read(&self, out: &mut Vec<Value>) -> Option<u64> {
         out.clear();
         let types = self.info.fields.iter();
@@ -96,8 +102,22 @@ impl Snapshot {
             if let Some(ty) = types.next() {
                 out.push(Value::from_bits(ty, bits));
             }
-        })?;
-        Some(sequence / 2)
+        });
+        if sequence.is_none() {
+            out.clear();
+        }
+        sequence.map(|n| n / 2)
+    }
+
+    /// Reads as [`read`](Self::read) does, and waits while the component writes a record: the system may have suspended it in
+    /// the middle. Returns `None` after a second.
+    pub fn wait(&self, out: &mut Vec<Value>) -> Option<u64> {
+        (0..AT_ONCE + WAITS).find_map(|n| {
+            if n >= AT_ONCE {
+                thread::park_timeout(WAIT);
+            }
+            self.read(out)
+        })
     }
 
     /// Returns a field of words as text: eight bytes in each, the first lowest. It ends at the first byte that is 0.

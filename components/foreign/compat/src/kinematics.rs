@@ -133,21 +133,24 @@ impl Solver {
         code
     }
 
+    /// Calls a function of the module. Its own flags were reported by the last call of the other direction; those that it
+    /// reports are for that one.
+    fn solve(&self, code: Solve, from: &[f64], to: &mut [f64], flags: [&AtomicU64; 2]) -> c_int {
+        let [own, reported] = flags;
+        let (own, mut new) = (own.load(Relaxed), reported.load(Relaxed));
+        let code = code(from.as_ptr(), to.as_mut_ptr(), &raw const own, &raw mut new);
+        if code == 0 {
+            reported.store(new, Relaxed);
+        }
+        code
+    }
+
     /// Calls `kinematicsForward`.
     fn to_pose(&self, joints: &Joints, pose: &mut Pose) -> c_int {
-        let forward_flags = flags(&self.forward_flags);
-        let mut inverse_flags = flags(&self.inverse_flags);
-        let code = (self.entries.forward)(
-            joints.as_ptr(),
-            pose.as_mut_ptr(),
-            &raw const forward_flags,
-            &raw mut inverse_flags,
-        );
-        if code == 0 {
-            keep(&self.inverse_flags, inverse_flags);
-            if inverse_flags != 0 {
-                self.common.has_flags.store(true, Relaxed);
-            }
+        let flags = [&self.forward_flags, &self.inverse_flags];
+        let code = self.solve(self.entries.forward, joints, pose, flags);
+        if code == 0 && self.inverse_flags.load(Relaxed) != 0 {
+            self.common.has_flags.store(true, Relaxed);
         }
         code
     }
@@ -158,18 +161,8 @@ impl Solver {
             // Without a pose for the guess, the last flags remain.
             self.to_pose(joints, &mut pose.clone());
         }
-        let inverse_flags = flags(&self.inverse_flags);
-        let mut forward_flags = flags(&self.forward_flags);
-        let code = (self.entries.inverse)(
-            pose.as_ptr(),
-            joints.as_mut_ptr(),
-            &raw const inverse_flags,
-            &raw mut forward_flags,
-        );
-        if code == 0 {
-            keep(&self.forward_flags, forward_flags);
-        }
-        code
+        let flags = [&self.inverse_flags, &self.forward_flags];
+        self.solve(self.entries.inverse, pose, joints, flags)
     }
 
     fn forward(&self, joints: &[f64], pose: &mut Pose) -> Status {
@@ -218,14 +211,6 @@ impl Solver {
         }
         Status::OK
     }
-}
-
-fn flags(of: &AtomicU64) -> c_ulong {
-    of.load(Relaxed)
-}
-
-fn keep(at: &AtomicU64, flags: c_ulong) {
-    at.store(flags, Relaxed);
 }
 
 /// Returns the status of a call: any result but zero, and any NaN, means that there is no solution.

@@ -10,7 +10,7 @@ use pyo3::{
     prelude::*,
     types::PyTuple,
 };
-use std::{collections::BTreeMap, path::Path, sync::Mutex, thread, time::Duration};
+use std::{collections::BTreeMap, path::Path, sync::Mutex};
 
 pyo3::create_exception!(
     linuxcnc,
@@ -18,14 +18,6 @@ pyo3::create_exception!(
     PyRuntimeError,
     "A failure of the machine, or of its files."
 );
-
-/// Number of times that a record is read at once while its component replaces it.
-const MAX_READS: u32 = 100;
-/// Number of further reads, each after a wait: a component that the system suspends while it writes goes on in its next
-/// time slice.
-const MAX_WAITS: u32 = 5000;
-/// Wait between these reads.
-const WAIT: Duration = Duration::from_micros(200);
 
 fn connect(py: Python<'_>) -> PyResult<Client> {
     py.detach(|| {
@@ -75,16 +67,10 @@ impl Page {
         if record.client.is_gone() {
             return Err(error::new_err("the machine has ended"));
         }
-        for n in 0..MAX_READS + MAX_WAITS {
-            if n >= MAX_READS {
-                thread::park_timeout(WAIT);
-            }
-            if let Some(count) = record.snapshot.read(&mut record.next) {
-                std::mem::swap(&mut record.values, &mut record.next);
-                return Ok(count);
-            }
-        }
-        Err(error::new_err("the record changes too fast to be read"))
+        let count = record.snapshot.wait(&mut record.next);
+        let count = count.ok_or_else(|| error::new_err("the component does not end its record"))?;
+        std::mem::swap(&mut record.values, &mut record.next);
+        Ok(count)
     }
 
     fn __contains__(&self, name: &str) -> bool {

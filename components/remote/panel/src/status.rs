@@ -10,11 +10,6 @@ use tokio::sync::watch;
 const INTERVAL: Duration = Duration::from_millis(50);
 /// Looks between two attempts to find an engine, when there is none.
 const SEARCH: u32 = 20;
-/// Attempts to read a record between two pauses.
-const ATTEMPTS: u32 = 100;
-/// Pauses for a writer that the system has suspended in the middle of a record, and the length of each.
-const PAUSES: u32 = 20;
-const PAUSE: Duration = Duration::from_millis(5);
 /// Fields whose words are a text.
 const TEXTS: &[&str] = &["command", "file", "message"];
 
@@ -84,18 +79,9 @@ impl Page {
         Self { snapshot, values: Vec::new() }
     }
 
-    /// Returns the latest record, or `None` while there is none.
+    /// Returns the latest record, or `None` where the component does not end it.
     fn read(&mut self) -> Option<Map<String, Json>> {
-        let is_read = (1..=ATTEMPTS * PAUSES).any(|n| {
-            let is_read = self.snapshot.read(&mut self.values).is_some();
-            if !is_read && n.is_multiple_of(ATTEMPTS) {
-                pause(PAUSE);
-            }
-            is_read
-        });
-        if !is_read {
-            return None;
-        }
+        self.snapshot.wait(&mut self.values)?;
         let mut values = self.values.as_slice();
         let fields = self.snapshot.info().fields.iter();
         let object = fields.map(|field| {

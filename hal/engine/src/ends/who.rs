@@ -12,12 +12,7 @@ use crate::{realtime::thread::Thread, sync::Ordering};
 /// Describes the code that runs in this thread.
 pub(super) fn describe(text: &mut Text, place: Registers, origins: &[Origin]) {
     if let Some(thread) = cycle() {
-        describe_cycle(text, thread);
-        let current = thread.current.load(Ordering::Relaxed);
-        let list = thread.list.load();
-        if let Some(e) = list.labels.iter().find(|e| e.id == current && current != NOBODY) {
-            describe_code(text, place, origins, e.component.as_str());
-        }
+        cycle_of(text, thread, |text, caller| describe_code(text, place, origins, caller));
         return;
     }
     if let Some(doing) = running() {
@@ -48,32 +43,45 @@ pub(super) fn describe(text: &mut Text, place: Registers, origins: &[Origin]) {
 
 /// Describes the function that a thread is in.
 pub(super) fn describe_cycle(text: &mut Text, thread: &Thread) {
+    cycle_of(text, thread, |_, _| ());
+}
+
+/// Describes the function that a thread is in, and hands its component on.
+fn cycle_of(text: &mut Text, thread: &Thread, then: impl FnOnce(&mut Text, &str)) {
     let current = thread.current.load(Ordering::Relaxed);
     let list = thread.list.load();
     match list.labels.iter().find(|e| e.id == current && current != NOBODY) {
-        Some(e) => text.add(format_args!(
-            "component '{}', function '{}', thread '{}'",
-            e.component, e.name, thread.name
-        )),
+        Some(e) => {
+            text.add(format_args!(
+                "component '{}', function '{}', thread '{}'",
+                e.component, e.name, thread.name
+            ));
+            then(text, e.component.as_str());
+        }
         None => text.add(format_args!("thread '{}', between its functions", thread.name)),
     }
 }
 
 /// Names the component whose code a function of another one has called, such as kinematics.
 fn describe_code(text: &mut Text, place: Registers, origins: &[Origin], caller: &str) {
-    let mut found: Option<&Origin> = None;
+    let Some(found) = code_of(place.code, origins) else { return };
+    let is_own = |o: &Origin| o.file == found.file && o.component.as_str() == caller;
+    if !origins.iter().any(is_own) {
+        text.add(format_args!(", in code of component '{}'", found.component));
+    }
+}
+
+/// Returns the library of an address of code.
+fn code_of(address: usize, origins: &[Origin]) -> Option<&Origin> {
+    let mut found = None;
     maps::each(|code, path| {
-        let here = code.holds(place.code);
+        let here = code.holds(address);
         if here {
             found = origins.iter().find(|o| is_from(&o.file, path));
         }
         here
     });
-    let Some(found) = found else { return };
-    let is_own = |o: &Origin| o.file == found.file && o.component.as_str() == caller;
-    if !origins.iter().any(is_own) {
-        text.add(format_args!(", in code of component '{}'", found.component));
-    }
+    found
 }
 
 /// Returns whether a mapping is that of a file, or of a copy of it in memory.
@@ -85,13 +93,18 @@ fn is_from(file: &str, path: &str) -> bool {
 /// Returns the library that code belongs to: that of the address, or that of the innermost caller
 /// on the stack.
 fn origin(place: Registers, origins: &[Origin]) -> Option<&Origin> {
+    code_of(place.code, origins).or_else(|| caller_of(place.stack, origins))
+}
+
+/// Returns the library of the innermost caller on a stack.
+fn caller_of(stack: usize, origins: &[Origin]) -> Option<&Origin> {
     const MAX_RANGES: usize = 64;
     const MAX_WORDS: usize = 4096;
     const AT_ONCE: usize = 64;
     let mut ranges = [(maps::Code::default(), 0_usize); MAX_RANGES];
     let mut used = 0;
     maps::each(|code, path| {
-        if let Some(i) = origins.iter().position(|o| *o.file == *path)
+        if let Some(i) = origins.iter().position(|o| is_from(&o.file, path))
             && let Some(range) = ranges.get_mut(used)
         {
             *range = (code, i);
@@ -104,11 +117,8 @@ fn origin(place: Registers, origins: &[Origin]) -> Option<&Origin> {
         let range = ranges.iter().find(|(code, _)| code.holds(address));
         range.and_then(|(_, i)| origins.get(*i))
     };
-    if let Some(origin) = found(place.code) {
-        return Some(origin);
-    }
     let mut words = [0_usize; AT_ONCE];
-    let mut at = place.stack & !(align_of::<usize>() - 1);
+    let mut at = stack & !(align_of::<usize>() - 1);
     for _ in 0..MAX_WORDS / AT_ONCE {
         let n = sys::peek(at, &mut words);
         let read = words.get(..n).unwrap_or_default();

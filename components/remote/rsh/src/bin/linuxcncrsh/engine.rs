@@ -8,9 +8,6 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-/// Number of times that a record is read again while its component replaces it.
-const MAX_READS: u32 = 1000;
-
 /// Time within which lines that were sent at once arrive.
 const AT_ONCE: Duration = Duration::from_millis(100);
 
@@ -49,15 +46,11 @@ impl Engine {
     }
 }
 
-fn read(snapshot: &Snapshot, record: &mut Record) {
-    // A record that changes too fast is read the next time.
-    (0..MAX_READS).any(|_| snapshot.read(record.values_mut()).is_some());
-}
-
 impl Machine for Engine {
     fn poll(&mut self) {
-        read(&self.motion, &mut self.state.motion);
-        read(&self.task, &mut self.state.task);
+        // A record that its component does not end is read the next time.
+        self.motion.wait(self.state.motion.values_mut());
+        self.task.wait(self.state.task.values_mut());
     }
 
     fn state(&self) -> &Snapshots {
