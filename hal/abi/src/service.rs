@@ -41,7 +41,8 @@ pub struct Kinematics {
     pub size: u32,
     /// Number of joints.
     pub joints: u32,
-    /// Kind: 1 identity, 2 forward only, 3 inverse only, 4 both.
+    /// Kind: [`IDENTITY`](Self::IDENTITY), [`FORWARD_ONLY`](Self::FORWARD_ONLY),
+    /// [`INVERSE_ONLY`](Self::INVERSE_ONLY) or [`BOTH`](Self::BOTH).
     pub kind: u32,
     /// Joint of each letter of a pose: index + 1 of the first such joint, or zero.
     pub joint_of: [u8; 12],
@@ -75,10 +76,19 @@ pub struct Kinematics {
     pub switch: Option<unsafe extern "C" fn(*const c_void, to: u32) -> Status>,
     /// Since minor 10: context for the calls of one worker, if the functions may not run with
     /// [`ctx`](Self::ctx) in two threads at once. Null if they may: `ctx` then serves all threads.
-    pub apart: *const c_void,
+    pub worker_ctx: *const c_void,
 }
 
 impl Kinematics {
+    /// Kind: joints are axes.
+    pub const IDENTITY: u32 = 1;
+    /// Kind: only from joint positions to a pose.
+    pub const FORWARD_ONLY: u32 = 2;
+    /// Kind: only from a pose to joint positions.
+    pub const INVERSE_ONLY: u32 = 3;
+    /// Kind: both directions.
+    pub const BOTH: u32 = 4;
+
     /// The solution is at a singularity: others are equally valid, or joints would need unbounded
     /// speed to continue.
     pub const SINGULAR: Status = Status(1);

@@ -44,7 +44,7 @@ fn table() -> Result<String, std::fmt::Error> {
         CommandSpec { size flags name doc args run state free }
         ActionSpec { size flags run state free }
         ServiceSpec { size version name table state free uses n_uses }
-        Kinematics { size joints kind joint_of ctx forward inverse types solutions switch apart }
+        Kinematics { size joints kind joint_of ctx forward inverse types solutions switch worker_ctx }
         Interlock { size flags ctx state }
         IoCommand { size kind tool pocket index changes values }
         IoControl { size flags ctx request result state }

@@ -67,10 +67,10 @@ pub trait Kinematics: Touch + Send + Sync + 'static {
 /// Returns the table for `k`.
 pub(crate) fn table<K: Kinematics>(k: &K) -> abi::Kinematics {
     let kind = match k.kind() {
-        KinematicsKind::Identity => 1,
-        KinematicsKind::ForwardOnly => 2,
-        KinematicsKind::InverseOnly => 3,
-        KinematicsKind::Both => 4,
+        KinematicsKind::Identity => abi::Kinematics::IDENTITY,
+        KinematicsKind::ForwardOnly => abi::Kinematics::FORWARD_ONLY,
+        KinematicsKind::InverseOnly => abi::Kinematics::INVERSE_ONLY,
+        KinematicsKind::Both => abi::Kinematics::BOTH,
     };
     let mut joint_of = [0; 12];
     for (letter, place) in joint_of.iter_mut().enumerate().take(9) {
@@ -87,7 +87,7 @@ pub(crate) fn table<K: Kinematics>(k: &K) -> abi::Kinematics {
         types: k.types(),
         solutions: Some(solutions::<K>),
         switch: Some(switch::<K>),
-        apart: core::ptr::null(),
+        worker_ctx: core::ptr::null(),
     }
 }
 
@@ -173,8 +173,8 @@ impl KinematicsRef {
     /// those of realtime functions. Kinematics that are not reentrant have a second copy for it.
     #[must_use]
     pub const fn for_worker(mut self) -> Self {
-        if !self.0.table.apart.is_null() {
-            self.0.table.ctx = self.0.table.apart;
+        if !self.0.table.worker_ctx.is_null() {
+            self.0.table.ctx = self.0.table.worker_ctx;
         }
         self
     }
@@ -189,9 +189,9 @@ impl KinematicsRef {
     #[must_use]
     pub const fn kind(&self) -> KinematicsKind {
         match self.0.table.kind {
-            1 => KinematicsKind::Identity,
-            2 => KinematicsKind::ForwardOnly,
-            3 => KinematicsKind::InverseOnly,
+            abi::Kinematics::IDENTITY => KinematicsKind::Identity,
+            abi::Kinematics::FORWARD_ONLY => KinematicsKind::ForwardOnly,
+            abi::Kinematics::INVERSE_ONLY => KinematicsKind::InverseOnly,
             _ => KinematicsKind::Both,
         }
     }

@@ -109,7 +109,7 @@ pub(crate) fn offer(
         types,
         solutions: None,
         switch: Some(switch),
-        apart: core::ptr::null(),
+        worker_ctx: core::ptr::null(),
     };
     let service = Box::into_raw(Box::new(BothSolvers {
         table,
@@ -119,7 +119,7 @@ pub(crate) fn offer(
     // SAFETY: made just now, and not shared yet.
     let made = unsafe { &mut *service };
     made.table.ctx = (&raw const made.own).cast();
-    made.table.apart = (&raw const made.apart).cast();
+    made.table.worker_ctx = (&raw const made.apart).cast();
     let spec = ServiceSpec {
         size: size::<ServiceSpec>(),
         version: 1,
