@@ -62,9 +62,10 @@ fn cycle_of(text: &mut Text, thread: &Thread, then: impl FnOnce(&mut Text, &str)
     }
 }
 
-/// Names the component whose code a function of another one has called, such as kinematics.
+/// Names the component whose code a function of another one has called, such as kinematics, also if that code is in a
+/// function of the C library.
 fn describe_code(text: &mut Text, place: Registers, origins: &[Origin], caller: &str) {
-    let Some(found) = code_of(place.code, origins) else { return };
+    let Some(found) = origin(place, origins) else { return };
     let is_own = |o: &Origin| o.file == found.file && o.component.as_str() == caller;
     if !origins.iter().any(is_own) {
         text.add(format_args!(", in code of component '{}'", found.component));

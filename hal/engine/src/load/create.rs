@@ -367,7 +367,7 @@ impl<'e> Creating<'e> {
             Ok(()) => Status::OK,
             Err(e) => {
                 let status = Status(e.errno());
-                self.refused.get_or_insert(e);
+                self.keep_refusal(e);
                 status
             }
         }

@@ -214,6 +214,24 @@ impl Creating<'_> {
         }
     }
 
+    /// Keeps the error of a refused declaration, for the result of the load. A plugin's load ends with its first one; a
+    /// file that is not a plugin may go on after that, so that its last one counts, and earlier ones are logged.
+    pub(crate) fn keep_refusal(&mut self, error: Error) {
+        let component = self.engine.model.graph().component(self.component);
+        if component.is_none_or(|c| c.foreign.is_none()) {
+            self.refused.get_or_insert(error);
+        } else if let Some(earlier) = self.refused.replace(error) {
+            self.log_refusal(&earlier);
+        }
+    }
+
+    fn log_refusal(&mut self, error: &Error) {
+        let by = self.engine.model.graph().component(self.component);
+        let by = by.map_or_else(String::new, |c| c.name.as_str().to_owned());
+        self.engine.drain_messages();
+        self.engine.notice(format!("{by}: {error}"));
+    }
+
     /// Does the same as [`Self::answer`], but logs the error at once, since the file may continue
     /// after it.
     fn answer_said(&mut self, result: Result<(), Error>) -> Status {
@@ -221,10 +239,7 @@ impl Creating<'_> {
             Ok(()) => Status::OK,
             Err(e) => {
                 let status = Status(e.errno());
-                let by = self.engine.model.graph().component(self.component);
-                let by = by.map_or_else(String::new, |c| c.name.as_str().to_owned());
-                self.engine.drain_messages();
-                self.engine.notice(format!("{by}: {e}"));
+                self.log_refusal(&e);
                 status
             }
         }
