@@ -4,8 +4,9 @@
 namespace eval ::ferrule {
     # Folder of the package.
     variable here [file dirname [file normalize [info script]]]
-    # Number of procedures of other scripts that loaded the library.
-    variable loaders 0
+    # Number of procedures of other scripts that loaded the library. A scan of packages reads this file again.
+    variable loaders
+    if {![info exists loaders]} { set loaders 0 }
 }
 
 # Makes `hal` this package's command again, whatever a script has made of it.

@@ -115,6 +115,11 @@ impl Stream {
         &self.info.types
     }
 
+    fn ring(&self) -> &Ring {
+        // SAFETY: the mapping lives as long as `Self`, and of the header only atomics change.
+        unsafe { &*self.mapping.ring() }
+    }
+
     fn shape(&self) -> Option<(u32, u32)> {
         let is_both = matches!(self.end, End::Both);
         is_both.then_some((self.info.depth, u32::try_from(self.info.types.len()).unwrap_or(0)))
@@ -173,7 +178,7 @@ impl Stream {
         match &self.end {
             End::Reads(c) => c.lost_and_closed().1,
             End::Writes(p) => p.is_closed(),
-            End::Both => self.writer().is_none_or(|p| p.is_closed()),
+            End::Both => self.ring().is_closed(),
         }
     }
 
@@ -188,7 +193,7 @@ impl Stream {
     pub fn waiting(&self) -> u32 {
         match &self.end {
             End::Reads(c) => c.waiting(),
-            End::Both => self.reader().map_or(0, |c| c.waiting()),
+            End::Both => self.ring().waiting(self.info.depth),
             End::Writes(p) => p.waiting(),
         }
     }

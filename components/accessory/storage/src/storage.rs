@@ -238,12 +238,12 @@ impl<B: Bay> Storage<B> {
                     Err(why) => self.failed(why),
                 }
             }
-            Work::Ejecting(plan, _, was_told) if !is_idle => {
-                self.work = Work::Ejecting(plan, None, was_told);
+            Work::Ejecting(plan, _, was_reported) if !is_idle => {
+                self.work = Work::Ejecting(plan, None, was_reported);
                 return false;
             }
-            Work::Ejecting(plan, since, was_told) => {
-                return self.eject(gadget, now, plan, since, was_told);
+            Work::Ejecting(plan, since, was_reported) => {
+                return self.eject(gadget, now, plan, since, was_reported);
             }
             Work::Presenting(Some(failed)) if now - failed < AGAIN => {
                 self.work = Work::Presenting(Some(failed));
@@ -291,7 +291,7 @@ impl<B: Bay> Storage<B> {
         now: f64,
         plan: ImagePlan,
         since: Option<f64>,
-        was_told: bool,
+        was_reported: bool,
     ) -> bool {
         let side = self.ledger.presented;
         match gadget.eject() {
@@ -310,10 +310,10 @@ impl<B: Bay> Storage<B> {
                     }
                     return true;
                 }
-                if is_long && !was_told {
+                if is_long && !was_reported {
                     self.events.push_back(StorageEvent::Failed(StorageError::Busy(BUSY_TIME)));
                 }
-                self.work = Work::Ejecting(plan, Some(since), was_told || is_long);
+                self.work = Work::Ejecting(plan, Some(since), was_reported || is_long);
                 return false;
             }
         }

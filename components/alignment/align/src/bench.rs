@@ -37,14 +37,14 @@ macro_rules! failures {
 }
 
 failures! {
-    NoMark = 1, "there is no such mark in the picture: align.status tells more";
+    NoMark = 1, "there is no such mark in the picture: see align.status";
     Ambiguous = 2, "two marks are about as near: move closer to the one that is meant";
     Scatter = 3, "the pictures differ: the camera or the part moves, or the picture is poor";
-    NoPicture = 4, "there is no picture: align.status tells more";
+    NoPicture = 4, "there is no picture: see align.status";
     Moved = 5, "the machine moved during the look";
     NoSuchMark = 6, "the job has no mark of this number";
-    NoPlace = 7, "the marks give no place: align.status tells more";
-    NoCamera = 8, "the camera cannot be calibrated: align.status tells more";
+    NoPlace = 7, "the marks give no place: see align.status";
+    NoCamera = 8, "the camera cannot be calibrated: see align.status";
 }
 
 /// State of the alignment.
@@ -147,8 +147,8 @@ impl Bench {
         }
     }
 
-    /// Skips pictures that may still show what was there before a look, which began so many seconds ago. Returns whether they
-    /// may.
+    /// Skips pictures that may still show what was there before a look, which began so many seconds ago. Returns true if
+    /// that may be so.
     pub(crate) fn skip_early(&mut self, seconds: f64) -> bool {
         match &mut self.job.pictures {
             Pictures::Files(source) if source.is_live() && seconds < self.job.delay => {

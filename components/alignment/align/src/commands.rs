@@ -109,7 +109,7 @@ pub(crate) fn open(
         written.map_err(|e| Error::new(format!("{name}: {}", hal_output::reason(&e))))
     })?;
     let shared = bench.clone();
-    let doc = "Tells the marks, their residuals, the place of the part, and the last problem.";
+    let doc = "Returns the marks, their residuals, the place of the part, and the last problem.";
     b.command("align.status", doc, STATUS, move |call| {
         let mut bench = lock(&shared);
         match call.bit("json").unwrap_or(false) {

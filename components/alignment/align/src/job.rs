@@ -167,11 +167,11 @@ impl MarkJob {
             "TIMEOUT" => self.timeout = between(entry, 0.01, 600.0)?,
             "DELAY" => self.delay = between(entry, 0.0, 60.0)?,
             "SOURCE" => {
-                let usual = "must be 'sim FILE', 'files FOLDER' or 'live FOLDER'";
+                let forms = "must be 'sim FILE', 'files FOLDER' or 'live FOLDER'";
                 let (kind, name) = entry
                     .value
                     .split_once(char::is_whitespace)
-                    .ok_or_else(|| wrong(entry, usual))?;
+                    .ok_or_else(|| wrong(entry, forms))?;
                 let path: PathBuf = folder.join(name.trim());
                 let files = |is_live| -> Result<Pictures, String> {
                     let files = Files::open(&path, is_live);
@@ -186,7 +186,7 @@ impl MarkJob {
                     }
                     "files" => files(false)?,
                     "live" => files(true)?,
-                    _ => return Err(wrong(entry, usual)),
+                    _ => return Err(wrong(entry, forms)),
                 };
             }
             _ => {

@@ -62,7 +62,7 @@ shift, but neither stretch nor shear: `live` shows whether turn and shift alone 
 rewrites the program.
 
 Values of `error`: 0 none, 1 no mark there, 2 two marks are about as near, 3 the pictures differ, 4 no picture, 5 the machine
-moved, 6 no such mark, 7 the marks give no place, 8 the camera cannot be calibrated. `align.status` tells more. Positions are in mm.
+moved, 6 no such mark, 7 the marks give no place, 8 the camera cannot be calibrated. `align.status` has the details. Positions are in mm.
 
 On the virtual clock, pins `sim.*` change what the simulated camera sees.
 

@@ -114,13 +114,13 @@ impl EyePins {
     /// Realtime. Returns the place of the machine, and what the simulated camera sees there.
     pub(crate) fn station(&self) -> Station {
         let (x, y) = (self.pos_x.get(), self.pos_y.get());
-        let usual = Station { x, y, light: 1.0, part_x: 0.0, part_y: 0.0, stalls: false };
-        self.simulated.as_ref().map_or(usual, |s| Station {
+        let default = Station { x, y, light: 1.0, part_x: 0.0, part_y: 0.0, stalls: false };
+        self.simulated.as_ref().map_or(default, |s| Station {
             light: s.light.get(),
             part_x: s.x.get(),
             part_y: s.y.get(),
             stalls: s.stall.get(),
-            ..usual
+            ..default
         })
     }
 
@@ -136,7 +136,7 @@ impl Simulated {
         Ok(Self {
             light: b.item(
                 "align.sim.light",
-                "Light on the simulated table, 0 to 2; 1 is usual.",
+                "Light on the simulated table, 0 to 2; 1 by default.",
                 1.0,
             )?,
             x: b.item("align.sim.x", "Shift of the part on the simulated table in X, in mm.", 0.0)?,

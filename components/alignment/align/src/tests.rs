@@ -36,7 +36,7 @@ impl Drop for Folder {
 #[test]
 fn wrong_jobs_are_refused_with_their_place() {
     let folder = Folder::new("jobs");
-    let usual = "[JOB]\nMARK = 1 2\n";
+    let job = "[JOB]\nMARK = 1 2\n";
     for (text, wanted) in [
         ("[JOB]\n", "[JOB] has no MARK = X Y"),
         ("[JOB]\nMARK = 1\n", ":2: [JOB]MARK = 1: 2 finite numbers are needed"),
@@ -50,18 +50,18 @@ fn wrong_jobs_are_refused_with_their_place() {
         ("[CAMERA]\nMATRIX = 1 1 1 1\n", ":2: [CAMERA]MATRIX = 1 1 1 1: the matrix has no inverse"),
     ] {
         let text =
-            if text.starts_with("[CAMERA]") { format!("{text}{usual}") } else { text.to_owned() };
+            if text.starts_with("[CAMERA]") { format!("{text}{job}") } else { text.to_owned() };
         let path = folder.write("job.ini", text);
         let error = MarkJob::read(&path).err().unwrap();
         assert!(error.contains(wanted), "{error}, must contain {wanted}");
     }
 }
 
-const USUAL: Station =
+const DEFAULT_STATION: Station =
     Station { x: 0.0, y: 0.0, light: 1.0, part_x: 0.0, part_y: 0.0, stalls: false };
 
 const fn station(at: Vector) -> Station {
-    Station { x: at.x, y: at.y, ..USUAL }
+    Station { x: at.x, y: at.y, ..DEFAULT_STATION }
 }
 
 /// Takes the next picture of a look, as the worker does.
@@ -103,7 +103,7 @@ fn a_mark_is_measured_on_the_simulated_table() {
     assert_eq!(picture(&mut bench, &mut look, &dark), Err(Failure::NoMark));
     let stalled = Station { stalls: true, ..station(at) };
     assert_eq!(picture(&mut bench, &mut look, &stalled), Ok(None));
-    assert_eq!(picture(&mut bench, &mut look, &USUAL), Err(Failure::NoMark));
+    assert_eq!(picture(&mut bench, &mut look, &DEFAULT_STATION), Err(Failure::NoMark));
     assert!(
         bench
             .status()
@@ -133,14 +133,14 @@ fn pictures_of_a_folder_are_taken_in_their_order_and_garbage_is_named() {
     let mut results = Results::default();
     for n in 0..2_u32 {
         let mut look = Look::default();
-        assert_eq!(picture(&mut bench, &mut look, &USUAL), Ok(Some(true)));
+        assert_eq!(picture(&mut bench, &mut look, &DEFAULT_STATION), Ok(Some(true)));
         bench.measure(&look, 1, Vector::ZERO, &mut results).unwrap();
         assert!((results.x + 0.1 * f64::from(n)).abs() < 1e-3, "{}", results.x);
     }
     let mut look = Look::default();
-    assert_eq!(picture(&mut bench, &mut look, &USUAL), Err(Failure::NoPicture));
+    assert_eq!(picture(&mut bench, &mut look, &DEFAULT_STATION), Err(Failure::NoPicture));
     assert!(bench.status().last().unwrap().ends_with("2.jpg: the picture is cut off or broken"));
-    assert_eq!(picture(&mut bench, &mut look, &USUAL), Ok(None));
+    assert_eq!(picture(&mut bench, &mut look, &DEFAULT_STATION), Ok(None));
 }
 
 /// Pictures for people come while they are asked for, from where the machine is, and change nothing that is measured.

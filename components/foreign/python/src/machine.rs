@@ -57,20 +57,23 @@ impl Page {
         }
         let (values, next) = (Vec::new(), Vec::with_capacity(first));
         let page = Self { fields, record: Mutex::new(Record { snapshot, values, next, client }) };
-        page.poll()?;
+        page.poll(py)?;
         Ok(page)
     }
 
     /// Reads the latest record, and returns the number of records so far.
-    fn poll(&self) -> PyResult<u64> {
-        let record = &mut *locked(&self.record);
-        if record.client.is_gone() {
-            return Err(error::new_err("the machine has ended"));
-        }
-        let count = record.snapshot.wait(&mut record.next);
-        let count = count.ok_or_else(|| error::new_err("the component does not end its record"))?;
-        std::mem::swap(&mut record.values, &mut record.next);
-        Ok(count)
+    fn poll(&self, py: Python<'_>) -> PyResult<u64> {
+        // Other threads go on while the component writes.
+        let count = py.detach(|| {
+            let record = &mut *locked(&self.record);
+            if record.client.is_gone() {
+                return Err("the machine has ended");
+            }
+            let count = record.snapshot.wait(&mut record.next);
+            std::mem::swap(&mut record.values, &mut record.next);
+            count.ok_or("the component does not end its record")
+        });
+        count.map_err(error::new_err)
     }
 
     fn __contains__(&self, name: &str) -> bool {

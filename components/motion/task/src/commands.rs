@@ -84,8 +84,14 @@ const ROWS: &[Row] = &[
 Runs the program that is open, from its first line, in mode auto.
 
 The command ends with the program. A refusal has every reason.",
-        args: &[],
-        read: |_| Ok(Command::Run),
+        args: &[&Arg::int("stops", "Refuses the run unless field stops of task.status is this number. -1: any.").or("-1")],
+        read: |call| match call.int("stops").unwrap_or(-1) {
+            -1 => Ok(Command::Run),
+            given => {
+                let why = |_| Error::new(format!("stops is {given}, must be -1 to {}", u32::MAX));
+                u32::try_from(given).map(Command::RunUnlessStopped).map_err(why)
+            }
+        },
     },
     Row {
         name: "task.run-from",

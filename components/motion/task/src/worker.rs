@@ -94,21 +94,19 @@ impl Touch for Worker {
 
 impl Work for Worker {
     fn work(&mut self, items: u32) -> u32 {
-        let mut is_new = false;
-        let (mut core, commands) = {
+        let (opened, commands) = {
             let mut shared_state = self.shared.lock();
-            if let Some((core, files)) = shared_state.opened.take() {
-                is_new = files.parameters.as_ref().is_some_and(|(path, _)| !path.exists());
-                self.world.open(&core, files);
-                self.core = Some(core);
+            let opened = shared_state.opened.take();
+            if opened.is_none() && self.core.is_none() {
+                return 0;
             }
-            let Some(core) = self.core.take() else { return 0 };
-            (core, core::mem::take(&mut shared_state.inbox))
+            (opened, core::mem::take(&mut shared_state.inbox))
         };
-        if is_new {
-            // Programs with a page of offsets read the file from the start. The end of a job reports a failure.
-            drop(self.world.save_parameters(&core.interpreter.state.numbered));
+        if let Some((core, files)) = opened {
+            self.world.open(&core, files);
+            self.core = Some(core);
         }
+        let Some(mut core) = self.core.take() else { return 0 };
         self.world.refresh();
         for (command, handle) in commands {
             let ticket = self.world.ticket(handle);

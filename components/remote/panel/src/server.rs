@@ -36,6 +36,7 @@ use tokio::{
     runtime,
     signal::unix::{SignalKind, signal},
     sync::{Mutex, Semaphore, watch},
+    task::block_in_place,
     time::timeout,
 };
 use tokio_rustls::TlsAcceptor;
@@ -98,11 +99,12 @@ impl Panel {
     pub(crate) fn renew_token(&self) -> Result<(), String> {
         let token = secret()?;
         let text = format!("{}/#token={token}\n", self.security.origin(self.address));
-        let written = hal_output::install(&self.address_file, text.as_bytes(), 0o600);
-        let file = self.address_file.display();
-        written.map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?;
+        // Whoever reads the file finds its token accepted.
         self.sessions.set_token(token);
-        Ok(())
+        let written =
+            block_in_place(|| hal_output::install(&self.address_file, text.as_bytes(), 0o600));
+        let file = self.address_file.display();
+        written.map_err(|e| format!("{file}: {}", hal_output::reason(&e)))
     }
 }
 

@@ -29,8 +29,8 @@ for (let i = 0; i < d.length; i += 4) { \
 } \
 return found";
 
-/// Returns what the component tells.
-fn told(fixture: &Fixture) -> Value {
+/// Returns the status of the component.
+fn status(fixture: &Fixture) -> Value {
     serde_json::from_str(&fixture.printer.halcmd("align.status json=TRUE")).unwrap()
 }
 
@@ -46,13 +46,12 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
     // Each mark is approached by a button that is held, centred by its picture, and measured.
     for mark in 1..=4 {
         let row = format!("#marks-table tr[data-mark=\"{mark}\"]");
-        let is_standing = || fixture.printer.halcmd("getp motion.in-position").trim() == "TRUE";
-        let aim = told(&fixture)["marks"][mark - 1]["aim"][0].as_f64().unwrap();
+        let aim = status(&fixture)["marks"][mark - 1]["aim"][0].as_f64().unwrap();
         let goes = format!(
             "Math.abs(Number(document.querySelector('#camera-state').textContent.match(/X (\\S+)/)[1]) - {aim:.3}) < 0.01"
         );
         fixture.hold(&format!("{row} button.hold"), &goes);
-        until("the machine stands", is_standing);
+        fixture.rests();
         b.run(NEXT);
         b.until(NEW);
         b.until("document.querySelector('canvas.camera').dataset.marks !== '0'");
@@ -76,7 +75,7 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
     b.until("document.querySelectorAll('#marks-fit tr').length === 7");
     let fit = b.text("#marks-fit");
     assert!(fit.contains("affine") && fit.contains("cannot hold it"), "{fit}");
-    let told = told(&fixture);
+    let status = status(&fixture);
     for (name, wanted, within) in [
         ("theta", 10.0, 0.005),
         ("sx", 1.2, 1e-4),
@@ -85,10 +84,10 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
         ("tx", 100.0, 0.01),
         ("ty", 50.0, 0.01),
     ] {
-        let got = told["fit"][name].as_f64().unwrap();
+        let got = status["fit"][name].as_f64().unwrap();
         assert!((got - wanted).abs() <= within, "{name} is {got}");
     }
-    for mark in told["marks"].as_array().unwrap() {
+    for mark in status["marks"].as_array().unwrap() {
         let off =
             mark["residual"][0].as_f64().unwrap().hypot(mark["residual"][1].as_f64().unwrap());
         let within = mark["uncertainty"].as_f64().unwrap();
@@ -106,7 +105,7 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
     b.until("document.querySelector('.file').textContent === 'part.ngc'");
     let place = |x: f64, y: f64| {
         let m: Vec<f64> =
-            told["place"].as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect();
+            status["place"].as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect();
         (m[0] * x + m[1] * y + m[4] + 35.2, m[2] * x + m[3] * y + m[5] - 12.4)
     };
     let (x, y) = place(30.0, 30.0);
@@ -156,25 +155,27 @@ fn the_keyboard_alone_measures_a_mark_and_a_phone_shows_all() {
     let wide = "return document.documentElement.scrollWidth - document.documentElement.clientWidth";
     assert_eq!(b.run(wide), 0, "the page is wider than the screen");
     let space = " ";
-    let reach = |selector: &str| fixture.reach(selector);
     let row = "#marks-table tr[data-mark=\"1\"]";
-    reach(&format!("{row} button.hold"));
+    fixture.reach(&format!("{row} button.hold"));
     b.key(space, true);
     b.until("document.querySelector('canvas.camera').dataset.marks === '1'");
     b.key(space, false);
     fixture.rests();
-    reach(&format!("{row} button:not(.hold)"));
+    fixture.reach(&format!("{row} button:not(.hold)"));
     b.key(space, true);
     b.key(space, false);
     b.until(&format!("document.querySelectorAll('{row} td')[1].textContent !== '—'"));
     b.run("document.querySelector('#camera').scrollIntoView()");
     fixture.picture("align-phone");
-    // Dark, and a camera that takes no picture: the page tells it.
+    // Dark, and a camera that takes no picture: the page says so, and shows the last one as an old one.
     fixture.printer.halcmd("setp align.sim.stall TRUE");
     b.until("document.querySelector('#camera-state').textContent.includes('takes no picture')");
+    let is_old = "return document.querySelector('canvas.camera').classList.contains('stale')";
+    assert_eq!(b.run(is_old), true);
     fixture.printer.halcmd("setp align.sim.stall FALSE");
     fixture.printer.halcmd("setp align.sim.light 0");
     b.until("document.querySelector('#camera-state').textContent.includes('there is no mark')");
+    assert_eq!(b.run(is_old), false);
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 

@@ -174,7 +174,7 @@ fn a_program_is_written_and_edited_in_the_page() {
 }
 
 #[test]
-fn an_open_program_is_read_again_where_it_was_stored_or_the_page_built_again() {
+fn an_open_program_is_reloaded_after_a_save_and_after_a_rebuild() {
     let Some(fixture) = Fixture::start(DESKTOP) else { return };
     let b = &fixture.browser;
     fixture.ready();
@@ -239,15 +239,14 @@ fn the_keyboard_alone_runs_a_job() {
     let Some(fixture) = Fixture::start(DESKTOP) else { return };
     let b = &fixture.browser;
     let space = " ";
-    let reach = |selector: &str| fixture.reach(selector);
     // Space is held on an element that Tab reaches.
     let hold = |selector: &str, done: &str| {
-        reach(selector);
+        fixture.reach(selector);
         b.key(space, true);
         b.until(done);
         b.key(space, false);
     };
-    reach("#lease");
+    fixture.reach("#lease");
     b.key(space, true);
     b.key(space, false);
     b.until("document.querySelector('#lease').getAttribute('aria-pressed') === 'true'");
@@ -256,7 +255,7 @@ fn the_keyboard_alone_runs_a_job() {
     hold("#home-all", "document.querySelector('.jog-X-plus').checkVisibility()");
 
     // Keys jog while their mode is on; Escape ends it.
-    reach("#jog-keys");
+    fixture.reach("#jog-keys");
     b.key(space, true);
     b.key(space, false);
     b.until("document.body.classList.contains('keys-jog')");

@@ -1,7 +1,7 @@
 //! Requests of C programs: `ferrule.h`.
 
 use crate::{EINVAL, text};
-use hal_protocol::{Client, Failure, Link, Place, Reply, Request, Value, WireReply};
+use hal_protocol::{Client, Code, Failure, Link, Place, Reply, Request, Value, WireReply};
 use std::{
     ffi::{CString, c_char, c_double, c_int},
     ptr,
@@ -49,13 +49,12 @@ impl Handle {
         let (name, value) = (name.to_owned(), value.to_owned());
         let set = Request::Set { name: name.clone(), value: value.clone() };
         let Err(why) = self.client.call(set) else { return Ok(()) };
-        // A value that a pin refuses is not for a signal of the same name.
-        let is_item = self.client.call(Request::Get { name: name.clone() }).is_ok();
-        let is_signal = self.client.call(Request::GetSignal { name: name.clone() }).is_ok();
-        match is_signal && !is_item {
-            true => self.client.call(Request::SetSignal { name, value }).map(drop),
-            false => Err(why),
+        let is_unknown = |why: &Failure| why.finding == Some(Code::NoSuchName);
+        if !is_unknown(&why) {
+            return Err(why);
         }
+        let set = self.client.call(Request::SetSignal { name, value });
+        set.map(drop).map_err(|other| if is_unknown(&other) { why } else { other })
     }
 
     /// Keeps the reason of a text that is null or not UTF-8, and returns its number.

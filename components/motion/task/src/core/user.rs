@@ -18,6 +18,8 @@ pub(crate) enum Command {
     Home(Option<u32>),
     Open(PathBuf),
     Run,
+    /// Runs the program if nothing has been stopped since there were so many stops.
+    RunUnlessStopped(u32),
     /// Proposes a start in the middle of the program.
     RunFrom(Target),
     /// Proposes a start at the place where the last job broke off.
@@ -87,7 +89,10 @@ impl Core {
                 self.order(&Order::Home(joint), ticket, out)
             }
             Command::Open(path) => self.open(path),
-            Command::Run => self.run(ticket, false, out),
+            Command::RunUnlessStopped(stops) if stops != self.stops => {
+                Err("a stop has come meanwhile: give the command again".into())
+            }
+            Command::Run | Command::RunUnlessStopped(_) => self.run(ticket, false, out),
             Command::RunFrom(target) => self.run_from(target, ticket, out).map(|()| Report::Later),
             Command::Recover => self.recover(ticket, out).map(|()| Report::Later),
             Command::Confirm(token) => self.confirm(token, ticket, out).map(|()| Report::Later),

@@ -251,3 +251,18 @@ fn stops_are_counted_also_without_a_job() {
     rig.pass(0.1);
     assert_eq!(rig.core.stops, before + 2, "once");
 }
+
+#[test]
+fn a_run_that_was_asked_for_before_a_stop_is_refused() {
+    let mut rig = Rig::new("G21 G91 G1 X1 F100\nM2\n");
+    rig.pass(0.1);
+    let before = rig.core.stops;
+    rig.good(Command::Abort);
+    let why = rig.refused(Command::RunUnlessStopped(before));
+    assert_eq!(why, "a stop has come meanwhile: give the command again");
+    assert!(rig.fake.moves.is_empty());
+    rig.pass(1.0);
+    let ticket = rig.send(Command::RunUnlessStopped(before + 1));
+    rig.pass(5.0);
+    assert_eq!(rig.result(ticket), Some(Ok(())));
+}

@@ -118,6 +118,11 @@ impl Machine {
         }
         self.journal = JournalFile::new(files.journal.clone());
         self.files = files;
+        let file = self.files.parameters.as_ref();
+        if file.is_some_and(|(path, _)| !path.exists()) {
+            // Programs with a page of offsets read the file from the start. The end of a job reports a failure.
+            drop(self.save_parameters(&core.interpreter.state.numbered));
+        }
     }
 
     /// Reads motion's status and the results of iocontrol.

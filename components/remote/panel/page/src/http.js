@@ -2,6 +2,8 @@
 
 const BASE = "/api/v1";
 const KEY = "ferrule-key";
+/** Time after which a request that the network has lost is sent again. */
+export const RETRY_MS = 1000;
 
 /** A refusal of the server, or of the network. */
 export class Refusal extends Error {
@@ -36,6 +38,22 @@ export async function request(method, path, { body, json, signal } = {}) {
     // Proxies answer with pages of their own.
   }
   throw new Refusal(found ?? { code: String(response.status), text: response.statusText });
+}
+
+/** Waits. */
+export const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
+
+/** Does something until the server answers; `say` gets the reason while it does not. */
+export async function persistent(work, say) {
+  for (;;) {
+    try {
+      return await work();
+    } catch (error) {
+      if (error.code !== "no-server") throw error;
+      say(error);
+      await pause(RETRY_MS);
+    }
+  }
 }
 
 /** Asks for something that is JSON. */

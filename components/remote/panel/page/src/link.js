@@ -1,9 +1,7 @@
 // The socket: status, values, samples and commands.
 
-import { Refusal, sessionKey } from "./http.js";
+import { RETRY_MS, Refusal, sessionKey } from "./http.js";
 import { areJogsHeld, releaseAll } from "./hold.js";
-
-const RETRY_MS = 1000;
 
 /** The connection to the server. A lost one is opened again, as a new client without the lease. */
 export class Link {

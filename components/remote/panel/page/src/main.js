@@ -1,7 +1,7 @@
 // The start of the page: session, socket, and the two faces, the operator's and the integrator's.
 
 import { el } from "./dom.js";
-import { currentSession, getJson, listPath, signIn, takeToken } from "./http.js";
+import { currentSession, getJson, listPath, persistent, signIn, takeToken } from "./http.js";
 import { Link } from "./link.js";
 import { Messages, machineMessages } from "./operator/messages.js";
 import { Prefs } from "./prefs.js";
@@ -22,7 +22,7 @@ async function start() {
   let session = null;
   let refusal = null;
   try {
-    session = token ? await signIn({ token }) : await currentSession();
+    session = await persistent(() => (token ? signIn({ token }) : currentSession()), say);
   } catch (error) {
     // A token that was used is no reason to lose the session of this tab.
     refusal = error;
@@ -35,10 +35,7 @@ async function start() {
 async function run(session) {
   let info;
   try {
-    const [described, align] = await Promise.all([getJson("/info"), getJson(listPath("components", ["align"]))]);
-    info = described;
-    info.hasAlign = align.length > 0;
-    if (!info.joints) await addJoints(info);
+    info = await persistent(description, say);
   } catch (error) {
     document.body.replaceChildren(el("main", { class: "sign-in" }, el("p", { role: "alert" }, error.message),
       el("button", { type: "button", onclick: () => location.reload() }, translator(prefs.get("language"))("refresh"))));
@@ -64,6 +61,19 @@ async function run(session) {
     buildPage(context({ info, session, link, store, messages, prefs, signal: built.signal, t: translator(prefs.get("language")) }));
   };
   prefs.listen((name) => ["language", "theme", "units", null].includes(name) && build(), new AbortController().signal);
+}
+
+/** Shows why the page waits. */
+function say(error) {
+  document.body.replaceChildren(el("main", { class: "sign-in" }, el("p", { role: "status" }, error.message)));
+}
+
+/** Asks for everything that the page needs to know of the machine. */
+async function description() {
+  const [info, align] = await Promise.all([getJson("/info"), getJson(listPath("components", ["align"]))]);
+  info.hasAlign = align.length > 0;
+  if (!info.joints) await addJoints(info);
+  return info;
 }
 
 /** Adds the joints and axes that a machine without an INI file has. */

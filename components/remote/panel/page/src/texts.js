@@ -40,7 +40,7 @@ const TEXTS = {
   "estop.reset": ["Reset e-stop", "Rearmar paro"],
   "findings": ["Findings of check", "Hallazgos de check"],
   "findings.none": ["check finds nothing wrong.", "check no encuentra nada mal."],
-  "fit": ["Place of the part", "Posición de la pieza"],
+  "fit": ["Position of the part", "Posición de la pieza"],
   "fit.live": ["Coordinate system", "Sistema de coordenadas"],
   "fit.live.no": ["cannot hold it", "no puede representarla"],
   "fit.live.yes": ["can hold it", "puede representarla"],

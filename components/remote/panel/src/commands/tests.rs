@@ -151,7 +151,7 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
 }
 
 #[test]
-fn lengths_of_an_inch_machine_are_inches_but_for_places_of_the_part() {
+fn lengths_are_inches_except_places_of_the_part() {
     for (name, args, wanted) in [
         (
             "touch-off",

@@ -7,6 +7,7 @@ use crate::{
     error::{Code as Kind, Error},
     server::Panel,
     session::Session,
+    status::Joined,
 };
 use hal_protocol::{Reply, Request, TicketInfo};
 use serde_json::{Map, Value as Json};
@@ -45,6 +46,8 @@ pub(super) struct Begun {
     file: PathBuf,
     /// Number of jobs that had ended before.
     before: u64,
+    /// Numbers of stops when it was asked for.
+    stops: Stops,
     pub(super) lengths: Lengths,
 }
 
@@ -103,11 +106,6 @@ fn unready(panel: &Panel) -> Option<Reason> {
     None
 }
 
-/// Returns how often the machine was stopped, also by commands that did not come through the panel.
-fn local_stops(panel: &Panel) -> u64 {
-    panel.machine.borrow().task.as_ref().map_or(0, |task| number(task, "stops"))
-}
-
 /// Returns where the machine is, in machine units.
 fn pose(panel: &Panel) -> [f64; 9] {
     let machine = panel.machine.borrow();
@@ -120,10 +118,25 @@ fn pose(panel: &Panel) -> [f64; 9] {
 struct Start<'a> {
     panel: &'a Panel,
     client: u64,
-    /// Number of stops by the panel when it was asked for.
-    stops: u64,
-    /// Number of stops of the machine, by whomever, since the machine was looked at first.
-    local_stops: u64,
+    /// Numbers of stops when it was asked for.
+    stops: Stops,
+}
+
+/// Numbers of stops so far.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Stops {
+    /// By this panel, also those that are on their way to the machine.
+    panel: u64,
+    /// From any source, as the status of the task shows.
+    machine: u64,
+}
+
+impl Stops {
+    pub(super) fn of(panel: &Panel) -> Self {
+        let machine = panel.machine.borrow();
+        let machine = machine.task.as_ref().map_or(0, |task| number(task, "stops"));
+        Self { panel: panel.engine.stops(), machine }
+    }
 }
 
 impl Start<'_> {
@@ -135,7 +148,7 @@ impl Start<'_> {
         if let Some(why) = unready(self.panel) {
             return Err(why);
         }
-        if self.panel.engine.stops() != self.stops || local_stops(self.panel) != self.local_stops {
+        if Stops::of(self.panel) != self.stops {
             let text = "a stop has come meanwhile: give the command again";
             return Err(Reason::new(Code::Ocupado, text));
         }
@@ -160,14 +173,13 @@ impl Start<'_> {
     }
 }
 
-/// Checks a program and runs it under the control lease, unless something has been stopped since there were this many
-/// stops. The machine stays ready and nobody else's from the begin of the check on: what was stopped and switched on
+/// Checks a program and runs it under the control lease, unless something has been stopped since these numbers. The machine stays ready and nobody else's from the begin of the check on: what was stopped and switched on
 /// again does not move by a request from before.
 pub(super) async fn start(
     panel: &Arc<Panel>,
     user: &User,
     program: Vec<u8>,
-    stops: u64,
+    stops: Stops,
 ) -> Result<Begun, Reason> {
     // The status of the machine shall not be older than the request: the next one may be on its way already.
     let mut status = panel.machine.clone();
@@ -175,7 +187,7 @@ pub(super) async fn start(
         status.mark_unchanged();
         drop(timeout(SETTLE, status.changed()).await);
     }
-    let start = Start { panel, client: user.client, stops, local_stops: local_stops(panel) };
+    let start = Start { panel, client: user.client, stops };
     let reading = start.during(panel.reading.lock()).await?;
     let file = panel.teleop_file();
     let lengths = block_in_place(|| {
@@ -202,7 +214,7 @@ async fn begin(
     file: PathBuf,
     lengths: Lengths,
 ) -> Result<Begun, Reason> {
-    let Start { panel, client, stops, .. } = start;
+    let Start { panel, client, stops } = start;
     let (engine, clients) = (&panel.engine, &panel.clients);
     clients.take(engine, client, &user.session, false).await.map_err(refused)?;
     let lost = || Reason::new(Code::Ocupado, "the control lease has ended");
@@ -221,22 +233,23 @@ async fn begin(
         command("remote.start", vec![format!("lease={lease}")]),
     ] {
         start.check()?;
-        let reply = engine.call_unless_stopped(request, stops).await.map_err(refused)?;
+        let reply = engine.call_unless_stopped(request, stops.panel).await.map_err(refused)?;
         if let Some(ticket) = ticket(reply) {
             let end = start.during(finish(panel, ticket)).await?;
             end.map_err(|text| Reason::new(Code::Falla, text))?;
         }
     }
     start.check()?;
-    let run = command("task.run", Vec::new());
-    let run = engine.call_unless_stopped(run, stops).await;
+    // A stop that the status does not show yet is seen by the task.
+    let run = command("task.run", vec![format!("stops={}", stops.machine)]);
+    let run = engine.call_unless_stopped(run, stops.panel).await;
     let reply = run.map_err(|e| match e.code {
         Kind::Refused => check::reason(&file, &e.text),
         _ => refused(e),
     })?;
     let none = || Reason::new(Code::Falla, "the task does not say when the job ends");
     let ticket = ticket(reply).ok_or_else(none)?;
-    Ok(Begun { ticket, file, before, lengths })
+    Ok(Begun { ticket, file, before, stops, lengths })
 }
 
 /// Tells the plugin that a job which was announced has not begun: there is nothing to hold.
@@ -255,24 +268,25 @@ pub(super) async fn follow(panel: &Panel, user: &User, begun: &Begun) -> Result<
     let since = Instant::now();
     let is_over = || {
         let machine = panel.machine.borrow();
-        let Some(task) = &machine.task else { return true };
+        // A status that cannot be read at this moment is no sign of an end.
+        let Some(task) = &machine.task else { return machine.engine == Joined::Gone };
         number(task, "interpreter") == 0 && (end.is_err() || number(task, "jobs") != begun.before)
     };
     while !is_over() && since.elapsed() < SETTLE {
         sleep(LOOK).await;
     }
-    let has_run = panel
-        .machine
-        .borrow()
-        .task
-        .as_ref()
-        .is_some_and(|task| number(task, "jobs") != begun.before);
+    let has_run = {
+        let machine = panel.machine.borrow();
+        machine.task.as_ref().is_some_and(|task| number(task, "jobs") != begun.before)
+    };
     if !has_run {
         has_not_begun(panel, user).await;
     }
     end_lease(panel, user).await;
-    end.map_err(|text| {
-        if has_run { Reason::new(Code::Falla, text) } else { check::reason(&begun.file, &text) }
+    end.map_err(|text| match has_run {
+        true => Reason::new(Code::Falla, text),
+        false if Stops::of(panel) != begun.stops => Reason::new(Code::Ocupado, text),
+        false => check::reason(&begun.file, &text),
     })
 }
 

@@ -347,7 +347,7 @@ impl Service {
         self.show();
         let (panel, events) = (self.panel.clone(), self.events.clone());
         // A stop from here on stops this start too.
-        let stops = panel.engine.stops();
+        let stops = job::Stops::of(&panel);
         tokio::spawn(async move {
             let begun = match &user {
                 Some(user) => job::start(&panel, user, program, stops).await,

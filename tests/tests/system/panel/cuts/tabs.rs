@@ -28,6 +28,8 @@ impl Stage {
     /// Opens the page in a tab, takes the lease, and holds the button of X until it moves.
     fn jogging_page(&mut self, browser: &Browser) {
         for _ in 0..REPEATS {
+            // A page that is there already would stay: the address differs by its token alone.
+            browser.go("about:blank");
             browser.go(&self.printer.address());
             browser.until("document.querySelector('#machine-state')?.textContent");
             // A page that went gives up its lease when the panel sees it.

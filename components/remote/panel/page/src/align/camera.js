@@ -1,11 +1,9 @@
 // The camera's picture: marks found in it, marks that are expected, and the part's path laid over it.
 
 import { card, el, field, setText } from "../dom.js";
-import { programPath, request } from "../http.js";
+import { RETRY_MS, pause, programPath, request } from "../http.js";
 import { Path } from "../view/path.js";
 
-/** Wait after a refusal, in ms. */
-const RETRY_MS = 1000;
 /** Distance in mm within which points of the path are left out. */
 const TOLERANCE = 0.005;
 /** Begin of the name of a program that stands in the machine's coordinates already. */
@@ -60,7 +58,6 @@ export function cameraCard(ctx) {
       }
     }
   }
-  const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
   function draw() {
     canvas.style.width = `${100 * Number(zoom.value)}%`;

@@ -85,8 +85,10 @@ export function programsCard(ctx) {
     loading?.abort();
     loading = new AbortController();
     const { signal: mine } = loading;
+    // After a page was built again, its other cards have read the program already.
+    const isKnown = opened === undefined && store.get("program").name === file;
     opened = file;
-    store.replace("program", { name: file, lines: 0, version: ++version });
+    if (!isKnown) store.replace("program", { name: file, lines: 0, version: ++version });
     setText(name, file ?? t("program.none"));
     listing.open(null);
     if (!file) return;

@@ -41,7 +41,7 @@ pub(in crate::teleop) async fn cancel(
             Err(Error::new(Kind::Refused, text))
         };
         if let Err(why) = ended.unwrap_or_else(|_| late()) {
-            panel.audit.note("teleop", 0, &json!("end of the command"), Err(&why));
+            panel.audit.note("teleop", 0, &json!(why.text), Err(&why));
         }
     }
     for n in 1_u32.. {

@@ -1,6 +1,6 @@
 //! Starts that are refused while they are checked, and cancellations that are refused.
 
-use super::{Code, Panel, Reason, Relaxed, Session, User, cancel, start};
+use super::{Code, MAX_END, Panel, Reason, Relaxed, Session, Stops, User, cancel, start};
 use crate::{
     engine::Engine,
     error::{Code as Kind, Error},
@@ -77,7 +77,7 @@ fn what_is_stopped_while_a_start_is_checked_does_not_move_afterwards() {
         let file = panel.teleop_file();
         let user = User { session: session("ana"), client: 1 };
         let why = run(async {
-            let stops = panel.engine.stops();
+            let stops = Stops::of(&panel);
             let (work, of) = (panel.clone(), user.clone());
             let begun = tokio::spawn(async move { start(&work, &of, LONG.to_vec(), stops).await });
             while !file.exists() {
@@ -109,7 +109,7 @@ fn a_stop_before_the_check_begins_counts_too() {
     panel.heart.allowed.store(true, Relaxed);
     let user = User { session: session("ana"), client: 1 };
     let begun = run(async {
-        let stops = panel.engine.stops();
+        let stops = Stops::of(&panel);
         panel.engine.stop(Request::Ready, true).await.unwrap();
         start(&panel, &user, b"M2\n".to_vec(), stops).await
     });
@@ -179,6 +179,9 @@ fn cancelled_at_end(rests: bool, is_over: bool, end: Duration) -> Vec<String> {
     let (_tell, seen) = watch::channel(Arc::new(machine));
     panel.machine = seen;
     run(cancel(&panel, None, &AtomicBool::new(is_over), Some(end)));
+    let log = std::fs::read_to_string(panel.place.folder().join("audit")).unwrap();
+    let is_noted = log.contains("the command has not ended within ");
+    assert_eq!(is_noted, !is_over, "{log}");
     std::fs::remove_dir_all(panel.place.folder()).unwrap();
     told.try_iter().collect()
 }
@@ -194,4 +197,10 @@ fn a_command_that_does_not_end_is_ended_by_the_abort() {
     assert_eq!(told.as_deref(), Some(&expected[..]));
     // The job is over already.
     assert_eq!(cancelled_at_end(false, true, Duration::MAX), [""; 0]);
+    let protocol = concat!(env!("CARGO_MANIFEST_DIR"), "/../teleop/PROTOCOL.md");
+    let protocol = std::fs::read_to_string(protocol).unwrap();
+    let longest = format!(" {} s", MAX_END.as_secs());
+    for place in ["for at most", "has not ended after"] {
+        assert!(protocol.contains(&format!("{place}{longest}")), "{place}{longest}");
+    }
 }
