@@ -5,7 +5,6 @@ use hal_tests::{
     browser::{DESKTOP, PHONE},
     programs::root,
     schema::Document,
-    scratch::until,
 };
 use serde_json::{Value, json};
 use std::fs;
