@@ -1,5 +1,5 @@
-/* Kinematics of a user with two types, made by switchkins.h: in type 1 the motors of X and Y are crossed, and X stands
- * a pin's distance away. */
+/* Kinematics of a user with two types, made by switchkins.h: in type 1 the motors of X and Y are crossed, and X is
+ * offset by the pin away. */
 #include "switchkins.h"
 #include "rtapi_math.h"
 

@@ -219,3 +219,18 @@ fn judge(picture: &Picture, region: &Region, wanted: &Search) -> Result<FoundMar
     let Measures { centre, area, uncertainty, contrast, .. } = m;
     Ok(FoundMark { kind, centre, angle, area, uncertainty, contrast })
 }
+
+#[cfg(test)]
+mod tests {
+    //! The page of the crate.
+
+    #[test]
+    fn the_page_has_the_bounds_of_the_search() {
+        let page = include_str!("../README.md");
+        let side = format!("twice the mark's size plus {} pixels", super::SIDE_SLACK);
+        let area = format!("more than {:.0} % from the expected one", 100.0 * super::AREA);
+        for text in [side, area] {
+            assert!(page.contains(&text), "{text}");
+        }
+    }
+}

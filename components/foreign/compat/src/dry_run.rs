@@ -2,7 +2,8 @@
 //! returns, only the copy ends, and the failure becomes a finding.
 
 use crate::{
-    kinematics::Ask,
+    kinematics::Entries,
+    load::set_up,
     loading::Loading,
     module::{Exit, Main},
     running, trap,
@@ -19,19 +20,21 @@ const TIMEOUT_MS: c_int = 5000;
 
 /// Progress of the copy, which it reports as a byte at each step.
 const IN_MAIN: u8 = b'm';
-const IN_KIND: u8 = b'k';
+const IN_TYPE: u8 = b't';
+const IN_SWITCHABLE: u8 = b'a';
+const IN_SWITCH: u8 = b's';
 const IN_EXIT: u8 = b'e';
 const DONE: u8 = b'd';
 
-/// Runs `rtapi_app_main` and, if that succeeds, `kinematicsType` of kinematics and `rtapi_app_exit` in a copy of this
-/// process, and discards the copy.
+/// Runs `rtapi_app_main` and, if that succeeds, `rtapi_app_exit` in a copy of this process, and discards the copy.
+/// Between the two, kinematics report their type, and select each of their types.
 ///
 /// # Errors
 /// The setup would have ended this process, or never returned: the error names the entry point and the reason.
 pub(crate) fn dry_run_of(
     loading: &Loading,
     main: Main,
-    kind: Option<Ask>,
+    kinematics: Option<Entries>,
     exit: Option<Exit>,
 ) -> Result<(), String> {
     let mut ends: [RawFd; 2] = [-1; 2];
@@ -50,7 +53,7 @@ pub(crate) fn dry_run_of(
         return Ok(());
     }
     if copy == 0 {
-        perform(loading, (main, kind, exit), to.as_raw_fd());
+        perform(loading, (main, kinematics, exit), to.as_raw_fd());
     }
     drop(to);
     let (far, came_back) = follow(from);
@@ -63,7 +66,9 @@ pub(crate) fn dry_run_of(
     unsafe { libc::waitpid(copy, &raw mut status, 0) };
     let entry = match far {
         IN_EXIT => "rtapi_app_exit",
-        IN_KIND => "kinematicsType",
+        IN_TYPE => "kinematicsType",
+        IN_SWITCHABLE => "kinematicsSwitchable",
+        IN_SWITCH => "kinematicsSwitch",
         _ => "rtapi_app_main",
     };
     if far == DONE {
@@ -83,7 +88,7 @@ pub(crate) fn dry_run_of(
 /// Runs setup and exit in the copy, with its output discarded.
 fn perform(
     loading: &Loading,
-    (main, kind, exit): (Main, Option<Ask>, Option<Exit>),
+    (main, kinematics, exit): (Main, Option<Entries>, Option<Exit>),
     to: RawFd,
 ) -> ! {
     let limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
@@ -101,12 +106,15 @@ fn perform(
     };
     tell(IN_MAIN);
     let module = &raw const *loading.module;
-    let code = running::within(module, || main());
-    if let (0.., Some(kind)) = (code, kind) {
-        tell(IN_KIND);
-        running::within(module, || kind());
+    let done = set_up(&loading.module, main, kinematics, || tell(IN_TYPE));
+    if let (Ok(_), Some(kinematics)) = (done, kinematics) {
+        tell(IN_SWITCHABLE);
+        if running::within(module, || kinematics.switchable()) != 0 {
+            tell(IN_SWITCH);
+            running::within(module, || kinematics.count_types());
+        }
     }
-    if let (0.., Some(exit)) = (code, exit) {
+    if let (Ok(_), Some(exit)) = (done, exit) {
         tell(IN_EXIT);
         running::within(module, || {
             exit();

@@ -5,6 +5,7 @@ use crate::{
     module::Module,
     pin::{change, refuse, text},
     running::{self, State, ferrule_run},
+    second_setup::no_component,
 };
 use core::ffi::{c_char, c_int, c_long, c_uchar, c_ulong, c_void};
 use hal_component::abi::{
@@ -27,9 +28,6 @@ extern "C" fn hal_init(name: *const c_char) -> c_int {
     if l.module.named.swap(true, Relaxed) {
         return join(l, &full);
     }
-    if l.mirror.is_some() {
-        return l.module.id();
-    }
     // SAFETY: the engine's function; the text lives across the call.
     let named = l.file.rename.map(|f| unsafe { f(l.host.ctx, Str::borrow(&full)) });
     match named {
@@ -40,27 +38,18 @@ extern "C" fn hal_init(name: *const c_char) -> c_int {
 
 /// Makes a further component of the same module, and returns its number.
 fn join(l: &Loading, name: &str) -> c_int {
-    if l.mirror.is_some() {
-        return again(&l.module, name);
-    }
     let mut number = 0;
     let Some(join) = l.file.join else { return Status::EINVAL.0 };
     // SAFETY: the engine's function; the text and the number live across the call.
     let status = unsafe { join(l.host.ctx, Str::borrow(name), &raw mut number) };
     if !status.is_ok() {
+        l.refusals.borrow_mut().push(no_component(name));
         return status.0;
     }
     let number = c_int::try_from(number).unwrap_or(c_int::MAX);
     let name = CString::new(name).unwrap_or_default();
     l.module.further.lock().unwrap_or_else(PoisonError::into_inner).push((number, name));
     number
-}
-
-/// Returns the number that a further component of the first copy got.
-fn again(module: &Module, name: &str) -> c_int {
-    let further = module.further.lock().unwrap_or_else(PoisonError::into_inner);
-    let found = further.iter().find(|(_, known)| known.to_bytes() == name.as_bytes());
-    found.map_or(Status::EINVAL.0, |(number, _)| *number)
 }
 
 #[unsafe(no_mangle)]
@@ -161,10 +150,6 @@ extern "C" fn hal_export_funct(
         let why = format!("'{name}': called after hal_ready");
         return refuse(Some(l), Status::EINVAL.0, &why);
     }
-    if l.mirror.is_some() {
-        // The functs of the first copy run.
-        return 0;
-    }
     let name = format!("{}{name}", l.module.prefix);
     let state = Box::new(State::new(code, arg, l.module.clone()));
     let flag = |is_set: c_int, flag: u32| if is_set != 0 { flag } else { 0 };
@@ -190,9 +175,6 @@ extern "C" fn hal_create_thread(name: *const c_char, period: c_ulong, uses_fp: c
         return refuse(None, Status::EINVAL.0, "threads are created by rtapi_app_main");
     };
     let Some(name) = text(name) else { return Status::EINVAL.0 };
-    if l.mirror.is_some() {
-        return 0;
-    }
     let name = format!("{}{name}", l.module.prefix);
     let spec = ThreadSpec {
         size: size::<ThreadSpec>(),

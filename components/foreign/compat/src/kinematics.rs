@@ -5,8 +5,10 @@
 //! worker, which solves poses at the same time. Neither waits for the other.
 
 pub(crate) mod offer;
+#[cfg(test)]
+mod tests;
 
-use crate::{mirror::Input, module::Module, running};
+use crate::{module::Module, running, second_copy::Input};
 use core::{
     ffi::{c_int, c_ulong, c_void},
     sync::atomic::{
@@ -25,20 +27,20 @@ type Joints = [f64; JOINTS];
 type Pose = [f64; 9];
 
 /// Type of `kinematicsForward` and `kinematicsInverse`.
-type Solve = extern "C" fn(*const f64, *mut f64, *const c_ulong, *mut c_ulong) -> c_int;
+type SolveFunction = extern "C" fn(*const f64, *mut f64, *const c_ulong, *mut c_ulong) -> c_int;
 /// Type of `kinematicsType` and `kinematicsSwitchable`.
-pub(crate) type Ask = extern "C" fn() -> c_int;
+type NumberFunction = extern "C" fn() -> c_int;
 /// Type of `kinematicsSwitch`.
-type Select = extern "C" fn(c_int) -> c_int;
+type SwitchFunction = extern "C" fn(c_int) -> c_int;
 
 /// Functions of a module, with the types of `kinematics.h`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entries {
-    forward: Solve,
-    inverse: Solve,
-    pub(crate) kind: Ask,
-    switchable: Option<Ask>,
-    switch: Option<Select>,
+    forward: SolveFunction,
+    inverse: SolveFunction,
+    pub(crate) kind: NumberFunction,
+    switchable: Option<NumberFunction>,
+    switch: Option<SwitchFunction>,
 }
 
 /// State that both copies follow.
@@ -79,9 +81,10 @@ unsafe impl Sync for Solver {}
 #[derive(Debug)]
 struct BothSolvers {
     table: Kinematics,
-    /// Copy for the worker; declared first, because it reads the items of the other.
-    apart: Solver,
-    own: Solver,
+    /// Second copy of the module; declared first, because it reads the items of the first copy.
+    planner_copy: Solver,
+    /// First copy.
+    motion_copy: Solver,
 }
 
 impl Solver {
@@ -125,8 +128,7 @@ impl Solver {
     }
 
     fn select(&self, to: u32) -> c_int {
-        let Some(switch) = self.entries.switch else { return -1 };
-        let code = switch(c_int::try_from(to).unwrap_or(c_int::MAX));
+        let code = self.entries.select(c_int::try_from(to).unwrap_or(c_int::MAX));
         if code == 0 {
             self.selected.store(to, Relaxed);
         }
@@ -135,7 +137,13 @@ impl Solver {
 
     /// Calls a function of the module. Its own flags were reported by the last call of the other direction; those that it
     /// reports are for that one.
-    fn solve(&self, code: Solve, from: &[f64], to: &mut [f64], flags: [&AtomicU64; 2]) -> c_int {
+    fn solve(
+        &self,
+        code: SolveFunction,
+        from: &[f64],
+        to: &mut [f64],
+        flags: [&AtomicU64; 2],
+    ) -> c_int {
         let [own, reported] = flags;
         let (own, mut new) = (own.load(Relaxed), reported.load(Relaxed));
         let code = code(from.as_ptr(), to.as_mut_ptr(), &raw const own, &raw mut new);
@@ -166,7 +174,7 @@ impl Solver {
     }
 
     fn forward(&self, joints: &[f64], pose: &mut Pose) -> Status {
-        let Some(joints) = gathered(joints).filter(|_| is_finite(pose)) else {
+        let Some(joints) = padded(joints).filter(|_| is_finite(pose)) else {
             return Status::EINVAL;
         };
         let mut found = *pose;
@@ -174,7 +182,7 @@ impl Solver {
             0 => self.to_pose(&joints, &mut found),
             code => code,
         });
-        let status = judged(code, &found);
+        let status = status_of(code, &found);
         if status.is_ok() {
             *pose = found;
         }
@@ -182,14 +190,14 @@ impl Solver {
     }
 
     fn inverse(&self, pose: &Pose, joints: &mut [f64]) -> Status {
-        let Some(mut found) = gathered(joints).filter(|_| is_finite(pose)) else {
+        let Some(mut found) = padded(joints).filter(|_| is_finite(pose)) else {
             return Status::EINVAL;
         };
         let code = self.run(|| match self.follow() {
             0 => self.to_joints(pose, &mut found),
             code => code,
         });
-        let status = judged(code, &found);
+        let status = status_of(code, &found);
         if status.is_ok() {
             for (to, from) in joints.iter_mut().zip(found) {
                 *to = from;
@@ -214,7 +222,7 @@ impl Solver {
 }
 
 /// Returns the status of a call: any result but zero, and any NaN, means that there is no solution.
-fn judged(code: Option<c_int>, found: &[f64]) -> Status {
+fn status_of(code: Option<c_int>, found: &[f64]) -> Status {
     match code {
         None => Kinematics::NOT_FOUND,
         Some(0) if is_finite(found) => Status::OK,
@@ -227,7 +235,7 @@ fn is_finite(numbers: &[f64]) -> bool {
 }
 
 /// Returns joint positions with room for as many as a module may use.
-fn gathered(joints: &[f64]) -> Option<Joints> {
+fn padded(joints: &[f64]) -> Option<Joints> {
     let mut all = [0.0; JOINTS];
     for (to, from) in all.iter_mut().zip(joints) {
         *to = *from;

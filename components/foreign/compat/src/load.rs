@@ -6,19 +6,21 @@ use crate::{
     dry_run::dry_run_of,
     elf::Elf,
     funct,
-    kinematics::offer,
+    kinematics::{Entries, offer},
     loading::{self, Loading, Refusal},
-    module::{self, Module},
-    running, system, trap,
+    module::{self, Main, Module},
+    running,
+    second_copy::SecondCopy,
+    system, trap,
 };
-use core::ffi::{CStr, c_void};
+use core::ffi::{CStr, c_int, c_void};
 use hal_component::abi::{
     ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, host_flags, level, size,
 };
 use std::{
     panic::catch_unwind,
     path::PathBuf,
-    sync::{Arc, atomic::Ordering::Relaxed},
+    sync::{Arc, PoisonError, atomic::Ordering::Relaxed},
 };
 
 /// Loads a file; the entry point for the engine.
@@ -66,18 +68,16 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     trap::watch();
     let handle =
         system::open(&path).map_err(|why| lacking(&why)).map_err(refuse(Status(-libc::ENOEXEC)))?;
-    let (main, exit) = module::entries(handle);
     let docs = Docs::read(handle, &elf.descriptions);
     if let Some(describe) = file.describe {
         // SAFETY: the engine's function; the text lives across the call.
         unsafe { describe(host.ctx, Str::borrow(&docs.component)) };
     }
-    let mut module = Module::new(&host, file, (path.clone(), &name, &prefix), handle, exit);
+    let mut module = Module::new(&host, file, (path.clone(), &name, &prefix), handle);
     module.docs = docs;
     let module = Arc::new(module);
-    let Some(main) = main else {
-        return Err((Status::EINVAL, format!("{}: no rtapi_app_main", path.display())));
-    };
+    let main = module::main(handle)
+        .map_err(|why| (Status::EINVAL, format!("{}: {why}", path.display())))?;
     find_providers(&host, &file, &elf)?;
     crate::access::take_over(&module, &elf);
     // SAFETY: the engine's words, alive during the load.
@@ -86,36 +86,55 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     arguments::set(&module, &elf.parameters, &words).map_err(refuse(Status::EINVAL))?;
 
     let in_dry_run = host.flags & host_flags::TRIAL != 0;
-    let kinematics = if prefix.is_empty() { offer::entries(handle) } else { Ok(None) };
+    let has_kinematics = prefix.is_empty() && Entries::has_any(handle);
+    let kinematics = has_kinematics.then(|| Entries::read(handle)).transpose();
     let kinematics = kinematics.map_err(refuse(Status::EINVAL))?;
-    let kind = kinematics.map(|k| k.kind);
     let loading = Loading::new(host, file, module.clone());
-    let code = loading::within(&loading, || {
-        prepared(&module, &path)
-            .and_then(|()| if in_dry_run { dry_run_of(&loading, main, kind, exit) } else { Ok(()) })
-            .map(|()| running::within(Arc::as_ptr(&module), || main()))
-            // Some modules make their pins when they are asked for their type.
-            .map(|code| {
-                (
-                    code,
-                    kind.filter(|_| code >= 0)
-                        .map(|k| running::within(Arc::as_ptr(&module), || k())),
-                )
-            })
+    let done = loading::within(&loading, || {
+        prepared(&module, &path)?;
+        if in_dry_run {
+            dry_run_of(&loading, main, kinematics, module::exit(handle))?;
+        }
+        Ok(set_up(&module, main, kinematics, || ()))
     });
-    let (code, kind) = code.map_err(refuse(Status::EINVAL))?;
-    if code < 0 {
-        let why = format!("rtapi_app_main: {} ({code})", system::explained(code));
-        return Err((Status(code), why));
-    }
-    module.made.store(true, Relaxed);
-    module.ports.complete(loading.ports.into_inner().into());
+    let kind =
+        done.map_err(refuse(Status::EINVAL))?.map_err(|code| (Status(code), failed(code)))?;
+    let Loading { ports, items, refusals, .. } = loading;
+    module.ports.complete(ports.into_inner().into());
     if let (Some(entries), Some(kind)) = (kinematics, kind) {
-        let load = offer::Repeat { host, file, path: &path, elf: &elf, words: &words };
-        offer::offer(&load, &module, entries, kind, loading.items.into_inner())?;
+        let load = offer::Parts { host, file, path: &path, elf: &elf, words: &words };
+        let further = module.further.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let first = SecondCopy::new(items.into_inner(), further, refusals.into_inner());
+        offer::offer(&load, &module, entries, kind, first)?;
     }
     report_without_effect(&module, handle);
     hold_until_unload(&host, module)
+}
+
+/// Runs `rtapi_app_main`, and then `kinematicsType` of kinematics, because some modules make their pins there. Calls
+/// `before_type` between the two. Returns the type.
+///
+/// # Errors
+/// `rtapi_app_main` fails; the error is its result.
+pub(crate) fn set_up(
+    module: &Module,
+    main: Main,
+    kinematics: Option<Entries>,
+    before_type: impl FnOnce(),
+) -> Result<Option<c_int>, c_int> {
+    let code = running::within(module, || main());
+    if code < 0 {
+        return Err(code);
+    }
+    module.made.store(true, Relaxed);
+    let Some(kinematics) = kinematics else { return Ok(None) };
+    before_type();
+    Ok(Some(running::within(module, || (kinematics.kind)())))
+}
+
+/// Returns the reason of a setup that has failed.
+pub(crate) fn failed(code: c_int) -> String {
+    format!("rtapi_app_main: {} ({code})", system::explained(code))
 }
 
 /// Adds the source and a remedy to the dynamic linker's message.

@@ -1,8 +1,8 @@
 //! Load in progress: the engine's functions, and the module that is being set up.
 
 use crate::{
-    mirror::{Made, Mirror},
     module::Module,
+    second_copy::{Made, SecondCopy},
 };
 use core::cell::{Cell, RefCell};
 use hal_component::abi::{ForeignFile, Host, Status};
@@ -19,16 +19,25 @@ pub(crate) struct Loading {
     pub(crate) module: Arc<Module>,
     /// Addresses of the component's pointers to port pins.
     pub(crate) ports: RefCell<Vec<usize>>,
-    /// Pins and parameters that the component has made.
+    /// Pins and parameters that the component has requested.
     pub(crate) items: RefCell<Vec<Made>>,
-    /// Items of the first copy, while a second copy of a module is loaded: it adds nothing to the graph.
-    pub(crate) mirror: Option<Mirror>,
+    /// Texts of the refused calls of the component.
+    pub(crate) refusals: RefCell<Vec<String>>,
+    /// Results of the first copy's setup, while a second copy is set up; otherwise empty.
+    pub(crate) second_copy: SecondCopy,
 }
 
 impl Loading {
     pub(crate) fn new(host: Host, file: ForeignFile, module: Arc<Module>) -> Self {
-        let (ports, items) = (RefCell::default(), RefCell::default());
-        Self { host, file, module, ports, items, mirror: None }
+        Self {
+            host,
+            file,
+            module,
+            ports: RefCell::default(),
+            items: RefCell::default(),
+            refusals: RefCell::default(),
+            second_copy: SecondCopy::default(),
+        }
     }
 }
 

@@ -48,10 +48,10 @@ pub(crate) struct Module {
     pub(crate) made: AtomicBool,
     /// True once the component is complete: no more pins can be made.
     pub(crate) ready: AtomicBool,
-    /// True while a second copy is set up, whose messages would appear twice.
+    /// True while one copy repeats what the other one does, so that its messages would appear twice.
     pub(crate) quiet: AtomicBool,
     /// File of a second copy, held open so that no other file gets its number while it is mapped.
-    copied: Option<OwnedFd>,
+    second_copy_file: Option<OwnedFd>,
 }
 
 // SAFETY: it points to immutable data, or to the engine's, which any thread may access.
@@ -59,15 +59,22 @@ unsafe impl Send for Module {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for Module {}
 
-/// Returns the entry points of a file.
-pub(crate) fn entries(handle: *mut c_void) -> (Option<Main>, Option<Exit>) {
+/// Returns `rtapi_app_main` of a file.
+///
+/// # Errors
+/// The file has none.
+pub(crate) fn main(handle: *mut c_void) -> Result<Main, String> {
     let main = system::symbol(handle, c"rtapi_app_main");
-    let exit = system::symbol(handle, c"rtapi_app_exit");
-    // SAFETY: the interface defines the types of these symbols; null is `None`.
+    // SAFETY: the interface defines the type of this symbol; null is `None`.
     let main = unsafe { core::mem::transmute::<*mut c_void, Option<Main>>(main) };
-    // SAFETY: as above.
-    let exit = unsafe { core::mem::transmute::<*mut c_void, Option<Exit>>(exit) };
-    (main, exit)
+    main.ok_or_else(|| "no rtapi_app_main".to_owned())
+}
+
+/// Returns `rtapi_app_exit` of a file, if it has one.
+pub(crate) fn exit(handle: *mut c_void) -> Option<Exit> {
+    let exit = system::symbol(handle, c"rtapi_app_exit");
+    // SAFETY: the interface defines the type of this symbol; null is `None`.
+    unsafe { core::mem::transmute::<*mut c_void, Option<Exit>>(exit) }
 }
 
 /// Module that is loaded in this process, in any instance.
@@ -117,7 +124,6 @@ impl Module {
         file: ForeignFile,
         (path, name, prefix): (PathBuf, &str, &str),
         handle: *mut c_void,
-        exit: Option<Exit>,
     ) -> Self {
         let (instance, component) = (file.instance.addr(), file.component);
         loaded().push(Entry { path, instance, component, handle: handle.addr() });
@@ -131,7 +137,7 @@ impl Module {
             file,
             flags: host.flags,
             handle,
-            exit,
+            exit: exit(handle),
             memory: Memory::default(),
             registers: Registers::default(),
             ports: Ports::default(),
@@ -141,13 +147,17 @@ impl Module {
             made: AtomicBool::new(false),
             ready: AtomicBool::new(false),
             quiet: AtomicBool::new(false),
-            copied: None,
+            second_copy_file: None,
         }
     }
 
-    /// Returns a second copy of this module, opened from `copied`. No other module takes symbols from it.
-    pub(crate) fn twin(&self, handle: *mut c_void, copied: OwnedFd) -> Self {
-        let further = self.further.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    /// Returns whether this is a second copy.
+    pub(crate) const fn is_second_copy(&self) -> bool {
+        self.second_copy_file.is_some()
+    }
+
+    /// Returns a second copy of this module, opened from `file`. No other module takes symbols from it.
+    pub(crate) fn second_copy(&self, handle: *mut c_void, file: OwnedFd) -> Self {
         Self {
             name: self.name.clone(),
             component: self.component,
@@ -156,17 +166,17 @@ impl Module {
             file: self.file,
             flags: self.flags,
             handle,
-            exit: entries(handle).1,
+            exit: exit(handle),
             memory: Memory::default(),
             registers: Registers::default(),
             ports: Ports::default(),
             docs: Docs::default(),
-            further: further.into(),
+            further: Mutex::default(),
             named: AtomicBool::new(false),
             made: AtomicBool::new(false),
             ready: AtomicBool::new(false),
             quiet: AtomicBool::new(true),
-            copied: Some(copied),
+            second_copy_file: Some(file),
         }
     }
 
@@ -220,7 +230,7 @@ impl Module {
 impl Drop for Module {
     fn drop(&mut self) {
         // The first copy says what there is to say.
-        self.quiet.store(self.copied.is_some(), Relaxed);
+        self.quiet.store(self.is_second_copy(), Relaxed);
         if self.made.load(Relaxed)
             && let Some(exit) = self.exit
         {

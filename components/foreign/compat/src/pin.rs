@@ -2,8 +2,8 @@
 
 use crate::{
     loading::{Loading, loading},
-    mirror::{ItemRequest, Made},
     module::Module,
+    second_copy::Made,
 };
 use core::ffi::{CStr, c_char, c_double, c_int, c_long, c_ulong, c_void};
 use hal_component::abi::{ItemSpec, Status, Str, dir, edit, level, size, ty};
@@ -18,11 +18,14 @@ pub(crate) fn text<'t>(p: *const c_char) -> Option<&'t str> {
     unsafe { CStr::from_ptr(p) }.to_str().ok()
 }
 
-/// Logs the reason of a refusal, and returns its error number.
+/// Logs and keeps the reason of a refusal, and returns its error number.
 pub(crate) fn refuse(loading: Option<&Loading>, status: c_int, why: &str) -> c_int {
     let said = |m: &Module| m.say(level::ERR, &format!("HAL: ERROR: {why}"));
     match (loading, crate::running::module()) {
-        (Some(l), _) => said(&l.module),
+        (Some(l), _) => {
+            l.refusals.borrow_mut().push(why.to_owned());
+            said(&l.module);
+        }
         (None, Some(m)) => said(m),
         (None, None) => crate::message::write_error(&["HAL: ERROR: ", why, "\n"]),
     }
@@ -53,16 +56,6 @@ fn item(new: &New, initial: u64, storage: *mut c_void, place: *mut *mut c_void) 
         return refuse(Some(l), Status::EINVAL.0, &why);
     };
     let full = format!("{}{name}", l.module.prefix);
-    let dir = u8::try_from(new.dir).unwrap_or(0);
-    let item = ItemRequest { name: &full, ty: new.ty, dir, initial, storage, place };
-    if let Some(mirror) = &l.mirror {
-        let Some(cell) = l.module.take(8) else { return Status::ENOMEM.0 };
-        if mirror.make(&item, cell.cast()) {
-            return 0;
-        }
-        let why = format!("'{full}': the second copy of the module makes other items");
-        return refuse(Some(l), Status::EINVAL.0, &why);
-    }
     let spec = ItemSpec {
         size: size::<ItemSpec>(),
         flags: 0,
@@ -72,15 +65,13 @@ fn item(new: &New, initial: u64, storage: *mut c_void, place: *mut *mut c_void) 
         initial,
         storage,
         ty: new.ty,
-        dir,
+        dir: u8::try_from(new.dir).unwrap_or(0),
     };
     let make = l.file.item;
     // SAFETY: the engine's function; the record lives across the call.
     let made = make.map(|f| unsafe { f(l.host.ctx, &raw const spec, owner, place) });
     let status = made.unwrap_or(Status::EINVAL);
-    if status.is_ok() {
-        l.items.borrow_mut().push(Made::new(&item));
-    }
+    l.items.borrow_mut().push(Made::new(&full, &spec, place, status));
     status.0
 }
 
@@ -250,9 +241,6 @@ pub(crate) fn change(what: u32, a: *const c_char, b: *const c_char, number: i64)
     let Some(l) = loading() else {
         return refuse(None, Status::EINVAL.0, "the graph is changed while a component is loaded");
     };
-    if l.mirror.is_some() {
-        return 0;
-    }
     let named = |own: bool, name: *const c_char| {
         let name = text(name).unwrap_or_default();
         if own && !name.is_empty() { format!("{}{name}", l.module.prefix) } else { name.to_owned() }

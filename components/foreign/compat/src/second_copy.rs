@@ -1,94 +1,83 @@
-//! Pins and parameters of a module's second copy: memory of its own, filled with the values of the first copy.
+//! Second copy of a module: its pins and parameters have memory of their own, filled with the values of the first copy's.
 
 use core::{
     cell::RefCell,
-    ffi::c_void,
-    sync::atomic::{AtomicPtr, AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed},
+    ffi::{c_int, c_void},
+    sync::atomic::{
+        AtomicPtr, AtomicU8, AtomicU32, AtomicU64,
+        Ordering::{Acquire, Relaxed},
+    },
 };
-use hal_component::abi::{dir, ty};
+use hal_component::abi::{ItemSpec, Status, ty};
+use std::ffi::CString;
 
-/// Pin or parameter to be made.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ItemRequest<'n> {
-    /// Name with the prefix.
-    pub(crate) name: &'n str,
-    pub(crate) ty: u8,
-    pub(crate) dir: u8,
-    /// Bits of its first value.
-    pub(crate) initial: u64,
-    /// Memory of a parameter's value.
-    pub(crate) storage: *mut c_void,
-    /// Memory of a pin's pointer to its cell.
-    pub(crate) place: *mut *mut c_void,
-}
-
-/// Pin or parameter that the first copy has made.
+/// Pin or parameter that the first copy has requested.
 #[derive(Debug)]
 pub(crate) struct Made {
-    name: String,
-    ty: u8,
-    from: FirstValue,
+    pub(crate) name: String,
+    pub(crate) ty: u8,
+    pub(crate) from: FirstValue,
+    /// Result of the request.
+    pub(crate) status: Status,
 }
 
 /// Memory of a value in the first copy.
 #[derive(Clone, Copy, Debug)]
-enum FirstValue {
+pub(crate) enum FirstValue {
     /// Pointer to the cell of a pin. The engine changes it with every link.
     Pin(*const AtomicPtr<AtomicU64>),
     /// Value of a parameter.
     Param(*const c_void),
 }
 
-impl Made {
-    pub(crate) fn new(item: &ItemRequest<'_>) -> Self {
-        let from = if item.place.is_null() {
-            FirstValue::Param(item.storage)
-        } else {
-            FirstValue::Pin(item.place.cast_const().cast())
-        };
-        Self { name: item.name.to_owned(), ty: item.ty, from }
-    }
-}
-
 /// Input of the second copy, and its source.
 #[derive(Debug)]
 pub(crate) struct Input {
-    from: FirstValue,
-    to: *mut c_void,
-    ty: u8,
+    pub(crate) from: FirstValue,
+    pub(crate) to: *mut c_void,
+    pub(crate) ty: u8,
 }
 
-/// Items of the first copy, and the inputs that the second one has made so far.
-#[derive(Debug)]
-pub(crate) struct Mirror {
-    first: Vec<Made>,
+/// Items, components and refusals of the first copy's setup, for the setup of the second.
+#[derive(Debug, Default)]
+pub(crate) struct SecondCopy {
+    /// Items that the second copy has not made yet.
+    pub(crate) items: RefCell<Vec<Made>>,
+    /// Further components: their numbers and names.
+    pub(crate) further: Vec<(c_int, CString)>,
+    refusals: Vec<String>,
+    /// Inputs that the second copy has made so far.
     pub(crate) inputs: RefCell<Vec<Input>>,
 }
 
-impl Mirror {
-    pub(crate) const fn new(first: Vec<Made>) -> Self {
-        Self { first, inputs: RefCell::new(Vec::new()) }
+impl Made {
+    pub(crate) fn new(
+        name: &str,
+        spec: &ItemSpec,
+        place: *mut *mut c_void,
+        status: Status,
+    ) -> Self {
+        let from = if place.is_null() {
+            FirstValue::Param(spec.storage)
+        } else {
+            FirstValue::Pin(place.cast_const().cast())
+        };
+        Self { name: name.to_owned(), ty: spec.ty, from, status }
+    }
+}
+
+impl SecondCopy {
+    pub(crate) fn new(
+        items: Vec<Made>,
+        further: Vec<(c_int, CString)>,
+        refusals: Vec<String>,
+    ) -> Self {
+        Self { items: items.into(), further, refusals, inputs: RefCell::default() }
     }
 
-    /// Gives the second copy an item of the first; `cell` are 8 bytes for the value of a pin. Returns false if the first
-    /// copy has no such item.
-    pub(crate) fn make(&self, item: &ItemRequest<'_>, cell: *mut u64) -> bool {
-        let found = self.first.iter().find(|m| m.name == item.name && m.ty == item.ty);
-        let Some(first) = found else { return false };
-        let to = if item.place.is_null() {
-            item.storage
-        } else {
-            // SAFETY: the caller's cell.
-            unsafe { cell.write(item.initial) };
-            // SAFETY: the module's memory for a pointer, which the caller has checked.
-            unsafe { item.place.write(cell.cast()) };
-            cell.cast()
-        };
-        let is_input = [dir::IN, dir::IO, dir::RW].contains(&item.dir);
-        if is_input && item.ty != ty::PORT {
-            self.inputs.borrow_mut().push(Input { from: first.from, to, ty: item.ty });
-        }
-        true
+    /// Returns the first refusal that the first copy did not get.
+    pub(crate) fn refusal(&self, all: Vec<String>) -> Option<String> {
+        all.into_iter().find(|why| !self.refusals.contains(why))
     }
 }
 
@@ -98,7 +87,9 @@ impl Input {
         match self.from {
             FirstValue::Pin(pointer) => {
                 // SAFETY: the first copy's memory, which stays as long as the second copy.
-                let cell = unsafe { &*pointer }.load(Relaxed);
+                let pointer = unsafe { &*pointer };
+                // Acquire pairs with the Release of the engine's `point`, which links the pin.
+                let cell = pointer.load(Acquire);
                 // SAFETY: the cell of a pin or signal, in memory that stays mapped.
                 let Some(cell) = (unsafe { cell.as_ref() }) else { return };
                 // SAFETY: the second copy's cell, 8 bytes.

@@ -1,5 +1,6 @@
 //! Functions `rtapi_shmem_…`: memory that components of one process share by a key.
 
+use crate::second_setup::refuse_shared;
 use core::ffi::{c_int, c_ulong, c_void};
 use std::sync::{Mutex, PoisonError};
 
@@ -19,6 +20,9 @@ fn index(id: c_int) -> Option<usize> {
 
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_shmem_new(key: c_int, _module: c_int, size: c_ulong) -> c_int {
+    if let Some(refused) = refuse_shared("rtapi_shmem_new") {
+        return refused;
+    }
     let mut all = PIECES.lock().unwrap_or_else(PoisonError::into_inner);
     let words = usize::try_from(size.div_ceil(8)).unwrap_or(usize::MAX);
     let known = all.iter_mut().enumerate().find_map(|(i, p)| {

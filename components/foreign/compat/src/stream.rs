@@ -1,6 +1,10 @@
 //! Realtime. Functions `hal_stream_…`: rings of records that a component shares with programs.
 
-use crate::{loading::loading, pin::text};
+use crate::{
+    loading::loading,
+    pin::{refuse, text},
+    second_setup::refuse_shared,
+};
 use core::{
     cell::UnsafeCell,
     ffi::{c_char, c_int, c_uint, c_void},
@@ -130,13 +134,13 @@ extern "C" fn hal_stream_create(
     let (Some(l), Some(h), Some(letters)) = (loading(), handle(p), text(types)) else {
         return Status::EINVAL.0;
     };
-    if l.mirror.is_some() {
-        // A ring has one end on each side.
-        return Status::EBUSY.0;
+    // A ring has one end on each side.
+    if let Some(refused) = refuse_shared("hal_stream_create") {
+        return refused;
     }
     let Some((types, width)) = parse(letters) else {
-        l.module.say(1, &format!("HAL: ERROR: stream: '{letters}' are not types of a record"));
-        return Status::EINVAL.0;
+        let why = format!("stream: '{letters}' are not types of a record");
+        return refuse(Some(l), Status::EINVAL.0, &why);
     };
     let (name, direction) = named(key);
     let name = format!("{}{name}", l.module.prefix);
@@ -172,6 +176,9 @@ extern "C" fn hal_stream_attach(
     types: *const c_char,
 ) -> c_int {
     let (Some(l), Some(h)) = (loading(), handle(p)) else { return Status::EINVAL.0 };
+    if let Some(refused) = refuse_shared("hal_stream_attach") {
+        return refused;
+    }
     let known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     let instance = l.file.instance.addr();
     let Some(k) = known.iter().find(|k| k.instance == instance && k.key == key) else {

@@ -19,7 +19,7 @@ use hal_remap::Functions;
 use machine::Machine;
 use std::{
     collections::VecDeque,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
@@ -47,6 +47,16 @@ pub(crate) struct Files {
     pub(crate) letters: Letters,
     /// Functions in Python.
     pub(crate) functions: Option<Functions>,
+}
+
+impl Files {
+    /// Returns the files that the task itself writes, and those that the INI file names.
+    fn of_the_machine(&self) -> Vec<&Path> {
+        let parameters = self.parameters.as_ref().map(|(path, _)| path);
+        let written =
+            [parameters, self.table.as_ref(), self.spindle.as_ref(), self.journal.as_ref()];
+        written.into_iter().flatten().chain(&self.named).map(PathBuf::as_path).collect()
+    }
 }
 
 /// State that the commands and the worker share.

@@ -99,7 +99,7 @@ impl Panel {
     pub(crate) fn renew_token(&self) -> Result<(), String> {
         let token = secret()?;
         let text = format!("{}/#token={token}\n", self.security.origin(self.address));
-        // Whoever reads the file finds its token accepted.
+        // The token in the file is always one that is accepted.
         self.sessions.set_token(token);
         let written =
             block_in_place(|| hal_output::install(&self.address_file, text.as_bytes(), 0o600));

@@ -62,10 +62,17 @@ fn cycle_of(text: &mut Text, thread: &Thread, then: impl FnOnce(&mut Text, &str)
     }
 }
 
-/// Names the component whose code a function of another one has called, such as kinematics, also if that code is in a
-/// function of the C library.
+/// Names the component whose code a function of another one has called, such as kinematics. If the code at the place is
+/// nobody's, such as `strlen`, the word on top of the stack counts, which is the return address of a function without a
+/// frame. Words below it may be left from calls that have returned.
 fn describe_code(text: &mut Text, place: Registers, origins: &[Origin], caller: &str) {
-    let Some(found) = origin(place, origins) else { return };
+    let return_address = || {
+        let mut top = [0];
+        (sys::peek(place.stack, &mut top) == 1).then_some(top[0])
+    };
+    let found = code_of(place.code, origins)
+        .or_else(|| return_address().and_then(|address| code_of(address, origins)));
+    let Some(found) = found else { return };
     let is_own = |o: &Origin| o.file == found.file && o.component.as_str() == caller;
     if !origins.iter().any(is_own) {
         text.add(format_args!(", in code of component '{}'", found.component));

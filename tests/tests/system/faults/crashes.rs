@@ -33,7 +33,11 @@ addf parport.0.write t
 addf last-words.0 t
 start
 run 5ms
+loadusr -w sh driven.sh
 ";
+
+/// Waits until the port has the line, on either clock.
+const DRIVEN_SH: &str = "until [ \"$(halcmd gets register)\" -gt 0 ]; do :; done";
 
 /// A port access by processor instruction, not through the headers.
 #[cfg(target_arch = "x86_64")]
@@ -133,6 +137,7 @@ fn a_port_that_may_not_be_used_is_named() {
 fn loads(name: &str, source: &str) -> Option<Scratch> {
     let scratch = Scratch::new(name);
     compile(scratch.path(), "mine", source, &["-Wno-unused"])?;
+    scratch.write("driven.sh", DRIVEN_SH);
     scratch
         .write("m.hal", format!("{DRIVEN}print loading\nloadrt mine\nprint after\nloadrt and2\n"));
     Some(scratch)

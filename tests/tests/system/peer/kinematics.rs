@@ -14,7 +14,7 @@ use hal_tests::{
 use std::{collections::BTreeMap, fmt::Write};
 
 /// Modules.
-const MODULES: [&str; 8] = [
+const MODULES: [&str; 9] = [
     "turned.c",
     "crossed.c",
     "leaning.comp",
@@ -23,6 +23,7 @@ const MODULES: [&str; 8] = [
     "round.c",
     "partial.c",
     "half.c",
+    "unusual.c",
 ];
 
 /// LinuxCNC's modules.
@@ -80,7 +81,7 @@ fn part(scratch: &Scratch, ini: &str) -> Vcd {
     Vcd::parse(&scratch.read("part.vcd"))
 }
 
-/// Returns the values of recorded items after each moment at which one of them has changed, once the machine is homed.
+/// Returns the values of recorded items after each moment at which one of them has changed.
 fn rows(vcd: &Vcd, names: &[String]) -> Vec<(i64, Vec<f64>)> {
     let mut changes: BTreeMap<i64, Vec<(usize, f64)>> = BTreeMap::new();
     for (n, name) in names.iter().enumerate() {
@@ -104,7 +105,7 @@ fn joints(n: usize) -> Vec<String> {
 
 /// Asserts that every row of a program's recording has the joints where `closed` puts them for X Y Z C, and that no limit
 /// was broken.
-fn judge(vcd: &Vcd, what: &str, closed: fn(&[f64]) -> Vec<f64>) {
+fn assert_positions(vcd: &Vcd, what: &str, closed: fn(&[f64]) -> Vec<f64>) {
     let names: Vec<String> = ["x", "y", "z", "c"].map(|l| format!("axis.{l}.pos-cmd")).into();
     let names = [names, joints(6)].concat();
     let rows = rows(vcd, &names);
@@ -148,12 +149,12 @@ fn turned(x: f64, y: f64, degrees: f64) -> [f64; 2] {
 fn a_program_moves_joints_where_the_closed_form_puts_them() {
     let Some(scratch) = folder() else { return };
     let vcd = part(&scratch, "turned.ini");
-    judge(&vcd, "turned", |p| [&turned(p[0], p[1], 30.0)[..], &p[2..3]].concat());
+    assert_positions(&vcd, "turned", |p| [&turned(p[0], p[1], 30.0)[..], &p[2..3]].concat());
     let first = scratch.read("part.vcd");
     part(&scratch, "turned.ini");
     assert_eq!(first, scratch.read("part.vcd"), "the same bytes twice");
     let vcd = part(&scratch, "leaning.ini");
-    judge(&vcd, "leaning", |p| vec![p[0], p[1] + 0.25 * p[0], p[2]]);
+    assert_positions(&vcd, "leaning", |p| vec![p[0], p[1] + 0.25 * p[0], p[2]]);
 }
 
 #[test]
@@ -164,7 +165,7 @@ fn the_same_mathematics_moves_the_joints_alike() {
         let [x, y] = turned(p[0], p[1], p[3]);
         vec![x, y, p[2], 0.0, 0.0, p[3]]
     };
-    judge(&vcd, "round", closed);
+    assert_positions(&vcd, "round", closed);
     let places = rows(&vcd, &joints(6));
     alike(&places, &part(&scratch, "rotatekins.ini"), "Rust");
     if tools::linuxcnc().is_some() {
@@ -194,12 +195,16 @@ fn check_finds_nothing_wrong() {
         assert_eq!((status, stderr.as_str()), (Some(0), ""), "{ini}: {stdout}");
         assert!(!stdout.contains("error[") && !stdout.contains("warning["), "{ini}: {stdout}");
     }
-    let mut command = scratch.command(&[], "halcmd");
-    scratch.write("crash.hal", "loadrt partial type=99\n");
-    command.env("HAL_RTMOD_DIR", scratch.path()).args(["check", "crash.hal"]);
-    let output = scratch.run(&mut command);
-    let said = "partial: kinematicsType crashes: segmentation fault";
-    assert!(output.stdout.contains(said), "{}{}", output.stdout, output.stderr);
+    for (line, said) in [
+        ("loadrt partial type=99", "partial: kinematicsType crashes: segmentation fault"),
+        ("loadrt unusual fault=3", "unusual: kinematicsSwitch crashes: segmentation fault"),
+    ] {
+        let mut command = scratch.command(&[], "halcmd");
+        scratch.write("crash.hal", line);
+        command.env("HAL_RTMOD_DIR", scratch.path()).args(["check", "crash.hal"]);
+        let output = scratch.run(&mut command);
+        assert!(output.stdout.contains(said), "{}{}", output.stdout, output.stderr);
+    }
 }
 
 /// Motion and the planner solve poses at the same time. A module never has two calls in it, and the copy that motion uses
@@ -224,12 +229,12 @@ fn the_planner_and_motion_have_a_copy_each() {
 #[test]
 fn a_crash_in_kinematics_names_them() {
     let Some(scratch) = folder() else { return };
-    for (lines, by) in [
-        ("setp turned.fault 3\nrun 1s\n", "function 'motion-controller', thread 'servo-thread'"),
-        ("setp turned.fault 4\nmotion.move x=10 velocity=50 --wait\n", "worker 'motmod.planner'"),
-    ] {
+    let motion = "function 'motion-controller', thread 'servo-thread'";
+    let planner = "worker 'motmod.planner'";
+    for (fault, by) in [(3, motion), (4, planner), (5, motion), (6, planner)] {
         let start = "loadrt turned coordinates=XYZ\nsource start.hal\n";
-        scratch.write("crash.hal", format!("{start}{lines}"));
+        let move_on = "run 10ms\nmotion.move x=10 velocity=50 --wait\n";
+        scratch.write("crash.hal", format!("{start}setp turned.fault {fault}\n{move_on}"));
         let output = run(&scratch, &["-f", "crash.hal"]);
         assert_eq!(output.status, None, "it ends by its signal");
         let said =

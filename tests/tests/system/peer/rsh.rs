@@ -279,6 +279,19 @@ fn one_operator_has_control_here_and_in_the_panel() {
 }
 
 #[test]
+fn control_needs_the_permission_of_the_machine() {
+    let scratch = Scratch::copy_of(&folder());
+    let (_running, port) = start(&scratch, "");
+    let mut line = greeted(port);
+    scratch.told("setp remote.allow-motion FALSE");
+    assert_eq!(line.ask("set enable EMCTOO"), "SET ENABLE NAK\n\r");
+    let why = line.ask("get error");
+    assert!(why.starts_with("ERROR the machine permits no motion from afar"), "{why}");
+    scratch.told("setp remote.allow-motion TRUE");
+    assert_eq!(line.ask("set enable EMCTOO"), "SET ENABLE ACK\n\r");
+}
+
+#[test]
 fn a_stop_ends_a_wait_and_what_was_sent_before_it_is_left_out() {
     let scratch = Scratch::copy_of(&folder());
     let (_running, port) = start(&scratch, "");

@@ -4,10 +4,12 @@ use super::{BothSolvers, Common, Entries, JOINTS, Solver, forward, inverse, swit
 use crate::{
     access, arguments,
     elf::Elf,
+    load::{failed, set_up},
     loading::{self, Loading, Refusal},
-    mirror::{Made, Mirror},
     module::{self, Module},
-    running, system,
+    running,
+    second_copy::{Input, SecondCopy},
+    system,
 };
 use core::{
     ffi::{CStr, c_int, c_void},
@@ -17,55 +19,70 @@ use hal_component::abi::{ForeignFile, Host, Kinematics, ServiceSpec, Status, Str
 use std::{path::Path, sync::Arc};
 
 /// Highest number of kinematics types that are looked for.
-const MAX_TYPES: u32 = 16;
+const MAX_TYPES: c_int = 16;
 
-/// Result of `kinematicsType` for kinematics in both directions whose joints are axes.
-const IDENTITY: c_int = 1;
-/// Result of `kinematicsType` for kinematics in both directions.
-const BOTH: c_int = 4;
+/// Functions that motion needs.
+const NEEDED: [&CStr; 3] = [c"kinematicsForward", c"kinematicsInverse", c"kinematicsType"];
 
-/// Returns the kinematics of a file, if it has any.
-///
-/// # Errors
-/// A function is missing; the error names it.
-pub(crate) fn entries(handle: *mut c_void) -> Result<Option<Entries>, String> {
-    let symbol = |name: &CStr| {
-        if system::defines(handle, name) {
-            system::symbol(handle, name)
-        } else {
-            core::ptr::null_mut()
+impl Entries {
+    /// Returns whether a file has kinematics, or a part of them.
+    pub(crate) fn has_any(handle: *mut c_void) -> bool {
+        NEEDED.iter().any(|name| system::defines(handle, name))
+    }
+
+    /// Returns the kinematics of a file.
+    ///
+    /// # Errors
+    /// A function is missing; the error names it.
+    pub(crate) fn read(handle: *mut c_void) -> Result<Self, String> {
+        if let Some(name) = NEEDED.iter().find(|name| !system::defines(handle, name)) {
+            return Err(format!(
+                "it has kinematics without {}: motmod needs kinematicsForward, kinematicsInverse \
+                 and kinematicsType",
+                name.to_string_lossy()
+            ));
         }
-    };
-    let needed = [c"kinematicsForward", c"kinematicsInverse", c"kinematicsType"];
-    let found = needed.map(symbol);
-    if found.iter().all(|f| f.is_null()) {
-        return Ok(None);
+        let [forward, inverse, kind] = NEEDED.map(|name| system::symbol(handle, name));
+        let [switchable, switch] = [c"kinematicsSwitchable", c"kinematicsSwitch"].map(|name| {
+            let is_own = system::defines(handle, name);
+            if is_own { system::symbol(handle, name) } else { core::ptr::null_mut() }
+        });
+        Ok(Self {
+            // SAFETY: the header defines the type of this symbol, which is not null.
+            forward: unsafe { core::mem::transmute::<*mut c_void, super::SolveFunction>(forward) },
+            // SAFETY: as above.
+            inverse: unsafe { core::mem::transmute::<*mut c_void, super::SolveFunction>(inverse) },
+            // SAFETY: as above.
+            kind: unsafe { core::mem::transmute::<*mut c_void, super::NumberFunction>(kind) },
+            // SAFETY: as above; null is `None`.
+            switchable: unsafe {
+                core::mem::transmute::<*mut c_void, Option<super::NumberFunction>>(switchable)
+            },
+            // SAFETY: as above.
+            switch: unsafe {
+                core::mem::transmute::<*mut c_void, Option<super::SwitchFunction>>(switch)
+            },
+        })
     }
-    if let Some((name, _)) = needed.iter().zip(&found).find(|(_, f)| f.is_null()) {
-        return Err(format!(
-            "it has kinematics without {}: motmod needs kinematicsForward, kinematicsInverse and \
-             kinematicsType",
-            name.to_string_lossy()
-        ));
+
+    /// Calls `kinematicsSwitchable`. Without it, and without `kinematicsSwitch`, returns zero.
+    pub(crate) fn switchable(&self) -> c_int {
+        self.switchable.filter(|_| self.switch.is_some()).map_or(0, |switchable| switchable())
     }
-    let [forward, inverse, kind] = found;
-    let [switchable, switch] = [c"kinematicsSwitchable", c"kinematicsSwitch"].map(symbol);
-    Ok(Some(Entries {
-        // SAFETY: the header defines the type of this symbol, which is not null.
-        forward: unsafe { core::mem::transmute::<*mut c_void, super::Solve>(forward) },
-        // SAFETY: as above.
-        inverse: unsafe { core::mem::transmute::<*mut c_void, super::Solve>(inverse) },
-        // SAFETY: as above.
-        kind: unsafe { core::mem::transmute::<*mut c_void, super::Ask>(kind) },
-        // SAFETY: as above; null is `None`.
-        switchable: unsafe { core::mem::transmute::<*mut c_void, Option<super::Ask>>(switchable) },
-        // SAFETY: as above.
-        switch: unsafe { core::mem::transmute::<*mut c_void, Option<super::Select>>(switch) },
-    }))
+
+    /// Calls `kinematicsSwitch`.
+    pub(crate) fn select(&self, to: c_int) -> c_int {
+        self.switch.map_or(-1, |switch| switch(to))
+    }
+
+    /// Counts the types that `kinematicsSwitch` accepts, from 0.
+    pub(crate) fn count_types(&self) -> c_int {
+        (0..MAX_TYPES).find(|n| self.select(*n) != 0).unwrap_or(MAX_TYPES)
+    }
 }
 
-/// Parts of a load that its second copy repeats.
-pub(crate) struct Repeat<'l> {
+/// Parts of a load that both copies of a module have in common.
+pub(crate) struct Parts<'l> {
     pub(crate) host: Host,
     pub(crate) file: ForeignFile,
     pub(crate) path: &'l Path,
@@ -74,34 +91,32 @@ pub(crate) struct Repeat<'l> {
 }
 
 /// Offers the kinematics of a module whose setup has succeeded. `kind` is the result of its `kinematicsType`, and
-/// `items` are its pins and parameters.
+/// `first` what its setup has made.
 ///
 /// # Errors
-/// The kinematics lack a direction, the second copy cannot be loaded, or other kinematics are offered already.
+/// The kinematics lack a direction, the second copy cannot be loaded, a type cannot be selected, or other kinematics are
+/// offered already.
 pub(crate) fn offer(
-    load: &Repeat<'_>,
+    load: &Parts<'_>,
     module: &Arc<Module>,
     entries: Entries,
     kind: c_int,
-    items: Vec<Made>,
+    first: SecondCopy,
 ) -> Result<(), Refusal> {
     let refuse = |why: String| (Status::EINVAL, why);
-    is_complete(kind).map_err(refuse)?;
-    let (twin, again, mirror) = second(load, module, items)
+    let kind = usable(kind).map_err(refuse)?;
+    let (second_copy, second_entries, inputs) = load_second(load, module, first)
         .map_err(|why| refuse(format!("its second copy, for the planner: {why}")))?;
-    let mut types = 1;
-    running::within(Arc::as_ptr(&twin), || {
-        types = accepted(&again);
-        0
-    });
-    twin.quiet.store(false, Relaxed);
+    let types = select_first_type([(module, &entries), (&second_copy, &second_entries)]);
+    let types = types.map_err(refuse)?;
+    second_copy.quiet.store(false, Relaxed);
     let common =
         Arc::new(Common { types, selected: AtomicU32::new(0), has_flags: AtomicBool::new(false) });
-    let inputs = mirror.inputs.into_inner().into_boxed_slice();
     let table = Kinematics {
         size: size::<Kinematics>(),
         joints: u32::try_from(JOINTS).unwrap_or(0),
-        kind: kind.cast_unsigned(),
+        // Joints are axes in one of several types at most.
+        kind: if types > 1 { Kinematics::BOTH } else { kind },
         joint_of: [0; 12],
         ctx: core::ptr::null(),
         forward: Some(forward),
@@ -111,15 +126,16 @@ pub(crate) fn offer(
         switch: Some(switch),
         worker_ctx: core::ptr::null(),
     };
+    let inputs = inputs.into_boxed_slice();
     let service = Box::into_raw(Box::new(BothSolvers {
         table,
-        apart: Solver::new(again, inputs, common.clone(), twin),
-        own: Solver::new(entries, Box::default(), common, module.clone()),
+        planner_copy: Solver::new(second_entries, inputs, common.clone(), second_copy),
+        motion_copy: Solver::new(entries, Box::default(), common, module.clone()),
     }));
     // SAFETY: made just now, and not shared yet.
     let made = unsafe { &mut *service };
-    made.table.ctx = (&raw const made.own).cast();
-    made.table.worker_ctx = (&raw const made.apart).cast();
+    made.table.ctx = (&raw const made.motion_copy).cast();
+    made.table.worker_ctx = (&raw const made.planner_copy).cast();
     let spec = ServiceSpec {
         size: size::<ServiceSpec>(),
         version: 1,
@@ -144,12 +160,15 @@ unsafe extern "C" fn free(state: *mut c_void) {
     drop(unsafe { Box::from_raw(state.cast::<BothSolvers>()) });
 }
 
-/// Refuses kinematics that motion cannot use.
-fn is_complete(kind: c_int) -> Result<(), String> {
-    let name = match kind {
-        IDENTITY | BOTH => return Ok(()),
-        2 => "KINEMATICS_FORWARD_ONLY",
-        3 => "KINEMATICS_INVERSE_ONLY",
+/// Returns the kind of kinematics whose `kinematicsType` has returned `kind`.
+///
+/// # Errors
+/// Motion cannot use them.
+fn usable(kind: c_int) -> Result<u32, String> {
+    let name = match kind.cast_unsigned() {
+        usable @ (Kinematics::IDENTITY | Kinematics::BOTH) => return Ok(usable),
+        Kinematics::FORWARD_ONLY => "KINEMATICS_FORWARD_ONLY",
+        Kinematics::INVERSE_ONLY => "KINEMATICS_INVERSE_ONLY",
         _ => return Err(format!("kinematicsType returns {kind}, which is no KINEMATICS_TYPE")),
     };
     Err(format!(
@@ -158,43 +177,43 @@ fn is_complete(kind: c_int) -> Result<(), String> {
     ))
 }
 
-/// Loads the file again, with variables of its own, and runs its setup on the values of the first copy.
-fn second(
-    load: &Repeat<'_>,
+/// Loads the file again, with variables of its own, and repeats the setup of the first copy.
+fn load_second(
+    load: &Parts<'_>,
     module: &Arc<Module>,
-    items: Vec<Made>,
-) -> Result<(Arc<Module>, Entries, Mirror), String> {
+    first: SecondCopy,
+) -> Result<(Arc<Module>, Entries, Vec<Input>), String> {
     let (handle, file) = system::open_copy(load.path)?;
-    let twin = Arc::new(module.twin(handle, file));
-    access::take_over(&twin, load.elf);
-    arguments::set(&twin, &load.elf.parameters, load.words)?;
-    let (Some(again), (Some(main), _)) = (entries(handle)?, module::entries(handle)) else {
-        return Err("it has no kinematics".to_owned());
-    };
-    let mut loading = Loading::new(load.host, load.file, twin.clone());
-    loading.mirror = Some(Mirror::new(items));
-    let code = loading::within(&loading, || {
-        let code = running::within(Arc::as_ptr(&twin), || main());
-        if code >= 0 {
-            running::within(Arc::as_ptr(&twin), || (again.kind)());
-        }
-        code
-    });
-    if code < 0 {
-        return Err(format!("rtapi_app_main: {} ({code})", system::explained(code)));
+    let second_copy = Arc::new(module.second_copy(handle, file));
+    access::take_over(&second_copy, load.elf);
+    arguments::set(&second_copy, &load.elf.parameters, load.words)?;
+    let (main, entries) = (module::main(handle)?, Entries::read(handle)?);
+    let loading = Loading::of_second_copy(load.host, load.file, second_copy.clone(), first);
+    let done = loading::within(&loading, || set_up(&second_copy, main, Some(entries), || ()));
+    if let Some(why) = loading.second_copy.refusal(loading.refusals.into_inner()) {
+        return Err(why);
     }
-    twin.made.store(true, Relaxed);
-    loading.mirror.map(|mirror| (twin, again, mirror)).ok_or_else(String::new)
+    done.map_err(failed)?;
+    Ok((second_copy, entries, loading.second_copy.inputs.into_inner()))
 }
 
-/// Counts the types that a module accepts, from 0, and selects type 0 again.
-fn accepted(of: &Entries) -> u32 {
-    let (Some(switchable), Some(switch)) = (of.switchable, of.switch) else { return 1 };
-    if switchable() == 0 {
-        return 1;
+/// Selects type 0 in both copies of a module: it may begin in another. Returns the number of types.
+///
+/// # Errors
+/// A copy refuses the type.
+fn select_first_type(copies: [(&Arc<Module>, &Entries); 2]) -> Result<u32, String> {
+    let [_, (second_copy, entries)] = copies;
+    let count = running::within(Arc::as_ptr(second_copy), || match entries.switchable() {
+        0 => 0,
+        _ => entries.count_types(),
+    });
+    for (copy, entries) in copies.into_iter().filter(|_| count > 0) {
+        let was_quiet = copy.quiet.swap(true, Relaxed);
+        let code = running::within(Arc::as_ptr(copy), || entries.select(0));
+        copy.quiet.store(was_quiet, Relaxed);
+        if code != 0 {
+            return Err(format!("kinematicsSwitch does not select type 0 again ({code})"));
+        }
     }
-    let is_type = |n: &u32| switch(c_int::try_from(*n).unwrap_or(c_int::MAX)) == 0;
-    let count = (0..MAX_TYPES).take_while(is_type).count();
-    switch(0);
-    u32::try_from(count).unwrap_or(1).max(1)
+    Ok(count.max(1).cast_unsigned())
 }

@@ -22,7 +22,7 @@ use hal_job::{
 };
 use std::{
     collections::{BTreeMap, VecDeque},
-    path::{Path, PathBuf},
+    path::Path,
     time::Duration,
 };
 
@@ -383,13 +383,9 @@ impl Outside for Machine {
     }
 
     fn file(&mut self, action: &FileAction, program: Option<&Path>) -> Result<(), String> {
-        let files = &self.files;
-        let parameters = files.parameters.as_ref().map(|(path, _)| path);
-        let own =
-            [parameters, files.table.as_ref(), files.spindle.as_ref(), files.journal.as_ref()];
-        let own = own.into_iter().flatten().chain(&files.named);
-        let own: Vec<&Path> = own.map(PathBuf::as_path).collect();
-        self.program_files.act(action, Bounds { ini: files.ini.as_deref(), program, own: &own })
+        let own = self.files.of_the_machine();
+        self.program_files
+            .act(action, Bounds { ini: self.files.ini.as_deref(), program, own: &own })
     }
 
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {
