@@ -4,8 +4,7 @@
     clippy::unwrap_used,
     clippy::indexing_slicing,
     clippy::panic,
-    clippy::print_stderr,
-    reason = "whatever fails here fails a test; what is skipped is said"
+    reason = "whatever fails here fails a test"
 )]
 
 pub mod browser;

@@ -1,7 +1,8 @@
 //! Functions in Python: what programs do with them, and what the functions do wrong.
-#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_gcode::{Call, Environment, Interpreter};
+use hal_golden::tools::Tool;
 use hal_job::{
     Files, Machine, World,
     run::{Answers, Stop, run},
@@ -17,9 +18,7 @@ fn folder() -> PathBuf {
 
 /// Returns the world of the machine with its functions; `None` without Python.
 fn world() -> Option<World> {
-    let python = Command::new("python3").arg("--version").output();
-    if !python.is_ok_and(|o| o.status.success()) {
-        println!("skipped: python3 is not installed");
+    if !Tool::of("python3").is_installed() {
         return None;
     }
     let ini = folder().join("machine.ini");

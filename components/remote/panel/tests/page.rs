@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "tests; figures")]
 
 use flate2::{Compression, write::GzEncoder};
+use hal_golden::tools::Tool;
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
@@ -123,22 +124,10 @@ fn nothing_comes_from_elsewhere() {
 /// Runs a script of `tests/page/` with Node, if it is there.
 fn run_script(name: &str) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page").join(name);
-    let done = match Command::new("node").arg(script).output() {
-        Ok(done) => done,
-        Err(e) => {
-            let required = std::env::var("FERRULE_REQUIRE").unwrap_or_default();
-            let demanded = required.split(',').any(|name| ["node", "all"].contains(&name));
-            assert!(!demanded, "node (apt-get install nodejs): {e}");
-            let line = "node is not installed (apt-get install nodejs)";
-            println!("skipped: {line}");
-            // `.ci/run` lists what is skipped.
-            if let Some(list) = std::env::var_os("FERRULE_SKIPPED").filter(|f| !f.is_empty()) {
-                let list = fs::OpenOptions::new().append(true).create(true).open(list);
-                list.unwrap().write_all(format!("page {name}: {line}\n").as_bytes()).unwrap();
-            }
-            return;
-        }
-    };
+    if !Tool::of("node").is_installed() {
+        return;
+    }
+    let done = Command::new("node").arg(script).output().unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
 }
 

@@ -181,11 +181,8 @@ fn limited(memlock: &'static str) -> Option<Vec<&'static str>> {
     if rustix::process::geteuid().is_root() {
         words.extend(["setpriv", "--bounding-set=-ipc_lock"]);
     }
-    for tool in ["prlimit", "setpriv"] {
-        if Command::new(tool).arg("--version").output().is_err() {
-            Tool::of(tool).skip();
-            return None;
-        }
+    if !["prlimit", "setpriv"].into_iter().all(|tool| Tool::of(tool).is_installed()) {
+        return None;
     }
     Some(words)
 }

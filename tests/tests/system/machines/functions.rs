@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{programs::root, scratch::Scratch, tools::Tool};
-use std::{fs, process::Command};
+use std::fs;
 
 /// The machine of the printer's part, with functions of the tests of `hal-job`.
 const INI: &str = "#INCLUDE pedal.ini
@@ -19,8 +19,9 @@ REMAP = G88.6 modalgroup=1 argspec=XYzp py=spiral
 ";
 
 fn machine(program: &str) -> Option<Scratch> {
-    let runs = Command::new("python3").arg("--version").output();
-    Tool::of("python3").or_skip(runs.ok().filter(|o| o.status.success()))?;
+    if !Tool::of("python3").is_installed() {
+        return None;
+    }
     let scratch = Scratch::copy_of(&root().join("configs/printer"));
     let from = root().join("components/motion/job/tests/functions");
     fs::create_dir_all(scratch.path().join("python")).unwrap();

@@ -1,8 +1,8 @@
 //! Functions in Python in a job: the same orders twice, an abort in the middle, and what is not known without them.
 
 use super::*;
+use hal_golden::tools::Tool;
 use hal_job::dry_run::Target;
-use std::process::Command as Program;
 
 /// A machine with the functions of the tests of `hal-job`, and this program; `None` without Python.
 fn rig(program: &str) -> Option<Rig> {
@@ -10,8 +10,7 @@ fn rig(program: &str) -> Option<Rig> {
 }
 
 fn rig_with(program: &str, change: impl FnOnce(&mut Rules)) -> Option<Rig> {
-    let python = Program::new("python3").arg("--version").output();
-    if !python.is_ok_and(|o| o.status.success()) {
+    if !Tool::of("python3").is_installed() {
         return None;
     }
     let ini = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../job/tests/functions/machine.ini");
