@@ -26,7 +26,7 @@ pub(super) use cancel::{MAX_END, cancel};
 
 /// Time between two looks at a command that has not ended.
 const LOOK: Duration = Duration::from_millis(20);
-/// Longest time until the status shows the end of a job that has ended.
+/// Longest time until the status shows the end of a job, or a stop.
 const SETTLE: Duration = Duration::from_secs(1);
 /// State of the task's status while the machine is on.
 const ON: u64 = 2;
@@ -173,9 +173,35 @@ impl Start<'_> {
     }
 }
 
-/// Checks a program and runs it under the control lease, unless something has been stopped since these numbers. The machine stays ready and nobody else's from the begin of the check on: what was stopped and switched on
-/// again does not move by a request from before.
+/// Checks a program and runs it under the control lease, unless something has been stopped since these numbers. From the
+/// begin of the check on, the machine must stay ready and free: after a stop, switching it on again does not move it by a
+/// request from before.
 pub(super) async fn start(
+    panel: &Arc<Panel>,
+    user: &User,
+    program: Vec<u8>,
+    stops: Stops,
+) -> Result<Begun, Reason> {
+    let begun = check_and_begin(panel, user, program, stops).await;
+    if begun.is_err() {
+        shown(panel, stops).await;
+    }
+    begun
+}
+
+/// Waits until the status shows a stop by this panel since these numbers: otherwise it would refuse the next start too.
+async fn shown(panel: &Panel, before: Stops) {
+    let since = Instant::now();
+    let is_shown = || {
+        let now = Stops::of(panel);
+        now.panel == before.panel || now.machine != before.machine
+    };
+    while !is_shown() && since.elapsed() < SETTLE {
+        sleep(LOOK).await;
+    }
+}
+
+async fn check_and_begin(
     panel: &Arc<Panel>,
     user: &User,
     program: Vec<u8>,

@@ -13,7 +13,10 @@ fn ask(mill: &Mill, people: &mut People) {
         fs::remove_file(file).unwrap();
     }
     people.say(mill, "A", "EJECUTAR");
-    mill.until("the program is checked", || mill.file().is_some());
+    mill.until("the program is checked", || {
+        assert_eq!(people.heard("A"), None, "it is not checked");
+        mill.file().is_some()
+    });
 }
 
 #[test]

@@ -138,7 +138,7 @@ impl Mill {
     }
 
     /// Lets machine time pass in small steps until something is so.
-    pub(super) fn until(&self, what: &str, is_so: impl Fn() -> bool) {
+    pub(super) fn until(&self, what: &str, mut is_so: impl FnMut() -> bool) {
         until(what, || {
             self.run("10ms");
             is_so()
@@ -192,26 +192,35 @@ impl People {
 
     /// Returns the next line, while machine time passes; `(closed)` at the end of the connection.
     pub(super) fn hear(&mut self, mill: &Mill, name: &str) -> String {
-        let person = self.0.get_mut(name).unwrap();
         let mut line = None;
         until("an answer comes", || {
-            if let Some(end) = person.bytes.windows(2).position(|two| two == b"\r\n") {
-                let bytes: Vec<u8> = person.bytes.drain(..end + 2).take(end).collect();
-                line = Some(String::from_utf8(bytes).unwrap());
-                return true;
-            }
-            let mut buffer = [0; 4096];
-            match person.stream.read(&mut buffer) {
-                Ok(0) => line = Some("(closed)".to_owned()),
-                Ok(count) => person.bytes.extend(&buffer[..count]),
-                Err(e) if e.kind() == ErrorKind::ConnectionReset => {
-                    line = Some("(closed)".to_owned());
-                }
-                Err(_) => mill.run("100ms"),
+            line = self.heard(name);
+            if line.is_none() {
+                mill.run("100ms");
             }
             line.is_some()
         });
         line.unwrap()
+    }
+
+    /// Returns the next line, if there is one.
+    pub(super) fn heard(&mut self, name: &str) -> Option<String> {
+        let person = self.0.get_mut(name).unwrap();
+        let mut buffer = [0; 4096];
+        loop {
+            if let Some(end) = person.bytes.windows(2).position(|two| two == b"\r\n") {
+                let bytes: Vec<u8> = person.bytes.drain(..end + 2).take(end).collect();
+                return Some(String::from_utf8(bytes).unwrap());
+            }
+            match person.stream.read(&mut buffer) {
+                Ok(0) => return Some("(closed)".to_owned()),
+                Ok(count) => person.bytes.extend(&buffer[..count]),
+                Err(e) if e.kind() == ErrorKind::ConnectionReset => {
+                    return Some("(closed)".to_owned());
+                }
+                Err(_) => return None,
+            }
+        }
     }
 
     /// Cuts a connection.

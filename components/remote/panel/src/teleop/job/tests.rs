@@ -89,7 +89,15 @@ fn what_is_stopped_while_a_start_is_checked_does_not_move_afterwards() {
                 Event::Jog => drop(tell.send_replace(machine(2, true))),
                 Event::Forbidden => panel.heart.allowed.store(false, Relaxed),
                 Event::LocalStop => drop(tell.send_replace(stopped(2, false, 1))),
-                Event::Stop => drop(panel.engine.stop(Request::Ready, true).await.unwrap()),
+                Event::Stop => {
+                    drop(panel.engine.stop(Request::Ready, true).await.unwrap());
+                    for _ in 0..100 {
+                        yield_now().await;
+                    }
+                    // The answer would bring the next request, which this stop must not refuse.
+                    assert!(!begun.is_finished(), "refused before the status shows the stop");
+                    drop(tell.send_replace(stopped(2, false, 1)));
+                }
             }
             begun.await.unwrap().unwrap_err()
         });
