@@ -51,11 +51,14 @@ pub(crate) fn object(py: Python<'_>, ty: Type, bits: u64) -> PyResult<Py<PyAny>>
 }
 
 /// Converts an object to a cell's bits: a truth value, a number, or a text that is one.
-#[inline]
+#[inline(always)]
 pub(crate) fn bits(ty: Type, object: &Bound<'_, PyAny>) -> PyResult<u64> {
     Ok(match ty {
         Type::Bit => Value::Bit(object.is_truthy()?),
-        Type::Float => Value::Float(float(object)?),
+        Type::Float => Value::Float(match object.cast_exact::<PyFloat>() {
+            Ok(number) => number.value(),
+            Err(_) => float(object)?,
+        }),
         Type::S32 => Value::S32(integer::<i64, i32>(object)?),
         Type::U32 => Value::U32(integer::<i64, u32>(object)?),
         Type::S64 => Value::S64(integer::<i64, i64>(object)?),
@@ -64,10 +67,8 @@ pub(crate) fn bits(ty: Type, object: &Bound<'_, PyAny>) -> PyResult<u64> {
     .bits())
 }
 
+/// Converts an object that is no `float` itself.
 fn float(object: &Bound<'_, PyAny>) -> PyResult<f64> {
-    if let Ok(number) = object.cast_exact::<PyFloat>() {
-        return number.extract();
-    }
     if object.is_instance_of::<PyInt>() {
         return object.extract();
     }
