@@ -1,4 +1,4 @@
-//! Overrides of feed and spindles: those of operators, unless the program forbids them.
+//! Overrides of feeds, rapid moves and spindles: those of operators, unless the program forbids them.
 
 use super::Core;
 use crate::outside::{Order, Outside, Progress, Refusal};
@@ -50,6 +50,12 @@ impl Core {
                 drop(self.send_feed_scale(out));
             }
         }
+        if motion.rapid_override != self.rapid_in_force() {
+            self.rapid_scale = motion.rapid_override;
+            if !self.feed_counts {
+                drop(self.send_rapid_scale(out));
+            }
+        }
         let count = self.interpreter.state.modal.spindles.len();
         for (n, spindle) in (0..count).zip(0u8..) {
             let is = motion.spindle_override.get(n).copied().unwrap_or(1.0);
@@ -69,6 +75,11 @@ impl Core {
         if self.feed_counts { self.feed_scale } else { 1.0 }
     }
 
+    /// Returns the override of rapid moves in force. What forbids the feed override forbids it too.
+    fn rapid_in_force(&self) -> f64 {
+        if self.feed_counts { self.rapid_scale } else { 1.0 }
+    }
+
     fn speed_in_force(&self, spindle: usize) -> f64 {
         let counts = self.spindle_counts.get(spindle).copied().unwrap_or(true);
         self.spindle_scale.get(spindle).copied().filter(|_| counts).unwrap_or(1.0)
@@ -76,7 +87,20 @@ impl Core {
 
     /// Sends the feed override in force.
     pub(super) fn send_feed_scale(&mut self, out: &mut impl Outside) -> Result<bool, String> {
-        self.overriding.add(out.order(&Order::FeedScale(self.feed_in_force())))
+        let (feed, rapid) = (Some(self.feed_in_force()), None);
+        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
+    }
+
+    /// Sends the override of rapid moves in force.
+    pub(super) fn send_rapid_scale(&mut self, out: &mut impl Outside) -> Result<bool, String> {
+        let (feed, rapid) = (None, Some(self.rapid_in_force()));
+        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
+    }
+
+    /// Sends both.
+    pub(super) fn send_feed_scales(&mut self, out: &mut impl Outside) -> Result<bool, String> {
+        let (feed, rapid) = (Some(self.feed_in_force()), Some(self.rapid_in_force()));
+        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
     }
 
     /// Sends the speed override of a spindle in force.

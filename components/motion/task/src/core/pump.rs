@@ -195,7 +195,7 @@ impl Core {
             }
             Action::FeedOverride(on) => {
                 let before = core::mem::replace(&mut self.feed_counts, *on);
-                let sent = self.send_feed_scale(out);
+                let sent = self.send_feed_scales(out);
                 // Without the order, motion's override is still that of before.
                 if sent != Ok(true) {
                     self.feed_counts = before;
