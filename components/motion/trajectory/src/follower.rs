@@ -56,6 +56,8 @@ pub struct Follower {
     since_up: f64,
     since_down: f64,
     recheck: u8,
+    /// Farthest cell in the direction of motion up to which all are of the kinds of the input's cell, as far as is known.
+    alike: u64,
     /// True if reverse motion was asked for.
     asked: bool,
     events: u32,
@@ -121,6 +123,7 @@ impl Follower {
             since_up: f64::INFINITY,
             since_down: f64::INFINITY,
             recheck: 0,
+            alike: 0,
             asked: false,
             events: 0,
             position: start,
@@ -247,6 +250,7 @@ impl Follower {
                     break;
                 }
                 self.back = reverse;
+                self.alike = self.cell;
                 self.to_go = cell.length - self.to_go;
             }
             if usize::from(cell.samples) != self.samples && !self.change_filter(&cell, still) {

@@ -7,14 +7,14 @@ use crate::{
 };
 
 /// Largest number of cells ahead that are examined.
-const AHEAD: usize = 4;
+const AHEAD: u8 = 4;
 
 impl Follower {
     /// Returns the highest speed of this period from which the input can brake for the overrides of the next cells;
     /// infinity where these are no lower than planned. The limits of speed, acceleration and jerk do not depend on it.
-    pub(super) fn cap_ahead(&self, track: &impl Path, scales: &Scales) -> f64 {
+    pub(super) fn cap_ahead(&mut self, track: &impl Path, scales: &Scales) -> f64 {
         // With one factor for all moves, no move is slower than planned beside the others.
-        if scales.feed == scales.rapid || !self.begun {
+        if scales.feed == scales.rapid || !self.begun || self.is_alike_ahead(track) {
             return f64::INFINITY;
         }
         let Some(cell) = track.cell(self.cell) else { return f64::INFINITY };
@@ -25,10 +25,9 @@ impl Follower {
         if cell.rest * (self.to_go - margin) > speed * speed {
             return f64::INFINITY;
         }
-        let (mut ahead, mut count, mut number) = ([cell; AHEAD], 0, self.cell);
+        let (mut ahead, mut count, mut number) = ([cell; AHEAD as usize], 0, self.cell);
         for slot in &mut ahead {
-            let next = if self.back { number.checked_sub(1) } else { Some(number + 1) };
-            let Some((k, next)) = next.and_then(|k| Some((k, track.cell(k)?))) else { break };
+            let Some((k, next)) = self.beyond(track, number) else { break };
             (*slot, number) = (next, k);
             count += 1;
         }
@@ -51,6 +50,34 @@ impl Follower {
         }
         let braking = cell.rest - cell.fade * cell.reach(square);
         (square + 2.0 * braking * less(&mut rest, self.to_go)).sqrt()
+    }
+
+    /// Returns true if the next cells belong to the same kinds of moves as the cell of the input. Each cell is read once.
+    fn is_alike_ahead(&mut self, track: &impl Path) -> bool {
+        let (cell, back) = (self.cell, self.back);
+        let far = |number: u64| {
+            if back { cell.saturating_sub(number) } else { number.saturating_sub(cell) }
+        };
+        if (if back { self.alike > cell } else { self.alike < cell }) {
+            self.alike = cell;
+        }
+        let mut here = None;
+        while far(self.alike) < u64::from(AHEAD) {
+            let Some((k, next)) = self.beyond(track, self.alike) else { return true };
+            let here =
+                *here.get_or_insert_with(|| track.cell(cell).map_or([false; 2], |c| kinds(&c)));
+            if kinds(&next) != here {
+                return false;
+            }
+            self.alike = k;
+        }
+        true
+    }
+
+    /// Returns the cell behind this one in the direction of motion, and its number.
+    fn beyond(&self, track: &impl Path, number: u64) -> Option<(u64, Cell)> {
+        let next = if self.back { number.checked_sub(1) } else { Some(number + 1) };
+        next.and_then(|k| Some((k, track.cell(k)?)))
     }
 }
 
