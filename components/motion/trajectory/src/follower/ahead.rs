@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// Largest number of cells ahead that are examined.
-const AHEAD: u8 = 4;
+const AHEAD: usize = 4;
 
 impl Follower {
     /// Returns the highest speed of this period from which the input can brake for the overrides of the next cells;
@@ -25,7 +25,7 @@ impl Follower {
         if cell.rest * (self.to_go - margin) > speed * speed {
             return f64::INFINITY;
         }
-        let (mut ahead, mut count, mut number) = ([cell; AHEAD as usize], 0, self.cell);
+        let (mut ahead, mut count, mut number) = ([cell; AHEAD], 0, self.cell);
         for slot in &mut ahead {
             let Some((k, next)) = self.beyond(track, number) else { break };
             (*slot, number) = (next, k);
@@ -55,18 +55,15 @@ impl Follower {
     /// Returns true if the next cells belong to the same kinds of moves as the cell of the input. Each cell is read once.
     fn is_alike_ahead(&mut self, track: &impl Path) -> bool {
         let (cell, back) = (self.cell, self.back);
-        let far = |number: u64| {
-            if back { cell.saturating_sub(number) } else { number.saturating_sub(cell) }
-        };
-        if (if back { self.alike > cell } else { self.alike < cell }) {
+        let is_past = if back { self.alike > cell } else { self.alike < cell };
+        if is_past {
             self.alike = cell;
         }
         let mut here = None;
-        while far(self.alike) < u64::from(AHEAD) {
+        while cell.abs_diff(self.alike) < AHEAD as u64 {
             let Some((k, next)) = self.beyond(track, self.alike) else { return true };
-            let here =
-                *here.get_or_insert_with(|| track.cell(cell).map_or([false; 2], |c| kinds(&c)));
-            if kinds(&next) != here {
+            let here = *here.get_or_insert_with(|| track.cell(cell).map(|c| kinds(&c)));
+            if here != Some(kinds(&next)) {
                 return false;
             }
             self.alike = k;
