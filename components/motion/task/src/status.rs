@@ -239,7 +239,7 @@ fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
         feed: modal.feed,
         speed,
         direction,
-        feed_override: core.feed_scale,
+        feed_override: core.feed.scale,
         spindle_override: core.spindle_scale,
         g_codes: state.g_codes(),
         system: modal.system.into(),
@@ -254,10 +254,10 @@ fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
         delay_left: core.delay_left(now),
         input_timeout: core.input_was_late,
         lube_level: io.lube_level,
-        feed_override_counts: core.feed_counts,
+        feed_override_counts: core.feed.counts,
         spindle_override_counts: core.spindle_counts,
         command: packed(core.mdi_line()),
-        rapid_override: core.rapid_scale,
+        rapid_override: core.feed.rapid,
     }
 }
 

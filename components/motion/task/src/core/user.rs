@@ -130,11 +130,11 @@ impl Core {
                 Ok(Report::Now)
             }
             Command::FeedOverride(scale) => {
-                self.feed_scale = scale;
+                self.feed.scale = scale;
                 accepted(self.send_feed_scale(out)?)
             }
             Command::RapidOverride(scale) => {
-                self.rapid_scale = scale;
+                self.feed.rapid = scale;
                 accepted(self.send_rapid_scale(out)?)
             }
             Command::SpindleOverride { spindle, scale } => {
