@@ -1,5 +1,5 @@
 //! Overrides of feeds and of rapid moves, each of its own.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use hal_trajectory::{
     Follower, Limits, Machine, Mode, Move, Planner, Pose, Scales, Shape, Trivial,
@@ -14,8 +14,8 @@ fn machine(jerk: f64) -> Machine {
 }
 
 /// Plans lines in X and Y: where each ends, whether it is rapid, and its feed.
-fn planned(machine: Machine, mode: Mode, lines: &[(f64, f64, bool, f64)]) -> Planner<Trivial> {
-    let mut planner = Planner::new(machine, Trivial, Pose::ZERO).unwrap();
+fn planned(machine: &Machine, mode: Mode, lines: &[(f64, f64, bool, f64)]) -> Planner<Trivial> {
+    let mut planner = Planner::new(*machine, Trivial, Pose::ZERO).unwrap();
     for (line, &(x, y, rapid, feed)) in (1..).zip(lines) {
         let shape = Shape::Line { end: Pose::from_xyz([x, y, 0.0]) };
         let feed = if rapid { f64::INFINITY } else { feed };
@@ -47,7 +47,7 @@ fn taken(planner: &Planner<Trivial>, period: f64, scales: Scales) -> Vec<(f64, f
 fn each_override_scales_its_own_moves() {
     let lines = [(100.0, 0.0, true, 0.0), (0.0, 0.0, false, FEED), (90.0, 40.0, true, 0.0)];
     let machine = machine(f64::INFINITY);
-    let planner = planned(machine, Mode::ExactStop, &lines);
+    let planner = planned(&machine, Mode::ExactStop, &lines);
     let slanted = 90.0_f64.hypot(40.0);
     // Along the slanted line, X reaches its limit; its acceleration counts the same.
     let steeper = slanted / 90.0;
@@ -75,7 +75,7 @@ fn the_other_override_changes_nothing() {
             let machine = machine(jerk);
             let lines =
                 [(60.0, 0.0, rapid, FEED), (60.0, 50.0, rapid, FEED), (1.0, 2.0, rapid, FEED)];
-            let planner = planned(machine, Mode::Blend(0.1), &lines);
+            let planner = planned(&machine, Mode::Blend(0.1), &lines);
             let at = |scales| taken(&planner, machine.period, scales);
             let of = |own: f64, other: f64| match rapid {
                 true => Scales { feed: other, rapid: own },
@@ -103,7 +103,7 @@ fn an_override_of_0_stops_before_its_moves() {
                     (60.0, 0.0, is_first_rapid, 150.0),
                     (120.0 - corner, corner, !is_first_rapid, 150.0),
                 ];
-                let planner = planned(machine, Mode::Blend(0.1), &lines);
+                let planner = planned(&machine, Mode::Blend(0.1), &lines);
                 let track = planner.track();
                 let mut follower = Follower::new(machine.period, Pose::ZERO);
                 let holds = |held: bool| match held {
@@ -141,7 +141,7 @@ fn an_override_of_0_stops_before_its_moves() {
 #[test]
 fn only_its_own_override_stops_a_move() {
     let machine = machine(1e5);
-    let planner = planned(machine, Mode::Blend(0.1), &[(150.0, 0.0, true, 0.0)]);
+    let planner = planned(&machine, Mode::Blend(0.1), &[(150.0, 0.0, true, 0.0)]);
     let track = planner.track();
     let mut follower = Follower::new(machine.period, Pose::ZERO);
     let mut run = |feed: f64, rapid: f64, cycles: u32| {
@@ -165,7 +165,7 @@ fn a_blend_between_both_kinds_keeps_both_overrides() {
     let machine = machine(f64::INFINITY);
     // A wide blend of a small angle, so that only the programmed speeds limit it.
     let lines = [(60.0, 0.0, true, 0.0), (120.0, 5.0, false, FEED)];
-    let planner = planned(machine, Mode::Blend(1.0), &lines);
+    let planner = planned(&machine, Mode::Blend(1.0), &lines);
     let [mut both, mut all] = [0, 0];
     for cell in planner.track().cells() {
         let kinds = [cell.feed, cell.rapid].map(f64::is_finite);
