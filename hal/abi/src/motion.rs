@@ -57,7 +57,7 @@ pub struct MotionCommand {
     pub cam_tolerance: f64,
     /// Factor: an override, or the speed of a tap's way back.
     pub scale: f64,
-    /// Distance or position of a jog, angle of an orientation, value of an output or setting.
+    /// Distance or position of a jog, angle of an orientation, value of an output or setting, or override of rapid moves.
     pub value: f64,
     /// Travel per turn of the spindle `index` for motion bound to a spindle.
     pub pitch: f64,
@@ -150,7 +150,8 @@ pub mod motion_kind {
     pub const SPINDLE: u32 = 9;
     /// Turns the spindle `index` to the angle `value` with the direction `mode`.
     pub const ORIENT: u32 = 10;
-    /// Changes the scaling of the feed: `scale`, adaptive, hold, each if its flag is set.
+    /// Changes the scaling of feeds, `scale`, of rapid moves, `value`, and adaptive and hold of both, each if its flag
+    /// is set.
     pub const FEED: u32 = 11;
     /// Lets a joint be jogged off a limit switch.
     pub const OVERRIDE_LIMITS: u32 = 12;
@@ -222,8 +223,10 @@ pub mod motion_flags {
     pub const CENTER_X: u32 = 1 << 17;
     /// Motion bound to a spindle: the velocity follows the spindle, without its phase.
     pub const VELOCITY_MODE: u32 = 1 << 20;
+    /// `value` is given: the override of rapid moves.
+    pub const HAS_RAPID: u32 = 1 << 21;
     /// All bits.
-    pub const ALL_BITS: u32 = (1 << 21) - 1;
+    pub const ALL_BITS: u32 = (1 << 22) - 1;
 }
 
 /// Origins of motion.

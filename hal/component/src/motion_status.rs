@@ -37,9 +37,9 @@ pub struct MotionStatus {
     pub requested_velocity: f64,
     /// Distance to the end of the current move.
     pub distance_to_go: f64,
-    /// Product of all factors of the feed.
+    /// Product of all factors of the feed, without rapid moves.
     pub feed_scale: f64,
-    /// Feed override.
+    /// Feed override; rapid moves have their own.
     pub feed_override: f64,
     /// True while adaptive feed counts.
     pub adaptive_feed: bool,
@@ -151,9 +151,11 @@ pub struct MotionStatus {
     pub spindle_orient_fault: [i32; SPINDLES],
     /// Error inputs of the machine, a bit for each.
     pub misc_errors: u64,
+    /// Override of rapid moves.
+    pub rapid_override: f64,
 }
 
 impl MotionStatus {
     /// Version, which increases when a field is appended.
-    pub const VERSION: u32 = 4;
+    pub const VERSION: u32 = 5;
 }

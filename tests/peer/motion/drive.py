@@ -2,6 +2,7 @@
 """LinuxCNC's display for `peer::motion`: runs the programs named in PROGRAMS, one after the other, and ends."""
 import linuxcnc
 import os
+import re
 import subprocess
 import sys
 import time
@@ -26,6 +27,20 @@ def at_rest():
     return status.interp_state == linuxcnc.INTERP_IDLE and status.inpos and status.queue == 0
 
 
+def override(feed, rapid):
+    command.feedrate(feed)
+    command.wait_complete()
+    command.rapidrate(rapid)
+    command.wait_complete()
+
+
+def overrides_of(program):
+    """Returns the overrides of feeds and rapid moves that the first line of a program names."""
+    with open(program) as lines:
+        found = re.match(r"\(overrides: feed (\S+), rapid (\S+)\)", lines.readline())
+    return [float(scale) for scale in found.groups()] if found else [1.0, 1.0]
+
+
 def mark(number):
     subprocess.run(["halcmd", "sets", "program", str(number)], check=True)
 
@@ -42,12 +57,14 @@ with open("samples", "w") as samples:
     for number, program in enumerate(os.environ["PROGRAMS"].split(), 1):
         command.mode(linuxcnc.MODE_MDI)
         command.wait_complete()
+        override(1.0, 1.0)
         command.mdi("G90 G0 X0 Y0 Z0 A0 B0")
         command.wait_complete()
         wait("the way back", at_rest)
         command.mode(linuxcnc.MODE_AUTO)
         command.wait_complete()
         command.program_open(os.path.abspath(program))
+        override(*overrides_of(program))
         mark(number)
         command.auto(linuxcnc.AUTO_RUN, 0)
         wait("the start", lambda: status.interp_state != linuxcnc.INTERP_IDLE)

@@ -12,6 +12,7 @@ use crate::{
     switch::SwitchPins,
 };
 use hal_component::Pose;
+use hal_trajectory::Scales;
 
 impl State {
     /// Reads the pins.
@@ -61,10 +62,10 @@ impl State {
         self.count_hard_stop();
     }
 
-    /// Computes the factors of the feed.
+    /// Computes the factors of feeds and of rapid moves. Adaptive feed and holds count for both.
     fn read_feed(&mut self, pins: &Pins) {
         let g = &pins.general;
-        let mut scale = self.feed.scale;
+        let mut scales = Scales { feed: self.feed.scale, rapid: self.feed.rapid };
         self.feed.reverse = false;
         if self.feed.adaptive {
             let wanted = g.adaptive_feed.get();
@@ -72,15 +73,17 @@ impl State {
             self.feed.reverse = wanted < 0.0;
             // NaN counts as zero.
             let wanted = if wanted.is_nan() { 0.0 } else { libm::fabs(wanted) };
-            scale *= if wanted < most { wanted } else { most };
+            let factor = if wanted < most { wanted } else { most };
+            scales = Scales { feed: scales.feed * factor, rapid: scales.rapid * factor };
         }
-        if scale > 0.0 {
-            self.feed.last = scale;
+        let last = &mut self.feed.last;
+        for (last, scale) in [(&mut last.feed, scales.feed), (&mut last.rapid, scales.rapid)] {
+            *last = if scale > 0.0 { scale } else { *last };
         }
         let is_inhibited = g.feed_inhibit.get();
         let is_held = self.feed.hold && g.feed_hold.get();
-        self.feed.retract = if is_inhibited { 0.0 } else { self.feed.last };
-        self.feed.net = if is_inhibited || is_held { 0.0 } else { scale };
+        self.feed.retract = if is_inhibited { Scales::HOLD } else { self.feed.last };
+        self.feed.net = if is_inhibited || is_held { Scales::HOLD } else { scales };
     }
 
     /// Switches to the kinematics type that the pin names, once nothing moves; the pose is then computed from the joints

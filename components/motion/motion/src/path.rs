@@ -15,7 +15,7 @@ pub(crate) mod worker;
 
 use crate::commands::{command::Sync, refusal::Refusal};
 use hal_component::{Gives, Pose, SeqWriter, TicketHandle};
-use hal_trajectory::Step;
+use hal_trajectory::{Scales, Step};
 use libm::fabs;
 use order::{HandOver, Item, Kind, Order, PathSetup, Session};
 use retract::Retract;
@@ -99,10 +99,10 @@ pub(crate) enum Parked {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drive {
     pub(crate) dt: f64,
-    /// Feed override; 0 holds.
-    pub(crate) scale: f64,
-    /// Feed override of a retract during a hold; 0 where the retract holds too.
-    pub(crate) retract: f64,
+    /// Overrides of feeds and of rapid moves; 0 holds.
+    pub(crate) scales: Scales,
+    /// Overrides of a retract during a hold; 0 where the retract holds too.
+    pub(crate) retract: Scales,
     /// Highest speed of a retract.
     pub(crate) retract_top: f64,
     /// True to run backwards.
@@ -158,7 +158,7 @@ pub(crate) struct Path {
     /// Direction in x and y, in degrees, and a step in that direction.
     heading: f64,
     direction: [f64; 2],
-    scale: f64,
+    scales: Scales,
     /// Reason of the last move that the planner refused, until it is taken.
     refused: Option<Refusal>,
     /// Reason for which the path failed otherwise, until it is taken.
@@ -210,7 +210,7 @@ impl Path {
             travelled: 0.0,
             heading: 0.0,
             direction: [0.0; 2],
-            scale: 1.0,
+            scales: Scales::FULL,
             refused: None,
             failed: None,
             probed: false,
@@ -258,21 +258,21 @@ impl Path {
         let is_paused = self.paused && !retracts;
         let mut holds = self.stop.is_some() || is_paused || self.last.rests && !drive.may_begin;
         let mut reverse = self.reverse != drive.reverse;
-        let (scale, mut top) = match retracts {
+        let (scales, mut top) = match retracts {
             true => (drive.retract, drive.retract_top),
-            false => (drive.scale, drive.top),
+            false => (drive.scales, drive.top),
         };
-        self.scale = scale;
+        self.scales = scales;
         if let Some(pace) = drive.pace {
             // Overrides and holds wait until the spindle is free.
-            (holds, reverse, self.scale) = (pace.waits, pace.velocity < 0.0, 1.0);
+            (holds, reverse, self.scales) = (pace.waits, pace.velocity < 0.0, Scales::FULL);
             top = less(top, fabs(pace.velocity));
         } else if self.course != Course::Free {
             reverse = false;
         }
-        let scale = if holds { 0.0 } else { self.scale };
+        let scales = if holds { Scales::HOLD } else { self.scales };
         session.follower.limit(top);
-        let step = session.follower.step(&session.way, scale, reverse);
+        let step = session.follower.step(&session.way, scales, reverse);
         self.hand.set_input(session.follower.input(&session.way));
         let is_at_end = session.follower.is_done(&session.way) && !step.moving;
         let brakes = session.follower.brakes();

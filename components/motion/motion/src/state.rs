@@ -20,6 +20,7 @@ use crate::{
     switch::Switch,
 };
 use hal_component::{KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle};
+use hal_trajectory::Scales;
 use libm::fabs;
 use std::sync::Arc;
 
@@ -48,20 +49,23 @@ pub(crate) struct ProbeResult {
     pub(crate) commanded: Pose,
 }
 
-/// Scaling of the feed.
+/// Scaling of feeds and of rapid moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Feed {
+    /// Feed override.
     pub(crate) scale: f64,
+    /// Override of rapid moves.
+    pub(crate) rapid: f64,
     pub(crate) adaptive: bool,
     pub(crate) hold: bool,
     /// True if a negative adaptive feed runs the path backwards.
     pub(crate) reverse: bool,
-    /// Product of all factors in this cycle.
-    pub(crate) net: f64,
-    /// Last product above 0 of override and adaptive feed.
-    pub(crate) last: f64,
-    /// Factor of a retract from a thread, for which holds do not count: `last`, or 0 while the feed is inhibited.
-    pub(crate) retract: f64,
+    /// Products of all factors in this cycle.
+    pub(crate) net: Scales,
+    /// Last products above 0 of override and adaptive feed.
+    pub(crate) last: Scales,
+    /// Factors of a retract from a thread, for which holds do not count: `last`, or 0 while the feed is inhibited.
+    pub(crate) retract: Scales,
 }
 
 /// State of motion, without the pins.
@@ -145,12 +149,13 @@ impl State {
             traj: TrajConfig::default(),
             feed: Feed {
                 scale: 1.0,
+                rapid: 1.0,
                 adaptive: false,
                 hold: true,
                 reverse: false,
-                net: 1.0,
-                last: 0.0,
-                retract: 0.0,
+                net: Scales::FULL,
+                last: Scales::HOLD,
+                retract: Scales::HOLD,
             },
             path,
             probe: ProbeResult::default(),

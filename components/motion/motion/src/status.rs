@@ -130,8 +130,10 @@ impl Status {
         changed |= bits(lists.digital_in.iter().map(In::get)) != r.digital_in;
         changed |= bits(lists.misc_errors.iter().map(In::get)) != r.misc_errors;
         changed |= bits(s.digital_out.iter().copied()) != r.digital_out;
-        let set = [s.feed.net, s.feed.scale, s.traj.max_velocity, s.traj.units_per_mm];
-        let shown = [r.feed_scale, r.feed_override, r.max_velocity, r.units_per_mm];
+        let (feed, traj) = (&s.feed, &s.traj);
+        let set = [feed.net.feed, feed.scale, feed.rapid, traj.max_velocity, traj.units_per_mm];
+        let shown =
+            [r.feed_scale, r.feed_override, r.rapid_override, r.max_velocity, r.units_per_mm];
         changed |= differ(set.into_iter(), &shown);
         for (shown, spindle) in self.spindles.iter_mut().zip(&s.spindles) {
             let (orientation, fault) = spindle.orientation();
@@ -186,8 +188,9 @@ fn update(r: &mut MotionStatus, s: &State, lists: &Lists) {
     r.all_homed = s.is_all_homed();
     r.homing = homing;
     r.jogging = !homing && jogging;
-    r.feed_scale = s.feed.net;
+    r.feed_scale = s.feed.net.feed;
     r.feed_override = s.feed.scale;
+    r.rapid_override = s.feed.rapid;
     r.adaptive_feed = s.feed.adaptive;
     r.feed_hold = s.feed.hold;
     r.away = s.path.parked() != Parked::No;

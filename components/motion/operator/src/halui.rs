@@ -40,9 +40,9 @@ at its pins every 10 ms.
 
 A button acts when its pin goes TRUE; one that is TRUE from the start was not pressed. Jog buttons and
 joysticks move as long as they are held, at the speed of jog-speed. A knob changes its value by scale
-for each count while count-enable is TRUE, or by its buttons. What `halui` commands is local: it is
-refused while a program moves the machine, except for abort, pause and overrides. Overrides become
-those of the task.
+for each count while count-enable is TRUE, or by its buttons; the override of rapid moves ends at 1.
+What `halui` commands is local: it is refused while a program moves the machine, except for abort,
+pause and overrides. Overrides become those of the task.
 
 Modes, programs and MDI need a task. Without one, pause, resume, step and stop act on the path of
 commands, and requests for a task are reported as errors. Each line of `mdi_commands`, from [HALUI]

@@ -40,9 +40,12 @@ pub(crate) fn record(order: &Order, letters: Letters) -> MotionCommand {
             mode: mode.into(),
             ..new(kind::ORIENT)
         },
-        Order::FeedScale(scale) => {
-            MotionCommand { scale, flags: flag::HAS_SCALE, ..new(kind::FEED) }
-        }
+        Order::FeedScale { feed, rapid } => MotionCommand {
+            scale: feed.unwrap_or_default(),
+            value: rapid.unwrap_or_default(),
+            flags: bit(feed.is_some(), flag::HAS_SCALE) | bit(rapid.is_some(), flag::HAS_RAPID),
+            ..new(kind::FEED)
+        },
         Order::AdaptiveFeed(on) => {
             MotionCommand { flags: flag::HAS_ADAPTIVE | bit(on, flag::ADAPTIVE), ..new(kind::FEED) }
         }

@@ -206,6 +206,15 @@ execution. Nothing goes on by itself.",
         read: |call| Ok(Command::FeedOverride(scale(call)?)),
     },
     Row {
+        name: "task.rapid-override",
+        doc: "Changes the override of rapid moves. It counts unless the program forbids it (M48 to M50).",
+        args: &[&Arg::float("scale", "Factor, 0 to 1.").required()],
+        read: |call| match scale(call)? {
+            scale if scale > 1.0 => Err(Error::new(format!("scale is {scale}, must be 0 to 1"))),
+            scale => Ok(Command::RapidOverride(scale)),
+        },
+    },
+    Row {
         name: "task.spindle-override",
         doc: "Changes a spindle's override. It counts unless the program forbids it (M48 to M51).",
         args: &[&Arg::int("spindle", "Number of the spindle, from 0.").or("0"), &SCALE],

@@ -212,9 +212,7 @@ pub(crate) struct Core {
     surface: [Option<Surface>; MAX_SPINDLES],
     /// Time since which a move waits for the spindle.
     at_speed_since: Option<f64>,
-    /// Feed override, and whether the program lets it count.
-    pub(crate) feed_scale: f64,
-    pub(crate) feed_counts: bool,
+    pub(crate) feed: overrides::Feed,
     pub(crate) spindle_scale: [f64; MAX_SPINDLES],
     pub(crate) spindle_counts: [bool; MAX_SPINDLES],
     overriding: overrides::Orders,
@@ -276,8 +274,7 @@ impl Core {
             keeping: Keeping::default(),
             surface: [None; MAX_SPINDLES],
             at_speed_since: None,
-            feed_scale: 1.0,
-            feed_counts: true,
+            feed: overrides::Feed::default(),
             spindle_scale: [1.0; MAX_SPINDLES],
             spindle_counts: [true; MAX_SPINDLES],
             overriding: overrides::Orders::default(),

@@ -65,9 +65,10 @@ An abort, an error, an e-stop and a machine that goes off end the job: the rest 
 spindles and coolant stop, lines of MDI that wait are forgotten, and modal state and numbered
 parameters are those of the line that was in execution. Only a new command begins anything.
 
-Motion holds the overrides. An operator changes them with a knob of `halui`, with `motion.feed` or with
-`task.feed-override`. While a program forbids overrides (M49, M50 P0, M51 P0), motion runs at 100 %, and the task
-applies the change when the program allows overrides again.
+Motion holds the overrides. An operator changes them with a knob of `halui`, with `motion.feed`, or with
+`task.feed-override` and `task.rapid-override`. The feed override scales feeds alone, and rapid moves have their own. While a
+program forbids overrides (M49, M50 P0, M51 P0), motion runs at 100 %, and the task applies the change when the program
+allows overrides again; M49 and M50 P0 forbid that of rapid moves too, as in LinuxCNC.
 
 Only the task writes the tool table and the parameter file, each as a whole.
 

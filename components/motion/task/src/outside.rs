@@ -96,7 +96,11 @@ pub(crate) enum Order {
         degrees: f64,
         mode: u8,
     },
-    FeedScale(f64),
+    /// Overrides of feeds and of rapid moves, as far as they change.
+    FeedScale {
+        feed: Option<f64>,
+        rapid: Option<f64>,
+    },
     AdaptiveFeed(bool),
     FeedHold(bool),
     Digital {
@@ -147,6 +151,7 @@ pub(crate) struct MotionState {
     pub(crate) analog_in: [f64; 8],
     pub(crate) at_speed: bool,
     pub(crate) feed_override: f64,
+    pub(crate) rapid_override: f64,
     pub(crate) spindle_override: [f64; 8],
 }
 

@@ -14,7 +14,7 @@ use hal_gcode::{
 use std::sync::Arc;
 
 /// Version of [`TaskStatus`].
-pub(crate) const VERSION: u32 = 5;
+pub(crate) const VERSION: u32 = 6;
 /// Number of words of a text.
 const TEXT: usize = 32;
 /// Number of spindles.
@@ -107,12 +107,14 @@ pub(crate) struct TaskStatus {
     pub(crate) input_timeout: bool,
     /// True while there is enough lubricant.
     pub(crate) lube_level: bool,
-    /// True while the feed override counts (M50).
+    /// True while the overrides of feeds and rapid moves count (M50).
     pub(crate) feed_override_counts: bool,
     /// True for a spindle whose override counts (M51).
     pub(crate) spindle_override_counts: [bool; SPINDLES],
     /// Line of MDI in execution, as the path of the program.
     pub(crate) command: [u64; TEXT],
+    /// Override of rapid moves.
+    pub(crate) rapid_override: f64,
 }
 
 /// The state of the task, with its texts.
@@ -237,7 +239,7 @@ fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
         feed: modal.feed,
         speed,
         direction,
-        feed_override: core.feed_scale,
+        feed_override: core.feed.scale,
         spindle_override: core.spindle_scale,
         g_codes: state.g_codes(),
         system: modal.system.into(),
@@ -252,9 +254,10 @@ fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
         delay_left: core.delay_left(now),
         input_timeout: core.input_was_late,
         lube_level: io.lube_level,
-        feed_override_counts: core.feed_counts,
+        feed_override_counts: core.feed.counts,
         spindle_override_counts: core.spindle_counts,
         command: packed(core.mdi_line()),
+        rapid_override: core.feed.rapid,
     }
 }
 

@@ -88,6 +88,7 @@ impl Fake {
                 all_homed: true,
                 at_speed: true,
                 feed_override: 1.0,
+                rapid_override: 1.0,
                 spindle_override: [1.0; 8],
                 ..MotionState::default()
             },

@@ -188,7 +188,7 @@ fn tiny(count: u32, axes: usize) -> Vec<Move> {
                 };
             }
             let shape = Shape::Line { end: pose };
-            Move { shape, feed: 150.0, mode: Mode::Blend(0.01), line }
+            Move { shape, feed: 150.0, rapid: false, mode: Mode::Blend(0.01), line }
         })
         .collect()
 }
@@ -199,7 +199,7 @@ fn long(count: u32) -> Vec<Move> {
         .map(|line| {
             let end = [0.0; 3].map(|_: f64| rng.between(-10.0, 10.0));
             let shape = Shape::Line { end: Pose::from_xyz(end) };
-            Move { shape, feed: 150.0, mode: Mode::Blend(0.1), line }
+            Move { shape, feed: 150.0, rapid: false, mode: Mode::Blend(0.1), line }
         })
         .collect()
 }
@@ -216,7 +216,7 @@ fn arcs(count: u32) -> Vec<Move> {
             at = [center[0] + 4.0 * s, center[1] - 4.0 * c, at[2] + rise - 0.125];
             let normal = [0.0, 0.0, 1.0];
             let shape = Shape::Arc { end: Pose::from_xyz(at), center, normal, turns: 0 };
-            Move { shape, feed: 150.0, mode: Mode::Blend(0.1), line }
+            Move { shape, feed: 150.0, rapid: false, mode: Mode::Blend(0.1), line }
         })
         .collect()
 }

@@ -59,7 +59,13 @@ fn run(program: &Program, jerk: f64) -> Result<Vec<Pose>, Error> {
             Motion::Spline(_) => continue,
         };
         let CorpusMode::Blend(p) = step.mode else { continue };
-        planner.push(&Move { shape, feed: step.feed, mode: Mode::Blend(p), line: 0 })?;
+        planner.push(&Move {
+            shape,
+            feed: step.feed,
+            rapid: false,
+            mode: Mode::Blend(p),
+            line: 0,
+        })?;
     }
     planner.finish();
     let mut follower = Follower::new(machine.period, Pose::ZERO);

@@ -19,8 +19,9 @@ pub(crate) struct Raw {
     pub(crate) from: f64,
     pub(crate) length: f64,
     pub(crate) allowed: Allowed,
-    /// Programmed speed along the path.
+    /// Programmed speeds along the path, as [`Cell`](crate::track::Cell) has them.
     pub(crate) feed: f64,
+    pub(crate) rapid: f64,
     pub(crate) line: u32,
     /// Start in the coordinate of the run.
     pub(crate) start: f64,

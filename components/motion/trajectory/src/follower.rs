@@ -10,12 +10,14 @@
 //! to pause, the input accelerates only to speeds at which it could cruise for the whole pause below the curve of highest
 //! speeds.
 
+mod ahead;
 mod event;
 mod output;
 
 use crate::{
     curve::Curve,
     pose::Pose,
+    scales::Scales,
     speed::MAX_SAMPLES,
     track::{Cell, Path},
 };
@@ -54,6 +56,8 @@ pub struct Follower {
     since_up: f64,
     since_down: f64,
     recheck: u8,
+    /// Farthest cell in the direction of motion up to which all are of the kinds of the input's cell, as far as is known.
+    alike: u64,
     /// True if reverse motion was asked for.
     asked: bool,
     events: u32,
@@ -119,6 +123,7 @@ impl Follower {
             since_up: f64::INFINITY,
             since_down: f64::INFINITY,
             recheck: 0,
+            alike: 0,
             asked: false,
             events: 0,
             position: start,
@@ -144,10 +149,12 @@ impl Follower {
         self.top = if top > 0.0 { top } else { 0.0 };
     }
 
-    /// Advances by one period. `scale` is the feed override; 0 holds. `reverse` moves back along the path.
-    pub fn step(&mut self, track: &impl Path, scale: f64, reverse: bool) -> Step {
-        let scale = if scale > 0.0 { scale.min(1e6) } else { 0.0 };
-        let moved = self.walk(track, scale, reverse);
+    /// Advances by one period at these overrides. `reverse` moves back along the path.
+    ///
+    /// An override of 0 holds the moves of its kind: the motion stops inside them, or before them if it sees them in time.
+    /// Blends between both kinds keep both overrides.
+    pub fn step(&mut self, track: &impl Path, scales: impl Into<Scales>, reverse: bool) -> Step {
+        let moved = self.walk(track, &scales.into().usable(), reverse);
         let travel = self.filter(moved);
         self.advance(track, travel);
         track.release(self.oldest());
@@ -210,7 +217,7 @@ impl Follower {
     }
 
     /// Walks the input for one period and returns its travel.
-    fn walk(&mut self, track: &impl Path, scale: f64, reverse: bool) -> f64 {
+    fn walk(&mut self, track: &impl Path, scales: &Scales, reverse: bool) -> f64 {
         let mut left = self.period;
         let mut moved = 0.0;
         let mut still = true;
@@ -221,6 +228,7 @@ impl Follower {
             self.asked = false;
             let _ = track.may_turn(false);
         }
+        let ahead = self.cap_ahead(track, scales);
         while left > 0.0 && events < MAX_EVENTS {
             events += 1;
             let Some(mut cell) = track.cell(self.cell) else { break };
@@ -242,6 +250,7 @@ impl Follower {
                     break;
                 }
                 self.back = reverse;
+                self.alike = self.cell;
                 self.to_go = cell.length - self.to_go;
             }
             if usize::from(cell.samples) != self.samples && !self.change_filter(&cell, still) {
@@ -254,7 +263,10 @@ impl Follower {
                 }
                 continue;
             }
-            let cap = if self.back == reverse { (cell.feed * scale).min(self.top) } else { 0.0 };
+            let cap = match self.back == reverse {
+                true => cell.scaled(scales).min(ahead).min(self.top),
+                false => 0.0,
+            };
             let Some((time, distance)) = self.event(track, &cell, cap, left) else { break };
             left -= time;
             self.since_up += time;
@@ -365,7 +377,9 @@ mod tests {
         for ulps in -4_i64..=4 {
             let mut planner = Planner::new(machine, Trivial, Pose::ZERO).unwrap();
             let shape = Shape::Line { end: Pose::from_xyz([-140.0, 240.0, 65.0]) };
-            planner.push(&Move { shape, feed: 100.0, mode: Mode::ExactStop, line: 1 }).unwrap();
+            planner
+                .push(&Move { shape, feed: 100.0, rapid: false, mode: Mode::ExactStop, line: 1 })
+                .unwrap();
             planner.finish();
             let mut follower = Follower::new(machine.period, Pose::ZERO);
             follower.limit(f64::from_bits(100.0_f64.to_bits().wrapping_add_signed(ulps)));
@@ -393,19 +407,24 @@ mod tests {
             let machine = Machine::uniform(limits);
             let mut planner = Planner::new(machine, Trivial, Pose::ZERO).unwrap();
             let mut follower = Follower::new(machine.period, Pose::ZERO);
-            let (mut scale, mut line) = (1.0, 0);
+            let (mut scales, mut line) = (Scales::FULL, 0);
             for cycle in 0..6000 {
                 if line < 200 && rng.chance(0.1) {
                     let end = Pose::from_xyz([0.0; 3].map(|_: f64| rng.between(-15.0, 15.0)));
                     let shape = Shape::Line { end };
                     let mode = Mode::Blend(0.1);
-                    planner.push(&Move { shape, feed: 150.0, mode, line }).unwrap();
+                    planner
+                        .push(&Move { shape, feed: 150.0, rapid: line % 3 == 0, mode, line })
+                        .unwrap();
                     line += 1;
                 }
                 if rng.chance(0.01) {
-                    scale = rng.pick(&[0.0, 0.4, 1.0], 1.0);
+                    scales.feed = rng.pick(&[0.0, 0.4, 1.0], 1.0);
                 }
-                let _ = follower.step(planner.track(), scale, false);
+                if rng.chance(0.01) {
+                    scales.rapid = rng.pick(&[0.0, 0.2, 1.0], 1.0);
+                }
+                let _ = follower.step(planner.track(), scales, false);
                 let Some(cell) = planner.track().cell(follower.cell) else { continue };
                 let falls = cell.end + 2.0 * cell.braking() * follower.to_go;
                 let highest = falls.min(cell.speed * cell.speed);

@@ -57,7 +57,7 @@ impl Join {
         let cos = slope(last).dot(&slope(next), next.main);
         Self::is_dense(next)
             && last.mode == next.mode
-            && last.feed == next.feed
+            && (last.feed, last.rapid) == (next.feed, next.rapid)
             && (last.lead, last.main) == (next.lead, next.main)
             && cos >= STRAIGHT
     }

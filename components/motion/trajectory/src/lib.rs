@@ -4,7 +4,8 @@
 //!
 //! - The [`Planner`] turns moves into a [`Track`]: curves with continuous first and second derivatives inside the path
 //!   tolerance, cut into cells with the highest speed and acceleration that every axis and joint allows.
-//! - The [`Follower`] walks along the track in the servo thread, at any override, holds, and reverses. A moving average
+//! - The [`Follower`] walks along the track in the servo thread, at any override of feeds and of rapid moves, holds, and
+//!   reverses. A moving average
 //!   over its travel limits the jerk. The average moves the output along the path, never off it.
 //! - A certificate checks each cell, by other means than the plan, before the follower may see it.
 //!
@@ -16,7 +17,8 @@
 //! let mut planner = Planner::new(machine, Trivial, Pose::ZERO)?;
 //! for (line, (x, y)) in [(50.0, 0.0), (50.0, 30.0), (0.0, 30.0)].into_iter().enumerate() {
 //!     let shape = Shape::Line { end: Pose::from_xyz([x, y, 0.0]) };
-//!     planner.push(&Move { shape, feed: 100.0, mode: Mode::Blend(0.1), line: line as u32 })?;
+//!     let mode = Mode::Blend(0.1);
+//!     planner.push(&Move { shape, feed: 100.0, rapid: false, mode, line: line as u32 })?;
 //! }
 //! planner.finish();
 //!
@@ -47,6 +49,7 @@ mod machine;
 mod moves;
 mod plan;
 mod pose;
+mod scales;
 mod segment;
 mod share;
 mod slots;
@@ -65,5 +68,6 @@ pub use machine::{JOINTS, Limits, Machine};
 pub use moves::{Mode, Move, SHORTEST, Shape};
 pub use plan::{CAPACITY, Planner, spline::Spline};
 pub use pose::{AXES, FARTHEST, Group, Pose};
+pub use scales::Scales;
 pub use share::{Publisher, Reader, share};
 pub use track::{Cell, Path, Track};

@@ -30,6 +30,8 @@ pub struct Move {
     /// Feed in units per second, along XYZ; without XYZ motion along UVW; else in degrees per second along ABC.
     /// Infinity moves as fast as the limits allow.
     pub feed: f64,
+    /// True for a rapid move: the rapid override scales its speed, not the feed override.
+    pub rapid: bool,
     /// Path control at the end of the move.
     pub mode: Mode,
     /// Line of the program.
@@ -95,6 +97,7 @@ impl Move {
             lead,
             main,
             feed: self.feed.min(1e9),
+            rapid: self.rapid,
             mode: self.mode,
             line,
             smooth: false,

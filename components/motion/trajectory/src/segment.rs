@@ -18,6 +18,8 @@ pub(crate) struct Segment {
     pub(crate) main: Group,
     /// Programmed feed in units of the lead group per second.
     pub(crate) feed: f64,
+    /// True for a rapid move.
+    pub(crate) rapid: bool,
     pub(crate) mode: Mode,
     pub(crate) line: u32,
     /// True if the start continues the segment before with the same first two derivatives.

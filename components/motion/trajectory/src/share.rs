@@ -219,7 +219,7 @@ const fn cell_words(c: &Cell) -> [u64; CELL] {
         c.fade.to_bits(),
         c.end.to_bits(),
         c.begin.to_bits(),
-        0,
+        c.rapid.to_bits(),
         flags(c),
         c.line as u64,
     ]
@@ -227,13 +227,14 @@ const fn cell_words(c: &Cell) -> [u64; CELL] {
 
 #[expect(clippy::cast_possible_truncation, reason = "as they were written")]
 const fn cell_from(words: &[u64; CELL]) -> Cell {
-    let [curve, from, length, speed, feed, rest, fade, end, begin, _, flags, line] = *words;
+    let [curve, from, length, speed, feed, rest, fade, end, begin, rapid, flags, line] = *words;
     Cell {
         curve,
         from: f64::from_bits(from),
         length: f64::from_bits(length),
         speed: f64::from_bits(speed),
         feed: f64::from_bits(feed),
+        rapid: f64::from_bits(rapid),
         rest: f64::from_bits(rest),
         fade: f64::from_bits(fade),
         end: f64::from_bits(end),

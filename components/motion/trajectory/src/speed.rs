@@ -241,6 +241,15 @@ impl Law {
         Allowed::between(speed, rest.max(top), top)
     }
 
+    /// Returns the highest speed along a cell that the limits of velocity alone allow.
+    pub(crate) fn fastest(&self, bounds: &Bounds, joints: Option<&JointBounds>) -> f64 {
+        let [mut share, ..] = self.axes.shares(bounds.rows());
+        if let Some(j) = joints {
+            share = share.max(self.joints.shares(j.rows())[0]);
+        }
+        self.top.min(1.0 / share)
+    }
+
     /// Returns true if every speed and acceleration of these limits keeps the limits of the machine, by the three
     /// conditions themselves.
     pub(crate) fn holds(

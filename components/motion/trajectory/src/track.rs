@@ -8,7 +8,7 @@
 
 use std::collections::VecDeque;
 
-use crate::curve::Curve;
+use crate::{curve::Curve, scales::Scales};
 
 /// Path of a follower: the [`Track`] itself, or the [`Reader`](crate::Reader) of a planner in another thread.
 pub trait Path {
@@ -41,8 +41,10 @@ pub struct Cell {
     pub length: f64,
     /// Highest speed along the path, in units of the path coordinate per second.
     pub speed: f64,
-    /// Programmed speed along the path at an override of 1.
+    /// Programmed speed along the path at a feed override of 1; infinity in a rapid move.
     pub feed: f64,
+    /// Speed along the path at a rapid override of 1; infinity in a move at a feed. A blend between both kinds has both.
+    pub rapid: f64,
     /// Highest acceleration along the path at rest.
     pub rest: f64,
     /// Loss of acceleration per squared speed.
@@ -60,8 +62,22 @@ pub struct Cell {
 }
 
 impl Cell {
+    /// Returns the programmed speed at overrides of 1.
+    pub(crate) const fn programmed(&self) -> f64 {
+        self.feed.min(self.rapid)
+    }
+
+    /// Returns the programmed speed at these overrides: the lower one where both kinds of moves meet.
+    pub(crate) const fn scaled(&self, scales: &Scales) -> f64 {
+        const fn times(speed: f64, scale: f64) -> f64 {
+            // Infinity times zero is NaN.
+            if speed < f64::INFINITY { speed * scale } else { speed }
+        }
+        times(self.feed, scales.feed).min(times(self.rapid, scales.rapid))
+    }
+
     /// Returns the highest squared speed at the far end of the cell for a motion that has `near` at the other end.
-    fn reach(&self, near: f64) -> f64 {
+    pub(crate) fn reach(&self, near: f64) -> f64 {
         let l = 2.0 * self.length;
         ((near + l * self.rest) / (1.0 + l * self.fade)).min(self.speed * self.speed)
     }

@@ -9,7 +9,7 @@ const LIMITS: Limits = Limits { velocity: 200.0, acceleration: 1750.0, jerk: 1e5
 
 fn line(x: f64) -> Move {
     let shape = Shape::Line { end: Pose::from_xyz([x, 0.0, 0.0]) };
-    Move { shape, feed: 60.0, mode: Mode::Blend(0.1), line: 7 }
+    Move { shape, feed: 60.0, rapid: false, mode: Mode::Blend(0.1), line: 7 }
 }
 
 fn arc(end: [f64; 3], center: [f64; 3], normal: [f64; 3]) -> Move {

@@ -231,7 +231,7 @@ fn a_corner_of_more_than_170_degrees_is_a_stop() {
         for [x, y] in [[10.0, 0.0], [10.0 + 10.0 * cos, 10.0 * sin]] {
             let shape = Shape::Line { end: Pose::from_xyz([x, y, 0.0]) };
             let mode = hal_trajectory::Mode::Blend(0.1);
-            planner.push(&Move { shape, feed: 50.0, mode, line: 0 }).unwrap();
+            planner.push(&Move { shape, feed: 50.0, rapid: false, mode, line: 0 }).unwrap();
         }
         planner.finish();
         assert_eq!(planner.track().cells().filter(|c| c.stop).count(), stops, "{angle}°");

@@ -24,7 +24,7 @@ const BOUNDS: [&str; 2] = ["times", "times_are_near"];
 
 const LIB: &str = "lib";
 
-const MUTANTS: [Mutant; 23] = [
+const MUTANTS: [Mutant; 26] = [
     Mutant {
         mistake: "a search takes the end of its bracket that has not passed the test",
         file: "follower/event.rs",
@@ -105,8 +105,8 @@ const MUTANTS: [Mutant; 23] = [
     Mutant {
         mistake: "the feed of an arc is compared with the norm of the axes' largest speeds",
         file: "plan/cells.rs",
-        right: "feed_of(a.feed, bounds.speed)",
-        wrong: "feed_of(a.feed, bounds.first.dot_all(&bounds.first).sqrt())",
+        right: "programmed((a, bounds.speed), next)",
+        wrong: "programmed((a, bounds.first.dot_all(&bounds.first).sqrt()), next)",
         fails: ["times", "a_feed_is_reached"],
     },
     Mutant {
@@ -185,6 +185,27 @@ const MUTANTS: [Mutant; 23] = [
         right: "pause = (count + 2.0) * period * (1.0 + 1e-9);",
         wrong: "pause = 0.0;",
         fails: ["axis", "limits_hold"],
+    },
+    Mutant {
+        mistake: "a blend between a rapid move and a feed has the feed's override alone",
+        file: "track.rs",
+        right: "times(self.feed, scales.feed).min(times(self.rapid, scales.rapid))",
+        wrong: "if self.feed < f64::INFINITY { self.feed * scales.feed } else { times(self.rapid, scales.rapid) }",
+        fails: ["rapids", "a_blend_between"],
+    },
+    Mutant {
+        mistake: "the override of a rapid move is a share of its programmed speed, not of the fastest",
+        file: "plan/cells.rs",
+        right: "rapid = rapid.min(self.law.fastest(&bounds, joints.as_ref()));",
+        wrong: "rapid = rapid.min(f64::MAX);",
+        fails: ["rapids", "each_override"],
+    },
+    Mutant {
+        mistake: "the follower does not look at the overrides ahead",
+        file: "follower.rs",
+        right: "cell.scaled(scales).min(ahead).min(self.top)",
+        wrong: "cell.scaled(scales).min(ahead.max(1e9)).min(self.top)",
+        fails: ["rapids", "an_override_of_0"],
     },
 ];
 

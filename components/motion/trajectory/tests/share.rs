@@ -108,7 +108,7 @@ fn the_time_ahead_counts_a_long_line_up_to_its_braking_point() {
         for (line, end) in (1..).zip(ends).take(count) {
             let shape = Shape::Line { end: Pose::from_xyz(end) };
             let mode = hal_trajectory::Mode::Blend(blend);
-            planner.push(&Move { shape, feed: 50.0, mode, line }).unwrap();
+            planner.push(&Move { shape, feed: 50.0, rapid: false, mode, line }).unwrap();
         }
         publisher.publish(&mut planner);
         let mut follower = Follower::new(period, Pose::ZERO);
@@ -229,7 +229,7 @@ fn short(line: u32, length: f64, angle: f64) -> Move {
     let mut end = Pose([length * f64::from(line % 5); AXES]);
     end.0[0] = length / angle * sin;
     end.0[1] = length / angle * cos;
-    Move { shape: Shape::Line { end }, feed: 100.0, mode: SOFT, line }
+    Move { shape: Shape::Line { end }, feed: 100.0, rapid: false, mode: SOFT, line }
 }
 
 fn helix(line: u32, at: &Pose) -> Move {
@@ -237,7 +237,7 @@ fn helix(line: u32, at: &Pose) -> Move {
     end.0[2] += 5.0;
     let center = [at.0[0] + 3.0, at.0[1], at.0[2]];
     let shape = Shape::Arc { end, center, normal: [0.0, 0.0, 1.0], turns: 500 };
-    Move { shape, feed: 100.0, mode: SOFT, line }
+    Move { shape, feed: 100.0, rapid: false, mode: SOFT, line }
 }
 
 fn waves(at: &Pose) -> Spline {

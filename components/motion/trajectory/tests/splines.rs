@@ -361,7 +361,9 @@ fn curves_as_lines_take_no_longer_than_as_splines() {
                 let (lines, more) = time(&machine, |planner| {
                     for end in ends {
                         let (shape, mode) = (Shape::Line { end }, Mode::Blend(0.9 * tolerance));
-                        planner.push(&Move { shape, feed: 80.0, mode, line: 0 }).unwrap();
+                        planner
+                            .push(&Move { shape, feed: 80.0, rapid: false, mode, line: 0 })
+                            .unwrap();
                     }
                 });
                 cells += more;

@@ -63,6 +63,7 @@ pub(crate) const ROWS: &[Row] = &[
     row("optional-stop", Operator, true, Engine(|g| g.command("task.optional-stop", &["on"]))),
     row("block-delete", Operator, true, Engine(|g| g.command("task.block-delete", &["on"]))),
     row("feed-override", Operator, true, Engine(|g| g.command("task.feed-override", &["scale"]))),
+    row("rapid-override", Operator, true, Engine(|g| g.command("task.rapid-override", &["scale"]))),
     row(
         "spindle-override",
         Operator,

@@ -169,7 +169,8 @@ impl Clock {
             Kind::Rapid => top,
             Kind::Feed => (per_minute * unit / 60.0).min(top),
         };
-        let next = Move { shape, feed, mode: self.mode, line };
+        let rapid = kind == Kind::Rapid;
+        let next = Move { shape, feed, rapid, mode: self.mode, line };
         if self.ahead() > 2 * AHEAD {
             while self.ahead() > AHEAD {
                 self.step();

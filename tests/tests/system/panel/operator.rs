@@ -34,16 +34,23 @@ fn open(fixture: &Fixture, name: &str, text: &str) {
     b.until(&format!("document.querySelector('.file').textContent === '{name}'"));
 }
 
-/// Sets the feed override in the page, and waits until the task has it.
-fn override_feed(fixture: &Fixture, percent: u32) {
+/// Sets the override of feeds or of rapid moves in the page, and waits until the task has it.
+fn override_to(fixture: &Fixture, kind: &str, percent: u32) {
+    let script = format!(
+        "const f = document.querySelector('#{kind}-override'); f.value = {percent}; \
+         f.dispatchEvent(new Event('input'))"
+    );
+    until_override(fixture, kind, percent, &script);
+}
+
+/// Runs a script in the page, and waits until the task has the override.
+fn until_override(fixture: &Fixture, kind: &str, percent: u32, script: &str) {
     // Receives changes only.
     let mut viewer = fixture.printer.sign_in().socket();
-    fixture.browser.run(&format!(
-        "const f = document.querySelector('#feed-override'); f.value = {percent}; \
-         f.dispatchEvent(new Event('input'))"
-    ));
-    let is_set = |m: &serde_json::Value| m["task"]["feed_override"] == f64::from(percent) / 100.0;
-    assert!(viewer.wait(is_set).is_some(), "the override is {percent} %");
+    fixture.browser.run(script);
+    let field = format!("{kind}_override");
+    let is_set = |m: &serde_json::Value| m["task"][&field] == f64::from(percent) / 100.0;
+    assert!(viewer.wait(is_set).is_some(), "the {kind} override is {percent} %");
 }
 
 #[test]
@@ -64,6 +71,16 @@ fn a_desk_runs_a_job() {
     fixture.end_jog(".jog-X-plus");
     fixture.rests();
 
+    // Rapid moves have an override of their own, up to 100 %.
+    b.until("document.querySelector('#rapid-override').max === '100'");
+    override_to(&fixture, "rapid", 25);
+    b.until("document.querySelector('output[for=rapid-override]').textContent === '25 %'");
+    b.until("document.querySelector('#feed-override').value === '100'");
+    fixture.picture("job-rapid");
+    let full =
+        "document.querySelector('#rapid-override').parentElement.querySelector('button').click()";
+    until_override(&fixture, "rapid", 100, full);
+
     open(&fixture, "part.ngc", PART);
     fixture.picture("job-path");
     let (prompt, no_prompt) = (
@@ -75,7 +92,7 @@ fn a_desk_runs_a_job() {
     // The change of tool: the job waits until a person confirms. So slow a feed lasts until the pause, however busy the
     // computer is.
     fixture.picture("job-tool");
-    override_feed(&fixture, 2);
+    override_to(&fixture, "feed", 2);
     fixture.hold("#tool-changed", no_prompt);
 
     // The pause, its end, and the override.
@@ -85,7 +102,7 @@ fn a_desk_runs_a_job() {
     until("motion rests", || fixture.printer.number("getp motion.current-vel") == 0.0);
     fixture.picture("job-paused");
     fixture.hold("#run-resume", "document.querySelector('#run-resume').hidden");
-    override_feed(&fixture, 100);
+    override_to(&fixture, "feed", 100);
 
     // The second tool, then the end of the program.
     b.until(prompt);

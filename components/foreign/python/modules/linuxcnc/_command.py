@@ -192,18 +192,15 @@ class command:
         self._send("task.feed-override", "scale=" + _number(scale))
 
     def rapidrate(self, scale):
-        """rapidrate(SCALE): accepts 1; there is no override of rapid moves alone."""
-        self._succeed()
-        if scale != 1.0:
-            self._status = RCS_ERROR
-            _messages.add(OPERATOR_ERROR, "the override of rapid moves alone cannot change: use the feed override")
+        """rapidrate(SCALE): sets the override of rapid moves, 0 to 1."""
+        self._send("task.rapid-override", "scale=" + _number(min(max(scale, 0.0), 1.0)))
 
     def maxvel(self, velocity):
         """maxvel(VELOCITY): sets the highest velocity of coordinated moves."""
         self._send("motion.configure", "max-velocity=" + _number(velocity))
 
     def set_feed_override(self, on):
-        """set_feed_override(ON): lets the feed override count."""
+        """set_feed_override(ON): lets the overrides of feeds and rapid moves count."""
         self._send("task.mdi-brief", 'text="M50 P%d"' % bool(on))
 
     def set_feed_hold(self, on):

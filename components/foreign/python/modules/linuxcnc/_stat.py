@@ -219,7 +219,7 @@ _FIELDS = {
     "queue": _motion("queue"),
     "queue_full": _motion("queue", lambda n: n >= 1000),
     "queued_mdi_commands": _task("mdi_queue"),
-    "rapidrate": _always(1.0),
+    "rapidrate": _task("rapid_override"),
     "read_line": _task("line_read"),
     "rotation_xy": _task("rotation"),
     "settings": lambda s: (float(s._task["line_read"]), s._task["feed"], abs(s._task["speed"][0]), 0.0, 0.0),

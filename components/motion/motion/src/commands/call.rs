@@ -141,6 +141,7 @@ fn float(c: &MotionCommand, name: &str) -> Option<f64> {
         }
         "speed" => given(c.speed, has(c, flags::HAS_SPEED)),
         "override" => given(c.scale, has(c, flags::HAS_SCALE)),
+        "rapid-override" => given(c.value, has(c, flags::HAS_RAPID)),
         "angle" | "value" => Some(c.value),
         "distance" => given(c.value, c.extent == 1),
         "position" => given(c.value, c.extent == 2),

@@ -131,6 +131,7 @@ pub(crate) enum Run {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FeedChange {
     pub(crate) scale: Option<f64>,
+    pub(crate) rapid: Option<f64>,
     pub(crate) adaptive: Option<bool>,
     pub(crate) hold: Option<bool>,
 }

@@ -368,6 +368,7 @@ impl State {
     fn change_feed(&mut self, change: FeedChange) {
         let feed = &mut self.feed;
         feed.scale = change.scale.unwrap_or(feed.scale);
+        feed.rapid = change.rapid.unwrap_or(feed.rapid);
         feed.adaptive = change.adaptive.unwrap_or(feed.adaptive);
         feed.hold = change.hold.unwrap_or(feed.hold);
     }

@@ -152,15 +152,20 @@ a limit. A target beyond a limit ends at the limit.",
     },
     Row {
         name: "motion.feed",
-        doc: "Changes how the feed of coordinated moves is scaled.",
+        doc: "\
+Changes how feeds and rapid moves of coordinated motion are scaled.
+
+Adaptive feed and feed hold count for both.",
         args: &[
-            &Arg::float("override", "Factor for the feed, 0 or more; at first 1."),
+            &Arg::float("override", "Factor for feeds, 0 or more; at first 1."),
+            &Arg::float("rapid-override", "Factor for rapid moves, 0 to 1; at first 1."),
             &Arg::bit("adaptive", "Whether motion.adaptive-feed counts; at first it does not."),
             &Arg::bit("hold", "Whether motion.feed-hold counts; at first it does."),
         ],
         read: |_, call| {
             Ok(Request::Feed(FeedChange {
                 scale: factor(call, "override")?,
+                rapid: share(call, "rapid-override")?,
                 adaptive: call.bit("adaptive"),
                 hold: call.bit("hold"),
             }))
@@ -356,6 +361,16 @@ pub(super) fn above(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
 pub(super) fn factor(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
     match number(call, name)? {
         Some(v) if v < 0.0 => Err(Error::new(format!("{name} is {v}, must be 0 or more"))),
+        given => Ok(given),
+    }
+}
+
+/// Returns a factor from 0 to 1.
+fn share(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
+    match number(call, name)? {
+        Some(v) if !(0.0..=1.0).contains(&v) => {
+            Err(Error::new(format!("{name} is {v}, must be 0 to 1")))
+        }
         given => Ok(given),
     }
 }

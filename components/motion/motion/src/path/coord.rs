@@ -22,11 +22,11 @@ impl State {
         let pace = self.follow_spindle(dt);
         let drive = Drive {
             dt,
-            scale: self.feed.net,
+            scales: self.feed.net,
             retract: self.feed.retract,
-            retract_top: self.top_speed(self.feed.retract),
+            retract_top: self.top_speed(self.feed.retract.feed),
             reverse: self.feed.reverse,
-            top: self.top_speed(self.feed.net),
+            top: self.top_speed(self.feed.net.feed),
             may_begin: self.at_speed,
             probe: self.inputs.probe,
             pace,

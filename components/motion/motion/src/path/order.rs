@@ -7,7 +7,9 @@ use crate::{
 };
 use crossbeam::queue::ArrayQueue;
 use hal_component::{Plain, Pose};
-use hal_trajectory::{Cell, Curve, Follower, Mode, Path as TrajectoryPath, Reader, Shape, Track};
+use hal_trajectory::{
+    Cell, Curve, Follower, Mode, Path as TrajectoryPath, Reader, Scales, Shape, Track,
+};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Capacity of the queue of orders to the planner.
@@ -25,6 +27,16 @@ pub(crate) enum Kind {
     Feed = 2,
     Arc = 3,
     Probe = 5,
+}
+
+impl Kind {
+    /// Returns the override that counts for a move of this kind.
+    pub(crate) const fn scale(self, scales: &Scales) -> f64 {
+        match self {
+            Self::Rapid => scales.rapid,
+            Self::None | Self::Feed | Self::Arc | Self::Probe => scales.feed,
+        }
+    }
 }
 
 /// A programmed move whose shape is complete.

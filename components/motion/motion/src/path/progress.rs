@@ -20,10 +20,8 @@ impl Path {
     /// Returns the programmed speed of the current move within the machine's limits, and with the override.
     pub(crate) fn feeds(&self) -> (f64, f64) {
         let Step { feed, highest, .. } = self.last;
-        if self.current().is_none() {
-            return (0.0, 0.0);
-        }
-        (less(feed, highest), less(feed * self.scale, highest))
+        let Some(current) = self.current() else { return (0.0, 0.0) };
+        (less(feed, highest), less(feed * current.kind.scale(&self.scales), highest))
     }
 
     /// Returns the distance to the end of the current move: of XYZ, else of UVW, else of ABC.

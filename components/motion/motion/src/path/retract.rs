@@ -9,6 +9,7 @@ use super::{
     order::{Item, Kind, PathMove},
     spindle::Course,
 };
+use hal_trajectory::Scales;
 
 /// Exception from a hold, for the move behind a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +24,8 @@ pub(super) enum Retract {
 impl Path {
     /// Returns whether the path goes on in spite of a hold. Notes holds in threads.
     pub(super) fn retracts(&mut self, drive: &Drive) -> bool {
-        let is_held = self.paused || drive.scale == 0.0;
+        let Scales { feed, rapid } = drive.scales;
+        let is_held = self.paused || feed == 0.0 || rapid == 0.0;
         let is_threading = matches!(self.course, Course::Thread(_)) && drive.pace.is_some();
         self.retract = match self.retract {
             // A move that is not in the queue as the thread ends is no retract.
@@ -37,11 +39,12 @@ impl Path {
 
     /// Returns whether the retract with this number is not over, and nothing but the hold stops it.
     fn goes_back_out(&self, id: u32, drive: &Drive) -> bool {
-        let is_next = self.next_move().is_some_and(|(next, _)| next == id);
+        let next = self.next_move().filter(|(next, _)| *next == id);
+        let Some((_, order)) = next else { return false };
         // Before its first cycle, the path has no line.
         let rests = !self.last.moving && (self.last.line != 0 || !drive.may_begin);
-        let stands = drive.retract == 0.0 || drive.retract_top == 0.0;
-        is_next && !rests && !stands && self.stop.is_none() && self.reverse == drive.reverse
+        let stands = order.kind.scale(&drive.retract) == 0.0 || drive.retract_top == 0.0;
+        !rests && !stands && self.stop.is_none() && self.reverse == drive.reverse
     }
 
     /// Permits the first move of a path that begins behind a thread.

@@ -318,7 +318,7 @@ impl State {
     /// Returns the motion along a path that follows a spindle.
     pub(crate) fn follow_spindle(&mut self, dt: f64) -> Option<Pace> {
         let sync = self.path.bound()?;
-        let ready = self.at_speed && self.feed.net > 0.0 && !self.path.is_paused();
+        let ready = self.at_speed && self.feed.net.feed > 0.0 && !self.path.is_paused();
         let spindle = self.spindles.get_mut(sync.spindle)?;
         let why = match self.path.pace(spindle, &sync, ready, dt) {
             Ok(pace) => return Some(pace),

@@ -34,7 +34,7 @@ pub(super) fn plan(
     let refuse = |why| worker::refusal(why).on_line(step.line);
     let mut planner = Planner::new(worker::machine(setup), image, top).map_err(refuse)?;
     let shape = Shape::Line { end: end + overrun * below };
-    let whole = Move { shape, feed: f64::INFINITY, mode: Mode::ExactStop, line: id };
+    let whole = Move { shape, feed: f64::INFINITY, rapid: false, mode: Mode::ExactStop, line: id };
     planner.limit_acceleration(step.acceleration);
     planner.push(&whole).map_err(refuse)?;
     planner.finish();

@@ -4,7 +4,7 @@ use crate::{
     commands::refusal::Refusal,
     path::{
         image::Image,
-        order::{HandOver, Order, PathMove, PathSetup, Report, Session, Way},
+        order::{HandOver, Kind, Order, PathMove, PathSetup, Report, Session, Way},
         reach,
         sweep::Sweep,
         tap,
@@ -263,7 +263,8 @@ impl Planning {
         };
         // A move of no length has no feed.
         let feed = if feed > 0.0 { feed.max(1e-6) } else { 1.0 };
-        let next = Move { shape: step.shape, feed, mode: step.mode, line: id };
+        let rapid = step.kind == Kind::Rapid;
+        let next = Move { shape: step.shape, feed, rapid, mode: step.mode, line: id };
         self.planner.push(&next).map_err(|why| match why {
             Error::Full => None,
             why => Some(refusal(why).on_line(step.line)),

@@ -215,6 +215,55 @@ fn feed_is_scaled_and_held() {
     assert_eq!(rig.places(), [0.0; 3]);
 }
 
+/// Feed override scales feeds, and the override of rapid moves scales these; adaptive feed and holds count for both.
+#[test]
+fn rapid_moves_have_an_override_of_their_own() {
+    let mut rig = Rig::homed(&[]);
+    let steady = |rig: &mut Rig, text: &str, velocity: f64| {
+        rig.cycles(100);
+        let now = rig.float("motion.current-vel");
+        assert!((now - velocity).abs() < 1e-6, "{text}: {now} is not {velocity}");
+        let asked = rig.float("motion.feed-mm-per-second");
+        assert!((asked - velocity).abs() < 1e-6, "{text}: {asked} is not {velocity}");
+    };
+    for (kind, full, own, other) in [
+        ("rapid=1", 90.0, "rapid-override", "override"),
+        ("velocity=20", 20.0, "override", "rapid-override"),
+    ] {
+        rig.say(&format!("motion.move x=150 {kind}"));
+        steady(&mut rig, kind, full);
+        rig.say(&format!("motion.feed {own}=0.25"));
+        steady(&mut rig, kind, 0.25 * full);
+        for scale in [0.0, 0.5] {
+            rig.say(&format!("motion.feed {other}={scale}"));
+            steady(&mut rig, kind, 0.25 * full);
+        }
+        rig.bench.set("motion.adaptive-feed", 0.5);
+        rig.say("motion.feed adaptive=1");
+        steady(&mut rig, kind, 0.125 * full);
+        rig.say("motion.feed adaptive=0");
+        rig.bench.set("motion.feed-hold", true);
+        steady(&mut rig, kind, 0.0);
+        rig.bench.set("motion.feed-hold", false);
+        steady(&mut rig, kind, 0.25 * full);
+        rig.say(&format!("motion.feed {own}=0"));
+        steady(&mut rig, kind, 0.0);
+        assert!(!rig.is("motion.in-position"));
+        rig.say(&format!("motion.feed {own}=1 {other}=1"));
+        assert_eq!(rig.end(), Ok(()));
+        rig.done("motion.move x=0 velocity=90");
+    }
+    for (scale, why) in [("1.01", "1.01"), ("-0.5", "-0.5")] {
+        let refused = rig.try_say(&format!("motion.feed rapid-override={scale}"));
+        assert_eq!(refused, Err(format!("rapid-override is {why}, must be 0 to 1")));
+    }
+    assert!(rig.try_say("motion.feed rapid-override=nan").is_err());
+    assert_eq!(
+        rig.bench.snapshot::<hal_component::MotionStatus>("motion.status").rapid_override,
+        1.0
+    );
+}
+
 #[test]
 fn targets_beyond_a_limit_are_refused() {
     let mut rig = Rig::homed(&[]);

@@ -8,7 +8,10 @@ const THREAD: &str = "motion.move x=40 pitch=1.5";
 fn hold(rig: &Rig, kind: &str, on: bool) {
     match kind {
         "pause" => drop(rig.say(if on { "motion.pause" } else { "motion.resume" })),
-        "override" => drop(rig.say(&format!("motion.feed override={}", u8::from(!on)))),
+        "override" => {
+            let scale = u8::from(!on);
+            drop(rig.say(&format!("motion.feed override={scale} rapid-override={scale}")));
+        }
         pin => rig.bench.set(pin, on),
     }
 }
@@ -197,5 +200,27 @@ fn a_retract_keeps_the_last_factor_of_the_feed() {
             assert_eq!(lathe.rig.places(), [40.0, 6.0, 0.0], "{kind} {then} {retract}");
             assert_eq!(speed(&lathe), 0.0);
         }
+    }
+}
+
+/// A retract that is a rapid move is as quick as the override of rapid moves was last, above 0, also if that is the hold.
+#[test]
+fn a_rapid_retract_keeps_the_last_override_of_rapid_moves() {
+    for (kind, at_once) in [("motion.feed-hold", false), ("pause", false), ("none", true)] {
+        let mut lathe = Lathe::new(600.0, 400.0);
+        lathe.rig.say("motion.feed override=0.4 rapid-override=0.1");
+        lathe.cycles(200);
+        lathe.rig.say(THREAD);
+        lathe.rig.say("motion.move y=6 rapid=1");
+        lathe.until(|l| l.x() > 20.0);
+        if at_once {
+            lathe.rig.say("motion.feed rapid-override=0");
+        } else {
+            hold(&lathe.rig, kind, true);
+        }
+        let top = top_of_y(&mut lathe, 6000);
+        assert!((top - 0.1 * 90.0).abs() < 1e-6, "{kind}: {top}");
+        assert_eq!(lathe.rig.places(), [40.0, 6.0, 0.0], "{kind}");
+        assert_eq!(speed(&lathe), 0.0);
     }
 }

@@ -118,7 +118,12 @@ impl Course {
                 }
                 format!("motion.move x={} y={} z={}", at[0], at[1], at[2])
             };
-            self.rig.say(&format!("{text} velocity={feed} mode={mode} line={line}"));
+            let speed = if text.starts_with("motion.move") && r.below(4) == 0 {
+                "rapid=1".to_owned()
+            } else {
+                format!("velocity={feed}")
+            };
+            self.rig.say(&format!("{text} {speed} mode={mode} line={line}"));
         }
         self.at = Some(at);
     }
@@ -128,7 +133,9 @@ impl Course {
         match self.random.below(12) {
             0..=2 => {
                 let scale = self.random.pick(&[0.0, 0.1, 0.6, 1.0, 1.5]);
-                self.rig.say(&format!("motion.feed override={scale}"));
+                let which = self.random.pick(&["override", "rapid-override"]);
+                let scale = if which == "override" || scale <= 1.0 { scale } else { 0.05 };
+                self.rig.say(&format!("motion.feed {which}={scale}"));
             }
             3 => self.rig.bench.set("motion.feed-hold", true),
             4 => drop(self.rig.say("motion.pause")),
@@ -147,7 +154,7 @@ impl Course {
     }
 
     fn calm(&mut self) {
-        self.rig.say("motion.feed override=1");
+        self.rig.say("motion.feed override=1 rapid-override=1");
         self.rig.say("motion.resume");
         self.rig.say("motion.forward");
         self.rig.bench.set("motion.feed-hold", false);

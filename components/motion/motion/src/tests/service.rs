@@ -112,10 +112,10 @@ fn rows() -> Vec<Row> {
             5,
         ),
         (
-            "motion.feed override=0.5 adaptive=FALSE hold=TRUE",
+            "motion.feed override=0.5 rapid-override=0.25 adaptive=FALSE hold=TRUE",
             {
-                let more = flags::HAS_ADAPTIVE | flags::HAS_HOLD | flags::HOLD;
-                MotionCommand { flags: feed.flags | more, ..feed }
+                let more = flags::HAS_RAPID | flags::HAS_ADAPTIVE | flags::HAS_HOLD | flags::HOLD;
+                MotionCommand { flags: feed.flags | more, value: 0.25, ..feed }
             },
             1,
         ),
@@ -542,7 +542,7 @@ fn garbage(random: &mut Random) -> MotionCommand {
     }
     let mut c = new(below(random, 30));
     c.source = below(random, 4);
-    let bits = random.pick(&[1 << 32, 1 << 21, 1 << 21, 1 << 21]);
+    let bits = random.pick(&[1 << 32, 1 << 22, 1 << 22, 1 << 22]);
     c.flags = below(random, bits);
     c.letters = below(random, 600);
     c.pose = [0.0; 9].map(|_| number(random));

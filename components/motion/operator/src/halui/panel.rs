@@ -193,8 +193,13 @@ impl Panel {
             let feed = MotionCommand::new(kind::FEED);
             m.motion(&MotionCommand { flags: flags::HAS_SCALE, scale, ..feed });
         }
-        if self.rapid.turn(1.0).is_some() {
-            m.say.error("motion has no override of rapid moves alone", &[]);
+        let rapid = status.rapid_override;
+        // Rapid moves are never faster than the machine's limits.
+        if let Some(value) = self.rapid.turn(rapid).map(|scale| scale.min(1.0))
+            && value != rapid
+        {
+            let feed = MotionCommand::new(kind::FEED);
+            m.motion(&MotionCommand { flags: flags::HAS_RAPID, value, ..feed });
         }
         let now = status.max_velocity;
         let top = *self.top_velocity.get_or_insert(now);

@@ -7,6 +7,7 @@ fn knobs_and_spindles() {
     let mut rig = Rig::on();
     for (knob, shown) in [
         ("feed-override", "feed-override.value"),
+        ("rapid-override", "rapid-override.value"),
         ("spindle.0.override", "spindle.0.override.value"),
     ] {
         let pin = |name: &str| format!("{knob}.{name}");
@@ -32,6 +33,14 @@ fn knobs_and_spindles() {
         rig.press(&pin("reset"));
         assert_eq!(rig.float(shown), 1.0, "{knob}");
     }
+    // Not above 1, and apart from the feed's.
+    rig.press("rapid-override.decrease");
+    rig.press("rapid-override.increase");
+    rig.press("rapid-override.increase");
+    assert_eq!(rig.float("rapid-override.value"), 1.0);
+    rig.press("rapid-override.decrease");
+    assert_eq!((rig.float("feed-override.value"), rig.float("rapid-override.value")), (1.0, 0.9));
+    rig.press("rapid-override.reset");
     rig.set("max-velocity.scale", 5.0);
     rig.press("max-velocity.decrease");
     assert_eq!(rig.float("max-velocity.value"), 75.0);

@@ -1,7 +1,22 @@
-//! Overrides of feed and spindles: those of operators, unless the program forbids them.
+//! Overrides of feeds, rapid moves and spindles: those of operators, unless the program forbids them.
 
 use super::Core;
 use crate::outside::{Order, Outside, Progress, Refusal};
+
+/// Overrides of feeds and of rapid moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Feed {
+    pub(crate) scale: f64,
+    pub(crate) rapid: f64,
+    /// True while the program lets both count.
+    pub(crate) counts: bool,
+}
+
+impl Default for Feed {
+    fn default() -> Self {
+        Self { scale: 1.0, rapid: 1.0, counts: true }
+    }
+}
 
 /// Orders of overrides in progress.
 #[derive(Clone, Debug, Default)]
@@ -44,10 +59,16 @@ impl Core {
         }
         let motion = out.motion();
         if motion.feed_override != self.feed_in_force() {
-            self.feed_scale = motion.feed_override;
-            if !self.feed_counts {
+            self.feed.scale = motion.feed_override;
+            if !self.feed.counts {
                 // One that is refused is sent again in the next step.
                 drop(self.send_feed_scale(out));
+            }
+        }
+        if motion.rapid_override != self.rapid_in_force() {
+            self.feed.rapid = motion.rapid_override;
+            if !self.feed.counts {
+                drop(self.send_rapid_scale(out));
             }
         }
         let count = self.interpreter.state.modal.spindles.len();
@@ -66,7 +87,12 @@ impl Core {
     }
 
     fn feed_in_force(&self) -> f64 {
-        if self.feed_counts { self.feed_scale } else { 1.0 }
+        if self.feed.counts { self.feed.scale } else { 1.0 }
+    }
+
+    /// Returns the override of rapid moves in force. What forbids the feed override forbids it too.
+    fn rapid_in_force(&self) -> f64 {
+        if self.feed.counts { self.feed.rapid } else { 1.0 }
     }
 
     fn speed_in_force(&self, spindle: usize) -> f64 {
@@ -76,7 +102,20 @@ impl Core {
 
     /// Sends the feed override in force.
     pub(super) fn send_feed_scale(&mut self, out: &mut impl Outside) -> Result<bool, String> {
-        self.overriding.add(out.order(&Order::FeedScale(self.feed_in_force())))
+        let (feed, rapid) = (Some(self.feed_in_force()), None);
+        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
+    }
+
+    /// Sends the override of rapid moves in force.
+    pub(super) fn send_rapid_scale(&mut self, out: &mut impl Outside) -> Result<bool, String> {
+        let (feed, rapid) = (None, Some(self.rapid_in_force()));
+        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
+    }
+
+    /// Sends both.
+    pub(super) fn send_feed_scales(&mut self, out: &mut impl Outside) -> Result<bool, String> {
+        let (feed, rapid) = (Some(self.feed_in_force()), Some(self.rapid_in_force()));
+        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
     }
 
     /// Sends the speed override of a spindle in force.

@@ -194,11 +194,11 @@ impl Core {
                 self.follow_surface(out);
             }
             Action::FeedOverride(on) => {
-                let before = core::mem::replace(&mut self.feed_counts, *on);
-                let sent = self.send_feed_scale(out);
+                let before = core::mem::replace(&mut self.feed.counts, *on);
+                let sent = self.send_feed_scales(out);
                 // Without the order, motion's override is still that of before.
                 if sent != Ok(true) {
-                    self.feed_counts = before;
+                    self.feed.counts = before;
                 }
                 return sent;
             }

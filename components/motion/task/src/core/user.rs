@@ -36,6 +36,7 @@ pub(crate) enum Command {
     OptionalStop(bool),
     BlockDelete(bool),
     FeedOverride(f64),
+    RapidOverride(f64),
     SpindleOverride {
         spindle: u8,
         scale: f64,
@@ -129,8 +130,12 @@ impl Core {
                 Ok(Report::Now)
             }
             Command::FeedOverride(scale) => {
-                self.feed_scale = scale;
+                self.feed.scale = scale;
                 accepted(self.send_feed_scale(out)?)
+            }
+            Command::RapidOverride(scale) => {
+                self.feed.rapid = scale;
+                accepted(self.send_rapid_scale(out)?)
             }
             Command::SpindleOverride { spindle, scale } => {
                 let count = self.interpreter.state.modal.spindles.len();

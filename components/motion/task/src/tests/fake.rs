@@ -51,7 +51,11 @@ impl Outside for Fake {
                 match other {
                     Order::Pause => self.paused = true,
                     Order::Resume => self.paused = false,
-                    Order::FeedScale(scale) => self.motion.feed_override = *scale,
+                    Order::FeedScale { feed, rapid } => {
+                        let motion = &mut self.motion;
+                        motion.feed_override = feed.unwrap_or(motion.feed_override);
+                        motion.rapid_override = rapid.unwrap_or(motion.rapid_override);
+                    }
                     Order::SpindleScale { spindle, scale } => {
                         self.motion.spindle_override[usize::from(*spindle)] = *scale;
                     }

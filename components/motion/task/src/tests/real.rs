@@ -105,16 +105,22 @@ fn an_override_of_motion_is_that_of_the_task() {
         let task = bench.snapshot::<status::TaskStatus>("task.status");
         let motion = bench.snapshot::<MotionStatus>("motion.status");
         assert_eq!(task.feed_override, motion.feed_override);
+        assert_eq!(task.rapid_override, motion.rapid_override);
         assert_eq!(task.spindle_override[0], motion.spindle_override[0]);
-        (task.feed_override, task.spindle_override[0])
+        (task.feed_override, task.rapid_override, task.spindle_override[0])
     };
-    bench.command("motion.feed", &["override=0.5"]).unwrap();
+    bench.command("motion.feed", &["override=0.5", "rapid-override=0.25"]).unwrap();
     bench.command("motion.spindle", &["spindle=0", "override=0.75"]).unwrap();
     cycles(&mut bench, 10);
-    assert_eq!(shown(&bench), (0.5, 0.75));
+    assert_eq!(shown(&bench), (0.5, 0.25, 0.75));
     bench.command("task.feed-override", &["scale=0.7"]).unwrap();
     cycles(&mut bench, 10);
-    assert_eq!(shown(&bench), (0.7, 0.75));
+    assert_eq!(shown(&bench), (0.7, 0.25, 0.75));
+    bench.command("task.rapid-override", &["scale=0.1"]).unwrap();
+    cycles(&mut bench, 10);
+    assert_eq!(shown(&bench), (0.7, 0.1, 0.75));
+    let refused = bench.command("task.rapid-override", &["scale=1.5"]).unwrap_err().to_string();
+    assert!(refused.contains("1.5") && refused.contains("0 to 1"), "{refused}");
 }
 
 #[test]

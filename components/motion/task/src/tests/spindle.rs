@@ -22,15 +22,22 @@ fn a_surface_speed_follows_the_radius() {
 fn overrides_count_unless_the_program_forbids_them() {
     let mut rig = Rig::new("M49\nG4 P1\nM48\nM2\n");
     rig.good(Command::FeedOverride(0.5));
-    assert_eq!(rig.sent(), ["FeedScale(0.5)"]);
+    assert_eq!(rig.sent(), ["FeedScale { feed: Some(0.5), rapid: None }"]);
+    rig.good(Command::RapidOverride(0.75));
+    assert_eq!(rig.sent(), ["FeedScale { feed: None, rapid: Some(0.75) }"]);
     rig.send(Command::Run);
     rig.pass(0.5);
-    let off = ["FeedScale(1.0)", "SpindleScale { spindle: 0, scale: 1.0 }"];
+    let off = [
+        "FeedScale { feed: Some(1.0), rapid: Some(1.0) }",
+        "SpindleScale { spindle: 0, scale: 1.0 }",
+    ];
     assert_eq!(rig.sent(), off);
     rig.good(Command::FeedOverride(0.25));
-    assert_eq!(rig.sent(), ["FeedScale(1.0)"]);
+    assert_eq!(rig.sent(), ["FeedScale { feed: Some(1.0), rapid: None }"]);
+    rig.good(Command::RapidOverride(0.125));
+    assert_eq!(rig.sent(), ["FeedScale { feed: None, rapid: Some(1.0) }"]);
     rig.pass(1.0);
-    assert_eq!(rig.sent()[0], "FeedScale(0.25)");
+    assert_eq!(rig.sent()[0], "FeedScale { feed: Some(0.25), rapid: Some(0.125) }");
     assert_eq!(
         rig.refused(Command::SpindleOverride { spindle: 3, scale: 1.0 }),
         "there is no spindle 3"
@@ -45,7 +52,7 @@ fn a_knob_of_the_operator_is_the_tasks_override() {
     // The knob acts on motion alone.
     (rig.fake.motion.feed_override, rig.fake.motion.spindle_override[0]) = (0.5, 0.75);
     rig.pass(0.1);
-    assert_eq!((rig.core.feed_scale, rig.core.spindle_scale[0]), (0.5, 0.75));
+    assert_eq!((rig.core.feed.scale, rig.core.spindle_scale[0]), (0.5, 0.75));
     assert_eq!(rig.sent(), [""; 0]);
     rig.send(Command::Run);
     rig.pass(0.5);
@@ -64,10 +71,28 @@ fn a_knob_of_the_operator_is_the_tasks_override() {
     rig.step();
     rig.fake.motion.cycle = 1001;
     rig.step();
-    assert_eq!(rig.core.feed_scale, 0.8);
+    assert_eq!(rig.core.feed.scale, 0.8);
     rig.fake.motion.feed_override = 0.8;
     rig.pass(0.1);
-    assert_eq!(rig.core.feed_scale, 0.8);
+    assert_eq!(rig.core.feed.scale, 0.8);
+}
+
+#[test]
+fn a_knob_of_rapid_moves_is_the_tasks_override() {
+    let mut rig = Rig::new("M50 P0\nG4 P1\nM50 P1\nG4 P1\nM2\n");
+    rig.fake.motion.rapid_override = 0.5;
+    rig.pass(0.1);
+    assert_eq!((rig.core.feed.rapid, rig.core.feed.scale), (0.5, 1.0));
+    assert_eq!(rig.sent(), [""; 0]);
+    rig.send(Command::Run);
+    rig.pass(0.5);
+    assert_eq!((rig.fake.motion.rapid_override, rig.core.feed.rapid), (1.0, 0.5));
+    // While the program forbids it, it counts for later.
+    rig.fake.motion.rapid_override = 0.25;
+    rig.pass(0.1);
+    assert_eq!((rig.fake.motion.rapid_override, rig.core.feed.rapid), (1.0, 0.25));
+    rig.pass(0.6);
+    assert_eq!((rig.fake.motion.rapid_override, rig.fake.motion.feed_override), (0.25, 1.0));
 }
 
 #[test]

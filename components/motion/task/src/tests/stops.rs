@@ -163,16 +163,19 @@ fn a_machine_without_homing_runs_on_without_home() {
 fn an_override_that_counts_again_is_the_operators_although_motion_is_full() {
     let mut rig = Rig::new("M50 P0\nG4 P1\nM50 P1\nG4 P1\nM2\n");
     rig.good(Command::FeedOverride(0.5));
+    rig.good(Command::RapidOverride(0.25));
     rig.send(Command::Run);
     rig.pass(0.5);
-    assert_eq!((rig.fake.motion.feed_override, rig.core.feed_scale), (1.0, 0.5));
+    assert_eq!((rig.fake.motion.feed_override, rig.core.feed.scale), (1.0, 0.5));
+    assert_eq!((rig.fake.motion.rapid_override, rig.core.feed.rapid), (1.0, 0.25));
     for _ in 0..70 {
         rig.fake.refuse = Some(Refusal::Full);
         rig.pass(0.01);
     }
     rig.fake.refuse = None;
     rig.pass(0.3);
-    assert_eq!((rig.fake.motion.feed_override, rig.core.feed_scale), (0.5, 0.5));
+    assert_eq!((rig.fake.motion.feed_override, rig.core.feed.scale), (0.5, 0.5));
+    assert_eq!((rig.fake.motion.rapid_override, rig.core.feed.rapid), (0.25, 0.25));
 }
 
 #[test]

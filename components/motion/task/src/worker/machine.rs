@@ -142,6 +142,7 @@ impl Machine {
                 analog_in: s.analog_in,
                 at_speed: s.at_speed,
                 feed_override: s.feed_override,
+                rapid_override: s.rapid_override,
                 spindle_override: s.spindle_override,
             };
         }

@@ -18,6 +18,7 @@ fn line(from: [f64; 2], to: [f64; 2]) -> Segment {
         lead: Group::Xyz,
         main: Group::Xyz,
         feed: 100.0,
+        rapid: false,
         mode: Mode::Blend(0.01),
         line: 7,
         smooth: false,
@@ -147,7 +148,16 @@ fn law(jerk: f64) -> Law {
 
 fn raw(speed: f64, start: f64) -> Raw {
     let allowed = Allowed { speed, rest: 1000.0, fade: 0.0 };
-    Raw { curve: 0, from: 0.0, length: 1.0, allowed, feed: 100.0, line: 7, start }
+    Raw {
+        curve: 0,
+        from: 0.0,
+        length: 1.0,
+        allowed,
+        feed: 100.0,
+        rapid: f64::INFINITY,
+        line: 7,
+        start,
+    }
 }
 
 /// A cell above a limit of speed gets less, and the reason has a name.

@@ -139,7 +139,7 @@ impl Follower {
     }
 
     /// Returns the time between acceleration and deceleration.
-    fn pause(&self) -> f64 {
+    pub(super) fn pause(&self) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "at most 2002")]
         let periods = (self.samples + PAUSE) as f64;
         if self.samples > 1 { periods * self.period * (1.0 + 1e-9) } else { 0.0 }

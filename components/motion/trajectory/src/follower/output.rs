@@ -54,7 +54,7 @@ impl Follower {
         let Some((_, curve)) = &self.curve else { return };
         self.position = curve.pose(cell.from + self.output.x);
         self.line = cell.line;
-        self.feed = cell.feed;
+        self.feed = cell.programmed();
         self.highest = cell.speed;
     }
 }

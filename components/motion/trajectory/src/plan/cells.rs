@@ -68,14 +68,12 @@ impl<K: Kinematics> Planner<K> {
     ) {
         let bounds = curve.bounds(from, to, a.lead);
         let shares = if b.is_some() { Shares::BLEND } else { Shares::MOVE };
-        let feed_of = |feed: f64, speed: f64| if speed > 0.0 { feed / speed } else { 1e9 };
-        let mut feed = feed_of(a.feed, bounds.speed);
-        if let Some(b) = b {
-            let speed =
-                if a.lead == b.lead { bounds.speed } else { curve.bounds(from, to, b.lead).speed };
-            feed = feed.min(feed_of(b.feed, speed));
-        }
-        let feed = feed.min(1e9);
+        let next = b.map(|b| {
+            let is_same = a.lead == b.lead;
+            (b, if is_same { bounds.speed } else { curve.bounds(from, to, b.lead).speed })
+        });
+        let [own, mut rapid] = programmed((a, bounds.speed), next);
+        let feed = own.min(rapid);
         if self.erosion.known() == 0.0 {
             self.law.choose_filter(feed * self.machine.max_override);
         }
@@ -102,8 +100,13 @@ impl<K: Kinematics> Planner<K> {
             let (rest, top) = (allowed.rest.min(1e-3), allowed.at(speed).min(1e-3));
             allowed = Allowed::between(speed, rest, top);
         }
+        if rapid < f64::INFINITY {
+            // The override of a rapid move is a share of the speed that it has without one.
+            rapid = rapid.min(self.law.fastest(&bounds, joints.as_ref()));
+        }
+        let (length, line) = (to - from, a.line);
         let mut raw =
-            Raw { curve: number, from, length: to - from, allowed, feed, line: a.line, start: 0.0 };
+            Raw { curve: number, from, length, allowed, feed: own, rapid, line, start: 0.0 };
         self.certificate.judge(&self.law, curve, joints.as_ref(), &mut raw);
         let time = self.law.reach();
         if self.erosion.waiting() >= MAX_WAITING {
@@ -136,6 +139,7 @@ impl<K: Kinematics> Planner<K> {
                 length: raw.length,
                 speed: raw.allowed.speed,
                 feed: raw.feed,
+                rapid: raw.rapid,
                 rest: raw.allowed.rest,
                 fade: raw.allowed.fade,
                 end: 0.0,
@@ -153,4 +157,17 @@ impl<K: Kinematics> Planner<K> {
             }
         }
     }
+}
+
+/// Returns the programmed speeds along a cell of a segment, or of a blend between two: of feed moves and of rapid moves.
+/// With each segment goes the speed of its lead group along the cell.
+fn programmed(a: (&Segment, f64), b: Option<(&Segment, f64)>) -> [f64; 2] {
+    let mut speeds = [f64::INFINITY; 2];
+    for (segment, speed) in [Some(a), b].into_iter().flatten() {
+        let along = if speed > 0.0 { (segment.feed / speed).min(1e9) } else { 1e9 };
+        let [feed, rapid] = &mut speeds;
+        let own = if segment.rapid { rapid } else { feed };
+        *own = own.min(along);
+    }
+    speeds
 }

@@ -50,6 +50,8 @@ pub fn case(seed: u64, count: usize) -> Case {
     let stops = if rng.chance(0.5) { 0.02 } else { 0.0 };
     let conduct = Conduct {
         seed,
+        // Every third program has rapid moves, so that the others are as they were.
+        rapid: if seed % 3 == 1 { 0.4 } else { 0.0 },
         change: rng.pick(&[0.0, 0.003, 0.01, 0.1], 0.0),
         turn: rng.pick(&[0.0, 0.0, 0.002], 0.0),
         feed: rng.pick(&[0, 1, 8], 0),

@@ -18,19 +18,21 @@ pub use robots::Robot;
 use hal_corpus::{Mode as CorpusMode, Motion, Program, Rng, Step};
 use hal_trajectory::{
     AXES, Error, Follower, JOINTS, Kinematics, Limits, Machine, Mode, Move, Planner, Pose,
-    Rejection, Shape, Spline,
+    Rejection, Scales, Shape, Spline,
 };
 use hal_watchman::{
     Limits as WatchLimits, PathWatch, Shape as WatchShape, Spline as WatchSpline, Tolerance,
     Watchman,
 };
 
-/// Schedule of a run: seed, override, direction, feeding of moves and abort.
+/// Schedule of a run: seed, rapid moves, overrides, direction, feeding of moves and abort.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conduct {
     /// Seed of the schedule.
     pub seed: u64,
-    /// Probability per period that the override changes.
+    /// Share of the lines that are rapid moves.
+    pub rapid: f64,
+    /// Probability per period that the override of feeds changes, and that of rapid moves.
     pub change: f64,
     /// Probability per period that the direction changes.
     pub turn: f64,
@@ -40,8 +42,9 @@ pub struct Conduct {
     pub abort: f64,
 }
 
-/// An override of 1, and every move at once.
-pub const PLAIN: Conduct = Conduct { seed: 0, change: 0.0, turn: 0.0, feed: 0, abort: 0.0 };
+/// Overrides of 1, no rapid moves, and every move at once.
+pub const PLAIN: Conduct =
+    Conduct { seed: 0, rapid: 0.0, change: 0.0, turn: 0.0, feed: 0, abort: 0.0 };
 
 /// Findings about a run.
 #[derive(Clone, Debug, Default)]
@@ -155,7 +158,25 @@ fn convert_step(step: &Step, from: &[f64; AXES], to: &[f64; AXES], line: u32) ->
             return PlannerStep::Spline(spline, step.feed, mode, line);
         }
     };
-    PlannerStep::Move(Move { shape, feed: step.feed, mode, line })
+    PlannerStep::Move(Move { shape, feed: step.feed, rapid: false, mode, line })
+}
+
+/// Makes a share of the lines rapid moves.
+fn make_rapid(moves: &mut [PlannerStep], share: f64, mut rng: Rng) {
+    for step in moves {
+        if let PlannerStep::Move(m) = step
+            && matches!(m.shape, Shape::Line { .. })
+            && rng.chance(share)
+        {
+            (m.rapid, m.feed) = (true, f64::INFINITY);
+        }
+    }
+}
+
+/// Returns a random override.
+fn any_scale(rng: &mut Rng) -> f64 {
+    let scale = rng.pick(&[0.0, 0.1, 0.5, 1.0, 1.0, 1.5, -1.0], 1.0);
+    if scale < 0.0 { rng.unit() } else { scale }
 }
 
 /// Runs a program and judges it.
@@ -165,7 +186,10 @@ pub fn run<K: Kinematics + Clone>(
     kinematics: &K,
     conduct: &Conduct,
 ) -> Outcome {
-    let (moves, shapes) = convert(program, machine);
+    let (mut moves, shapes) = convert(program, machine);
+    if conduct.rapid > 0.0 {
+        make_rapid(&mut moves, conduct.rapid, Rng::new(conduct.seed ^ 0x9A71D));
+    }
     let start = Pose(program.start);
     let size = program.size();
     let mut rng = Rng::new(conduct.seed);
@@ -185,7 +209,7 @@ pub fn run<K: Kinematics + Clone>(
     let limited = machine.joints.iter().any(|l| *l != Limits::NONE);
     let mut path = PathWatch::new(shapes.into_boxed_slice(), size, 12);
     let mut out = Outcome::default();
-    let (mut given, mut finished, mut scale, mut reverse) = (0, false, 1.0, false);
+    let (mut given, mut finished, mut scales, mut reverse) = (0, false, Scales::FULL, false);
     let (mut flat_cycles, mut stuck, mut aborted) = (0, false, false);
     let most: u64 = 1_000_000;
     // Random changes end after a while, so that every program ends.
@@ -212,11 +236,13 @@ pub fn run<K: Kinematics + Clone>(
             finished = true;
         }
         if out.cycles > quiet {
-            (scale, reverse) = (1.0, false);
-        } else if conduct.change > 0.0 && rng.chance(conduct.change) {
-            scale = rng.pick(&[0.0, 0.1, 0.5, 1.0, 1.0, 1.5, -1.0], 1.0);
-            if scale < 0.0 {
-                scale = rng.unit();
+            (scales, reverse) = (Scales::FULL, false);
+        } else if conduct.change > 0.0 {
+            if rng.chance(conduct.change) {
+                scales.feed = any_scale(&mut rng);
+            }
+            if conduct.rapid > 0.0 && rng.chance(conduct.change) {
+                scales.rapid = any_scale(&mut rng);
             }
         }
         let turns = if reverse { 5.0 * conduct.turn } else { conduct.turn };
@@ -226,13 +252,13 @@ pub fn run<K: Kinematics + Clone>(
         // A hold or a reverse motion to the oldest cell ends after a while.
         let waits = usize::from(planner.track().cell(follower.oldest()).map_or(1, |c| c.samples));
         if flat_cycles > waits + 50 {
-            (scale, reverse) = (1.0, false);
+            (scales, reverse) = (Scales::FULL, false);
         }
         aborted |= out.cycles <= quiet && conduct.abort > 0.0 && rng.chance(conduct.abort);
         if aborted {
-            (scale, reverse) = (0.0, false);
+            (scales, reverse) = (Scales::HOLD, false);
         }
-        let step = follower.step(planner.track(), scale, reverse);
+        let step = follower.step(planner.track(), scales, reverse);
         flat_cycles = if step.moving { 0 } else { flat_cycles + 1 };
         let good_axes = axes.step(&step.pose.0, step.line);
         let good_joints = !limited || {

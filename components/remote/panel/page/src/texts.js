@@ -150,6 +150,7 @@ const TEXTS = {
   "order.remains": ["Late in any order: it closes a feedback loop.", "Tarde en cualquier orden: cierra un lazo de realimentación."],
   "order.state": ["(its own state)", "(su propio estado)"],
   "override.feed": ["Feed", "Avance"],
+  "override.rapid": ["Rapid", "Rápido"],
   "override.spindle": ["Spindle", "Husillo"],
   "overrides": ["Overrides", "Ajustes"],
   "page.align": ["Align", "Alinear"],

@@ -72,6 +72,7 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
         ("mdi", json!({"text": long}), Err("text has 5000 bytes, at most 4096")),
         ("flood", json!({"on": true}), Ok("iocontrol.coolant flood=TRUE")),
         ("feed-override", json!({"scale": 0.5}), Ok("task.feed-override scale=0.5")),
+        ("rapid-override", json!({"scale": 0.25}), Ok("task.rapid-override scale=0.25")),
         ("spindle", json!({"speed": -500}), Ok("motion.spindle speed=-500")),
         (
             "jog",

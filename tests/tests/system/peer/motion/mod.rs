@@ -116,13 +116,22 @@ fn samples(text: &str) -> Vec<Sample> {
         .collect()
 }
 
+/// Returns the overrides that the first line of a program names, as arguments of `motion.feed`.
+fn overrides(program: &str) -> Option<String> {
+    let named = program.lines().next()?.strip_prefix("(overrides: feed ")?.strip_suffix(')')?;
+    let (feed, rapid) = named.split_once(", rapid ")?;
+    Some(format!("override={feed} rapid-override={rapid}"))
+}
+
 /// Runs a program through ours, on the virtual clock.
 fn ours(name: &str) -> Figures {
     let scratch = Scratch::copy_of(&folder());
     let ini = scratch.read("machine.ini");
     scratch.write("ours.ini", ini.replace(".hal\n", ".hal\nHALFILE = record.hal\n"));
-    scratch.write("record.hal", "loadusr -Wn halsampler0 halsampler samples\n");
     let program = format!("{name}.ngc");
+    let feed = overrides(&scratch.read(&program)).map(|o| format!("motion.feed {o}\n"));
+    let record = "loadusr -Wn halsampler0 halsampler samples\n".to_owned();
+    scratch.write("record.hal", record + &feed.unwrap_or_default());
     let out = scratch.halrun(&["--virtual", "--headless", "--run", &program, "ours.ini"]);
     assert_eq!(out.status, Some(0), "{name}: {}{}", out.stdout, out.stderr);
     let positions: Vec<_> = samples(&scratch.read("samples")).into_iter().map(|s| s.1).collect();
@@ -246,6 +255,7 @@ const HEAD: &str = "\
 1000 mm/s², Z 60 and 500, A and B 90 °/s and 900 °/s², no limit of jerk. Both sets of figures come from the joint positions of every
 servo cycle alone, judged by `hal-watchman`. Each run of the tests checks the figures of Ferrule.
 
+- A program runs with the overrides of feeds and rapid moves that its first line names, or with 1.
 - Seconds: from the first cycle of motion to the last. Ratio: ours to LinuxCNC's; below 1, ours is faster.
 - v, a: the worst velocity and acceleration of a joint as a part of its limit.
 - d: the largest distance from the programmed path as a part of the tolerance: P of G64, 0.002 mm in G61 and G61.1, and 0.05° of the

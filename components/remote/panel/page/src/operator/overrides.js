@@ -10,6 +10,7 @@ const SEND_MS = 100;
 export function overridesCard(ctx) {
   const { info, store, t, run, signal } = ctx;
   const feed = override(ctx, "feed-override", t("override.feed"), info.max_feed_override ?? 1.2, (scale) => run("feed-override", { scale }));
+  const rapid = override(ctx, "rapid-override", t("override.rapid"), 1, (scale) => run("rapid-override", { scale }));
   const spindles = Array.from({ length: info.spindles ?? 0 }, (_, spindle) =>
     override(ctx, `spindle-override-${spindle}`, label(t("override.spindle"), spindle, info), info.max_spindle_override ?? 1.2,
       (scale) => run("spindle-override", { scale, spindle })),
@@ -17,9 +18,10 @@ export function overridesCard(ctx) {
   store.listen(() => {
     const [motion, task] = [store.get("motion"), store.get("task")];
     feed.draw(motion.feed_override ?? task.feed_override);
+    rapid.draw(motion.rapid_override ?? task.rapid_override);
     spindles.forEach((s, i) => s.draw((motion.spindle_override ?? task.spindle_override)?.[i]));
   }, signal);
-  return card("overrides", t("overrides"), feed.label, ...spindles.map((s) => s.label));
+  return card("overrides", t("overrides"), feed.label, rapid.label, ...spindles.map((s) => s.label));
 }
 
 function label(text, spindle, info) {
