@@ -57,8 +57,9 @@ function times({ points, count, feeds }, rapid) {
   const all = new Float64Array(count);
   for (let i = 1; i < count; i++) {
     const p = 3 * i;
-    const length = Math.hypot(points[p] - points[p - 3], points[p + 1] - points[p - 2], points[p + 2] - points[p - 1]);
-    all[i] = all[i - 1] + length / (feeds[i] > 0 ? feeds[i] : rapid);
+    const [x, y, z] = [points[p] - points[p - 3], points[p + 1] - points[p - 2], points[p + 2] - points[p - 1]];
+    // Math.hypot takes ten times as long.
+    all[i] = all[i - 1] + Math.sqrt(x * x + y * y + z * z) / (feeds[i] > 0 ? feeds[i] : rapid);
   }
   return all;
 }
