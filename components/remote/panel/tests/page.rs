@@ -141,6 +141,11 @@ fn lines_of_probing_messages_and_paths_over_the_picture() {
     run_script("lines.mjs");
 }
 
+#[test]
+fn lines_that_the_page_draws_itself() {
+    run_script("raster.mjs");
+}
+
 /// Returns the texts in quotes that follow one of these beginnings in the page's sources.
 fn quoted_after(beginnings: &[&str]) -> BTreeSet<String> {
     let sources: Vec<_> =

@@ -240,6 +240,32 @@ fn commands_and_messages_of_a_machine_are_bounded_and_lost_ones_are_counted() {
     assert_eq!(output.stdout, BOUNDS, "{}", output.stderr);
 }
 
+/// Output of the script `machine/early.py`: state, e-stop, joints homed, file, queue, coordinate system and feed override.
+const EARLY: &str = "\
+before [1, 1, (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0), '', 0, 0, 0.0] None
+after [1, 1, (0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0), '', 0, 1, 1.0] None
+of another shape: []
+";
+
+/// As LinuxCNC's `millturn.hal` does with `millturngui`.
+#[test]
+fn a_program_that_a_hal_file_starts_before_motion_or_the_task_sees_a_machine_in_e_stop() {
+    let Some(python) = python() else { return };
+    let early = "[HAL]\nHALFILE = early.hal\n";
+    for ini in [
+        format!("{early}#INCLUDE printer.ini\n[HAL]\nPOSTGUI_HALFILE = end.hal\n"),
+        format!("#INCLUDE printer.ini\n{early}POSTGUI_HALFILE = end.hal\n"),
+    ] {
+        let scratch = Scratch::copy_of(&root().join("configs/printer"));
+        scratch.write("early.py", fs::read(folder().join("machine/early.py")).unwrap());
+        scratch.write("early.hal", format!("loadusr -Wn early {python} early.py\n"));
+        scratch.write("end.hal", "waitusr early\nshutdown\n");
+        scratch.write("run.ini", &ini);
+        let output = ours(&scratch, &["--virtual", "run.ini"]);
+        assert_eq!(output.stdout, EARLY, "{ini}{}", output.stderr);
+    }
+}
+
 #[test]
 fn a_program_that_is_killed_leaves_nothing_behind() {
     let Some(python) = python() else { return };

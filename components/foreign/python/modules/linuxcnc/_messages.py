@@ -3,6 +3,7 @@
 import _machine
 
 from ._constants import OPERATOR_DISPLAY, OPERATOR_ERROR
+from ._pages import Blank, page
 
 #: Messages of this program: refused commands, and what it has the operator told.
 own = []
@@ -63,12 +64,14 @@ class error_channel:
             pass
 
     def _open(self):
-        self._page = _machine.Page("task.status")
-        self._seen = self._page["messages"]
+        # Of a task that is not there yet, no message is old.
+        was_blank = isinstance(self._page, Blank)
+        self._page = page("task.status")
+        self._seen = 0 if was_blank else self._page["messages"]
 
     def poll(self):
         """Returns the oldest message that was not returned yet as (kind, text), or None."""
-        if self._page is None:
+        if self._page is None or isinstance(self._page, Blank):
             self._open()
         self._page.poll()
         collect()

@@ -4,6 +4,7 @@ import _machine
 
 from ._constants import *
 from ._files import LETTERS, Facts, ini_file
+from ._pages import Blank, page
 
 _TASK_STATES = (STATE_ESTOP, STATE_ESTOP_RESET, STATE_ON)
 _MODES = (MODE_MANUAL, MODE_AUTO, MODE_MDI)
@@ -252,10 +253,11 @@ class stat:
 
     def _open(self):
         channel = _machine.Channel()
-        pages = _machine.Page("motion.status"), _machine.Page("task.status")
+        pages = page("motion.status"), page("task.status")
         self._facts = Facts(ini_file(channel))
         self._pages = pages
         self._motion, self._task = pages
+        self._is_whole = not any(isinstance(p, Blank) for p in pages)
 
     def __getattr__(self, name):
         if name not in ("_motion", "_task", "_facts"):
@@ -269,10 +271,10 @@ class stat:
 
     def poll(self):
         """Updates the state."""
-        if self._pages is None:
+        if self._pages is None or not self._is_whole:
             self._open()
-        for page in self._pages:
-            page.poll()
+        for one in self._pages:
+            one.poll()
 
 
 for _name, _read in _FIELDS.items():

@@ -5,19 +5,18 @@ import { el } from "../dom.js";
 const ROW_PX = 20;
 /** Browsers limit the height of an element; a longer list scrolls faster than it is tall. */
 const MAX_HEIGHT_PX = 8_000_000;
+/** The byte between two lines. */
+const BREAK = 10;
 
 /** The text of a program as bytes, with the place of each line. */
 export class Program {
   constructor(name, buffer) {
     this.name = name;
     this.bytes = new Uint8Array(buffer);
-    let count = 1;
-    for (let i = 0; i < this.bytes.length; i++) if (this.bytes[i] === 10) count++;
-    this.starts = new Uint32Array(count + 1);
-    let line = 1;
-    for (let i = 0; i < this.bytes.length; i++) if (this.bytes[i] === 10) this.starts[line++] = i + 1;
-    this.starts[count] = this.bytes.length + 1;
-    const endsWithBreak = this.bytes.length > 0 && this.bytes.at(-1) === 10;
+    const starts = lineStarts(this.bytes);
+    this.starts = starts;
+    const count = starts.length - 1;
+    const endsWithBreak = this.bytes.length > 0 && this.bytes.at(-1) === BREAK;
     this.lines = endsWithBreak ? count - 1 : count;
     this.decoder = new TextDecoder();
   }
@@ -26,6 +25,22 @@ export class Program {
   line(number) {
     return this.decoder.decode(this.bytes.subarray(this.starts[number - 1], this.starts[number] - 1)).trimEnd();
   }
+}
+
+/** Returns where each line begins, and where one behind the last would. */
+function lineStarts(bytes) {
+  let starts = new Uint32Array(1024);
+  let count = 1;
+  for (let at = bytes.indexOf(BREAK); at >= 0; at = bytes.indexOf(BREAK, at + 1)) {
+    if (count + 1 === starts.length) {
+      const more = new Uint32Array(2 * starts.length);
+      more.set(starts);
+      starts = more;
+    }
+    starts[count++] = at + 1;
+  }
+  starts[count++] = bytes.length + 1;
+  return starts.subarray(0, count);
 }
 
 /** A list of the lines of a program that follows the current one. */

@@ -1,40 +1,49 @@
-// The picture of the machine: two canvases, the path below, tool and machine above.
+// The picture of the machine: lines of path, limits and zeros below, tool and machine above.
 //
-// A large path is drawn in parts, one in each picture, so that a slow processor still answers; while the camera moves, a
+// A large path is drawn in parts, one in each picture, so that the page answers in between; while the camera moves, a
 // coarse picture stands for it.
 
-import {
-  AxesHelper, Box3, Box3Helper, Color, GridHelper, Group, OrthographicCamera, Scene, Vector3, WebGLRenderer,
-} from "../../vendor/three.module.min.js";
+import { Box3, Matrix4, OrthographicCamera, Scene, Vector3, WebGLRenderer } from "../../vendor/three.module.min.js";
 import { OrbitControls } from "../../vendor/OrbitControls.js";
-import { PathLines } from "./path.js";
+import { pathLines } from "./path.js";
+import { Lines, Raster } from "./raster.js";
 
 const DIRECTIONS = {
   iso: [-1, -1.4, 1.1], top: [0, -1e-4, 1], front: [0, -1, 0], side: [1, 0, 0],
 };
+/** Colours of X, Y and Z. */
+const AXIS_COLOURS = [0xff3030, 0x30c030, 0x4080ff];
+/** Kinds of lines of two passes, first all but rapids, then rapids: they show what is behind them. */
+const PASSES = [[false, false, true, true, true], [false, true, false, false, false]];
+/** Time for lines in one picture. */
+const PART_MS = 40;
+/** Lines between two looks at the time. */
+const LOOK = 8192;
+/** Number of lines of the coarse picture. */
+const COARSE = 60_000;
 
 /** The picture of a path and a machine. */
 export class View {
   constructor(host, colours) {
     this.host = host;
     this.colours = colours;
-    this.scene = new Scene();
     this.live = new Scene();
     this.camera = new OrthographicCamera(-1, 1, 1, -1, -1e5, 1e5);
     this.camera.up.set(0, 0, 1);
-    const smooth = !isSoftware();
-    this.below = renderer(host, { preserveDrawingBuffer: true, antialias: smooth, alpha: true });
-    this.above = renderer(host, { antialias: smooth, alpha: true });
-    this.below.autoClear = false;
+    this.below = document.createElement("canvas");
+    this.below.classList.add("layer");
+    host.append(this.below);
+    this.above = new WebGLRenderer({ antialias: !isSoftware(), alpha: true });
+    this.above.domElement.classList.add("layer");
+    host.append(this.above.domElement);
     this.controls = new OrbitControls(this.camera, this.above.domElement);
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.moved());
     this.controls.addEventListener("end", () => this.refine());
-    this.limits = new Group();
-    this.zeros = new Group();
-    this.lines = new Group();
-    this.scene.add(this.limits, this.zeros, this.lines);
+    this.limits = new Lines();
+    this.zeros = new Lines();
     this.path = null;
+    this.raster = null;
     this.box = new Box3(new Vector3(-50, -50, 0), new Vector3(50, 50, 50));
     this.at = 0;
     this.frame = null;
@@ -47,23 +56,24 @@ export class View {
   /** Frees what the browser holds for the picture. */
   dispose() {
     cancelAnimationFrame(this.frame);
+    clearTimeout(this.timer);
     this.sizes.disconnect();
     this.controls.dispose();
-    this.path?.dispose();
-    for (const r of [this.below, this.above]) {
-      r.dispose();
-      r.forceContextLoss();
-      r.domElement.remove();
-    }
+    this.above.dispose();
+    this.above.forceContextLoss();
+    this.above.domElement.remove();
+    this.below.remove();
   }
 
   resize() {
     const [w, h] = [this.host.clientWidth, this.host.clientHeight];
     if (w === 0 || h === 0) return;
-    for (const r of [this.below, this.above]) {
-      r.setPixelRatio(Math.min(2, devicePixelRatio));
-      r.setSize(w, h, false);
-    }
+    const ratio = Math.min(2, devicePixelRatio);
+    this.above.setPixelRatio(ratio);
+    this.above.setSize(w, h, false);
+    this.below.width = Math.floor(w * ratio);
+    this.below.height = Math.floor(h * ratio);
+    this.raster = new Raster(this.below.width, this.below.height);
     this.frustum();
     this.refine();
   }
@@ -101,17 +111,16 @@ export class View {
 
   /** Shows the travel limits; `low` and `high` are points. */
   setLimits(low, high) {
-    this.limits.clear();
-    this.machineBox = null;
-    if (!low) return;
-    const box = new Box3(new Vector3(...low), new Vector3(...high));
-    this.machineBox = box;
-    this.limits.add(new Box3Helper(box, new Color(this.colours.limit)));
-    const size = Math.max(high[0] - low[0], high[1] - low[1]);
-    const grid = new GridHelper(size, 10, this.colours.grid, this.colours.grid);
-    grid.rotation.x = Math.PI / 2;
-    grid.position.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]);
-    this.limits.add(grid);
+    this.machineBox = new Box3(new Vector3(...low), new Vector3(...high));
+    this.limits = new Lines();
+    const { limit, grid } = this.colours;
+    const corner = (bits) => [0, 1, 2].map((axis) => ((bits >> axis) & 1 ? high : low)[axis]);
+    for (const bits of [0, 1, 2, 3, 4, 5, 6, 7]) {
+      for (const bit of [1, 2, 4]) if (!(bits & bit)) this.limits.add(corner(bits), corner(bits | bit), limit);
+    }
+    const step = Math.max(high[0] - low[0], high[1] - low[1]) / 10;
+    for (let x = low[0] + step; x < high[0] - step / 2; x += step) this.limits.add([x, low[1], low[2]], [x, high[1], low[2]], grid);
+    for (let y = low[1] + step; y < high[1] - step / 2; y += step) this.limits.add([low[0], y, low[2]], [high[0], y, low[2]], grid);
     this.fit();
   }
 
@@ -124,26 +133,22 @@ export class View {
   /** Shows the zeros of coordinate systems. */
   setZeros(points) {
     const size = 0.06 * this.box.getSize(new Vector3()).length();
-    this.zeros.clear();
+    this.zeros = new Lines();
     for (const { point, angle, isCurrent } of points) {
-      const axes = new AxesHelper(isCurrent ? size : size / 2);
-      axes.position.set(...point);
-      axes.rotation.z = angle;
-      this.zeros.add(axes);
+      AXIS_COLOURS.forEach((colour, axis) => {
+        const end = new Vector3().setComponent(axis, isCurrent ? size : size / 2).applyAxisAngle(new Vector3(0, 0, 1), angle);
+        this.zeros.add(point, end.add(new Vector3(...point)).toArray(), colour);
+      });
     }
     this.refine();
   }
 
   /** Shows a path, or none. */
   setPath(path, options) {
-    if (this.path) {
-      this.path.dispose();
-    }
-    this.only([]);
     this.path = null;
     this.pathBox = null;
     if (path && path.count > 1) {
-      this.path = new PathLines(path, options);
+      this.path = pathLines(path, options);
       this.pathBox = new Box3(new Vector3(...path.low), new Vector3(...path.high));
     }
     this.fit();
@@ -176,40 +181,53 @@ export class View {
 
   draw() {
     this.frame = null;
-    if (this.host.clientWidth === 0) return;
+    if (!this.raster || this.host.clientWidth === 0) return;
     this.drawBelow();
     this.above.render(this.live, this.camera);
   }
 
   drawBelow() {
-    const { path, below } = this;
+    const count = this.path?.kinds.length ?? 0;
     if (this.isCoarse) {
-      this.only(path?.coarse ?? []);
-      below.clear();
-      below.render(this.scene, this.camera);
+      this.begin();
+      const stride = Math.ceil(count / COARSE);
+      if (count > 0) for (const kinds of PASSES) this.raster.draw(this.path, kinds, 0, count, stride);
+      this.show();
       clearTimeout(this.timer);
       this.timer = setTimeout(() => this.refine(), 150);
       return;
     }
-    const total = path?.count ?? 0;
+    const total = PASSES.length * count;
     if (!this.mustClear && this.at >= total) return;
-    if (this.mustClear) below.clear();
-    this.limits.visible = this.mustClear;
-    this.zeros.visible = this.mustClear;
+    if (this.mustClear) this.begin();
     this.mustClear = false;
-    this.only(path && this.at < total ? path.part(this.at) : []);
-    below.render(this.scene, this.camera);
-    this.at += 1;
-    this.limits.visible = true;
-    this.zeros.visible = true;
+    const end = performance.now() + PART_MS;
+    while (this.at < total && performance.now() < end) {
+      const pass = Math.floor(this.at / count);
+      const first = this.at - pass * count;
+      this.at = pass * count + this.raster.draw(this.path, PASSES[pass], first, Math.min(count, first + LOOK));
+    }
+    this.show();
     if (this.at < total) this.request();
     else this.host.dispatchEvent(new CustomEvent("complete"));
   }
 
-  /** Lets the next picture have these lines of the path alone. */
-  only(list) {
-    this.lines.clear();
-    if (list.length > 0) this.lines.add(...list);
+  /** Begins a picture with what is not the path. */
+  begin() {
+    const { camera, raster } = this;
+    camera.updateMatrixWorld();
+    raster.look(new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).elements);
+    raster.clear();
+    for (const lines of [this.limits, this.zeros]) {
+      for (const kinds of PASSES) raster.draw(lines, kinds, 0, lines.kinds.length);
+    }
+  }
+
+  /** Shows the lines as far as they are drawn. */
+  show() {
+    const { pixels, width, height } = this.raster;
+    const image = new ImageData(new Uint8ClampedArray(pixels.buffer), width, height);
+    this.below.getContext("2d").putImageData(image, 0, 0);
   }
 }
 
@@ -220,11 +238,4 @@ function isSoftware() {
   const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
   gl?.getExtension("WEBGL_lose_context")?.loseContext();
   return /swiftshader|llvmpipe|software/i.test(name);
-}
-
-function renderer(host, options) {
-  const made = new WebGLRenderer(options);
-  made.domElement.classList.add("layer");
-  host.append(made.domElement);
-  return made;
 }

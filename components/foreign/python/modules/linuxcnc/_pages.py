@@ -1,0 +1,67 @@
+"""Snapshots of a machine that begins: until its components are loaded, it is in e-stop and all numbers are zero."""
+
+import os
+
+import _machine
+
+_NINE = (0.0,) * 9
+_ANALOG = (0.0,) * 8
+_JOINTS, _JOINT_BITS = (0.0,) * 16, (False,) * 16
+_SPINDLES, _SPINDLE_COUNTS, _SPINDLE_BITS = (0.0,) * 8, (0,) * 8, (False,) * 8
+
+#: The fields that this module reads, before the component writes them.
+BLANK = {
+    "motion.status": {
+        "adaptive_feed": False, "analog_in": _ANALOG, "analog_out": _ANALOG, "axis_to_go": _NINE, "digital_in": 0,
+        "digital_out": 0, "distance_to_go": 0.0, "enabled": False, "feed_hold": False, "in_position": False,
+        "joint_active": _JOINT_BITS, "joint_at_max": _JOINT_BITS, "joint_at_min": _JOINT_BITS,
+        "joint_error": _JOINT_BITS, "joint_fault": _JOINT_BITS, "joint_feedback": _JOINTS,
+        "joint_homed": _JOINT_BITS, "joint_homing": _JOINT_BITS, "joint_max_limit": _JOINTS,
+        "joint_min_limit": _JOINTS, "joint_position": _JOINTS, "joint_velocity": _JOINTS, "joints": 0,
+        "joints_above": 0, "joints_below": 0, "line": 0, "max_velocity": 0.0, "misc_errors": 0, "mode": 0,
+        "motion_type": 0, "overriding_limits": False, "paused": False, "pose": _NINE, "pose_feedback": _NINE,
+        "probe_found": False, "probe_input": False, "probe_measured": _NINE, "probing": False, "queue": 0,
+        "spindle_brake": _SPINDLE_BITS, "spindle_orient_fault": _SPINDLE_COUNTS,
+        "spindle_orient_state": _SPINDLE_COUNTS, "spindle_override": _SPINDLES, "spindle_speed": _SPINDLES,
+        "spindles": 0, "velocity": 0.0,
+    },
+    "task.status": {
+        "block_delete": False, "calls": 0, "command": "", "delay_left": 0.0, "direction": _SPINDLE_COUNTS,
+        "feed": 0.0, "feed_override": 0.0, "feed_override_counts": False, "file": "", "flood": False,
+        "g5x_offset": _NINE, "g92_offset": _NINE, "g_codes": (0,) * 13, "input_timeout": False, "interpreter": 0,
+        "line": 0, "line_read": 0, "lube": False, "lube_level": False, "mdi_queue": 0, "message": "",
+        "message_level": 0, "messages": 0, "mist": False, "mode": 0, "optional_stop": False, "rotation": 0.0,
+        "speed": _SPINDLES, "spindle_override_counts": _SPINDLE_BITS, "state": 0, "system": 0, "tool": 0,
+        "tool_awaited": -1, "tool_offset": _NINE, "tool_prepared": 0,
+    },
+}
+
+
+class Blank:
+    """A snapshot that is not there yet."""
+
+    def __init__(self, name):
+        self._fields = BLANK[name]
+
+    def __contains__(self, name):
+        return name in self._fields
+
+    def __getitem__(self, name):
+        return self._fields[name]
+
+    text = __getitem__
+
+    def poll(self):
+        """Nothing has been written."""
+
+
+def page(name):
+    """Returns a snapshot, or a blank one to a program that a machine starts before the component."""
+    try:
+        return _machine.Page(name)
+    except _machine.error:
+        if "INI_FILE_NAME" not in os.environ:
+            raise
+        # Without an instance, this fails.
+        _machine.Channel()
+        return Blank(name)
