@@ -1,8 +1,8 @@
-"""Bounds of the module linuxcnc: commands and messages that wait, axes, and messages that were not shown."""
+"""Bounds of the module linuxcnc: overrides, commands and messages that wait, axes, and messages that were not shown."""
 import linuxcnc
 from linuxcnc import _messages
 
-command, errors = linuxcnc.command(), linuxcnc.error_channel()
+command, errors, status = linuxcnc.command(), linuxcnc.error_channel(), linuxcnc.stat()
 
 
 def complete(name, *args):
@@ -37,6 +37,10 @@ for axis in (-1, 9):
 print("reset", complete("state", linuxcnc.STATE_ESTOP_RESET))
 print("on", complete("state", linuxcnc.STATE_ON))
 print("home", complete("home", -1))
+for rapid in (0.25, 1.5, -1, 0.5):
+    done = complete("rapidrate", rapid), complete("feedrate", 0.75)
+    status.poll()
+    print("rapid override", rapid, *done, status.rapidrate, status.feedrate)
 print("mdi", complete("mode", linuxcnc.MODE_MDI))
 
 # In virtual time no command ends while the program sends the next one.

@@ -76,6 +76,7 @@ fn a_desk_runs_a_job() {
     override_to(&fixture, "rapid", 25);
     b.until("document.querySelector('output[for=rapid-override]').textContent === '25 %'");
     b.until("document.querySelector('#feed-override').value === '100'");
+    b.run("document.querySelector('#rapid-override').scrollIntoView({ block: 'center' })");
     fixture.picture("job-rapid");
     let full =
         "document.querySelector('#rapid-override').parentElement.querySelector('button').click()";

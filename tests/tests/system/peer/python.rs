@@ -220,6 +220,10 @@ axis is 9, should be 0 to 8
 reset 1
 on 1
 home 1
+rapid override 0.25 1 1 0.25 0.75
+rapid override 1.5 1 1 1.0 0.75
+rapid override -1 1 1 0.0 0.75
+rapid override 0.5 1 1 0.5 0.75
 mdi 1
 waiting: [100, 0] 100
 messages: 100 True
