@@ -90,7 +90,7 @@ pub(crate) struct Panel {
     pub(crate) scopes: Arc<Semaphore>,
     /// Kept while a tool change is answered: the button is linked for one answer.
     pub(crate) pressing: Mutex<()>,
-    /// What the component align shows.
+    /// Pictures and state of the component align.
     pub(crate) pictures: Pictures,
     /// True if the machine's unit of length is the inch.
     pub(crate) is_inch: bool,

@@ -1,4 +1,4 @@
-//! What the component align shows, read once for all who watch.
+//! Pictures and state of the component align, read once for all who watch.
 
 use crate::{
     engine::Engine,
