@@ -5,7 +5,8 @@ use crate::{
     audit::Audit,
     engine::Engine,
     heart::{self, Heart},
-    http, info,
+    http::{self, pictures::Pictures},
+    info,
     lease::Clients,
     options::Options,
     scope,
@@ -17,7 +18,12 @@ use crate::{
 use axum::Router;
 use hal_ini::Ini;
 use hal_protocol::Place;
-use hyper::server::conn::http1;
+use hyper::{
+    Request,
+    body::Incoming,
+    server::conn::http1,
+    service::{Service as _, service_fn},
+};
 use hyper_util::{
     rt::{TokioIo, TokioTimer},
     service::TowerToHyperService,
@@ -26,13 +32,14 @@ use rustix::net::sockopt;
 use serde_json::{Map, Value as Json};
 use std::{
     net::SocketAddr,
+    os::fd::{AsFd as _, OwnedFd},
     path::{Path, PathBuf},
     sync::Arc,
     time::Duration,
 };
 use tokio::{
     io::{AsyncRead, AsyncWrite},
-    net::TcpListener,
+    net::{TcpListener, TcpStream},
     runtime,
     signal::unix::{SignalKind, signal},
     sync::{Mutex, Semaphore, watch},
@@ -47,8 +54,7 @@ const MAX_CONNECTIONS: usize = 1024;
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Longest head of a request in bytes.
 const MAX_HEAD: usize = 32 << 10;
-/// Size of the send buffer of a connection, small so that a slow client gets recent states. A `WebSocket` begins as a
-/// request like any other, and cannot be told apart when its connection is accepted: every connection has this size.
+/// Size of the send buffer of a `WebSocket`, small so that a slow client gets recent states.
 const SEND_BUFFER: usize = 32 << 10;
 /// Wait after the system has refused a connection.
 const REFUSED: Duration = Duration::from_millis(100);
@@ -84,8 +90,8 @@ pub(crate) struct Panel {
     pub(crate) scopes: Arc<Semaphore>,
     /// Kept while a tool change is answered: the button is linked for one answer.
     pub(crate) pressing: Mutex<()>,
-    /// When the component align was asked for pictures last.
-    pub(crate) viewed: Mutex<Option<tokio::time::Instant>>,
+    /// Pictures and state of the component align.
+    pub(crate) pictures: Pictures,
     /// True if the machine's unit of length is the inch.
     pub(crate) is_inch: bool,
     /// Description of the machine.
@@ -154,7 +160,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             reading: Mutex::default(),
             scopes: Arc::new(Semaphore::new(scope::MAX_SCOPES)),
             pressing: Mutex::default(),
-            viewed: Mutex::default(),
+            pictures: Pictures::default(),
             place,
             is_inch: ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false)),
             info,
@@ -214,12 +220,12 @@ async fn serve(
                     tokio::spawn(async move {
                         // Without it, small messages wait for the answer to the one before.
                         drop(stream.set_nodelay(true));
-                        sockopt::set_socket_send_buffer_size(&stream, SEND_BUFFER).unwrap_or_default();
+                        let Ok(wire) = Wire::of(&stream) else { return };
                         match tls {
-                            None => connection(stream, router).await,
+                            None => connection(stream, wire, router).await,
                             Some(tls) => {
                                 if let Ok(Ok(stream)) = timeout(HEAD_TIME, tls.accept(stream)).await {
-                                    connection(stream, router).await;
+                                    connection(stream, wire, router).await;
                                 }
                             }
                         }
@@ -235,11 +241,31 @@ async fn serve(
     }
 }
 
-async fn connection<S>(stream: S, router: Router)
+/// The connection under a request. It begins with the system's send buffer: with a small one, a long answer waits for the
+/// client after every few packets, and the path of a long program takes 12 s instead of 0.1 s.
+#[derive(Clone, Debug)]
+pub(crate) struct Wire(Arc<OwnedFd>);
+
+impl Wire {
+    fn of(stream: &TcpStream) -> std::io::Result<Self> {
+        Ok(Self(Arc::new(stream.as_fd().try_clone_to_owned()?)))
+    }
+
+    /// Lets the connection hold only what is recent, for a `WebSocket`.
+    pub(crate) fn hold_little(&self) {
+        sockopt::set_socket_send_buffer_size(&self.0, SEND_BUFFER).unwrap_or_default();
+    }
+}
+
+async fn connection<S>(stream: S, wire: Wire, router: Router)
 where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
-    let service = TowerToHyperService::new(router);
+    let router = TowerToHyperService::new(router);
+    let service = service_fn(move |mut request: Request<Incoming>| {
+        request.extensions_mut().insert(wire.clone());
+        router.call(request)
+    });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(HEAD_TIME).max_buf_size(MAX_HEAD);
     let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades().await;

@@ -21,6 +21,7 @@ pub(super) const HELP: &str = "a program moved, turned and scaled to a part by i
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Setting {
+    Ini,
     Marks,
     Mark,
     Matrix,
@@ -37,6 +38,11 @@ enum Setting {
 }
 
 const OPTIONS: &[Opt<Setting>] = &[
+    Opt {
+        long: Some("ini"),
+        help: "the machine: its unit of length, and the marks of the file [ALIGN]MARKS",
+        ..Opt::short_with(Setting::Ini, 'I', "FILE")
+    },
     Opt {
         long: Some("marks"),
         help: "the marks, or a matrix: an INI file with a section [ALIGN]",
@@ -124,7 +130,11 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     let marks =
         given.iter().filter(|(id, _)| *id == Setting::Mark).filter_map(|(_, v)| v.as_deref());
     let marks: Vec<&str> = marks.collect();
-    let (mut alignment, name) = alignment(last(Setting::Marks), &marks, last(Setting::Matrix))?;
+    let machine = last(Setting::Ini).map(Machine::read).transpose()?;
+    let is_placed = !marks.is_empty() || last(Setting::Matrix).is_some();
+    let saved = machine.as_ref().filter(|_| !is_placed).and_then(|m| m.marks.as_deref());
+    let file_of_marks = last(Setting::Marks).or(saved);
+    let (mut alignment, name) = alignment(file_of_marks, &marks, last(Setting::Matrix))?;
     if let Some(model) = last(Setting::Model) {
         let usual = "auto, shift, rigid, similarity, scale-xy or affine";
         let model = Model::of(model).ok_or_else(|| format!("--model '{model}': {usual}"))?;
@@ -133,7 +143,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     alignment.options.mirror |= is_given(Setting::Mirror);
     let mut options = Rules {
         expand: is_given(Setting::Expand),
-        inches: is_given(Setting::Inch),
+        inches: is_given(Setting::Inch) || machine.as_ref().is_some_and(|m| m.is_inch),
         header: is_given(Setting::Header).then(|| name_of(file)),
         ..Rules::default()
     };
@@ -173,7 +183,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         }
     };
     let mut report = report(&transform, fit.as_ref(), &done);
-    if done.unit_is_assumed && !options.inches {
+    if done.unit_is_assumed && !options.inches && machine.is_none() {
         report.push_str(
             "warning: X and Y before the first G20 or G21 are taken as mm; --inch if the machine's unit is the inch\n",
         );
@@ -191,6 +201,33 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Facts of a machine that its INI file states.
+#[derive(Debug, PartialEq, Eq)]
+struct Machine {
+    is_inch: bool,
+    /// File with the marks that `align.save` wrote.
+    marks: Option<String>,
+}
+
+impl Machine {
+    fn read(file: &str) -> Result<Self, String> {
+        let ini = hal_ini::Ini::read(Path::new(file)).map_err(|e| e.to_string())?;
+        Self::of(&ini, Path::new(file))
+    }
+
+    /// Takes the facts from an INI file; a relative name of a file is relative to its folder.
+    fn of(ini: &hal_ini::Ini, path: &Path) -> Result<Self, String> {
+        let is_inch = ini.is_inch().map_err(|entry| {
+            let value = &entry.value;
+            format!("{}:{}: [TRAJ]LINEAR_UNITS = {value}: mm or inch", entry.file, entry.line)
+        })?;
+        let named = ini.get("ALIGN", "MARKS").map(str::trim).filter(|name| !name.is_empty());
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let marks = named.map(|name| folder.join(name).display().to_string());
+        Ok(Self { is_inch, marks })
+    }
 }
 
 /// Returns the alignment from a file or from options, and its name for messages.
@@ -218,7 +255,8 @@ fn alignment(
             out.given = Some(Transform { linear, shift: Vector::new(x, y) });
         }
         _ => {
-            return Err("where is the part? One of --marks FILE, --mark (several), --matrix".into());
+            let one_of = "--marks FILE, --mark (several), --matrix, or --ini with [ALIGN]MARKS";
+            return Err(format!("where is the part? One of {one_of}"));
         }
     }
     Ok((out, "marks".to_owned()))

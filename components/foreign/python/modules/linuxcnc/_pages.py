@@ -30,8 +30,9 @@ BLANK = {
         "feed": 0.0, "feed_override": 0.0, "feed_override_counts": False, "file": "", "flood": False,
         "g5x_offset": _NINE, "g92_offset": _NINE, "g_codes": (0,) * 13, "input_timeout": False, "interpreter": 0,
         "line": 0, "line_read": 0, "lube": False, "lube_level": False, "mdi_queue": 0, "message": "",
-        "message_level": 0, "messages": 0, "mist": False, "mode": 0, "optional_stop": False, "rotation": 0.0,
-        "speed": _SPINDLES, "spindle_override_counts": _SPINDLE_BITS, "state": 0, "system": 0, "tool": 0,
+        "message_level": 0, "messages": 0, "mist": False, "mode": 0, "optional_stop": False,
+        "rapid_override": 0.0, "rotation": 0.0, "speed": _SPINDLES, "spindle_override_counts": _SPINDLE_BITS,
+        "state": 0, "system": 0, "tool": 0,
         "tool_awaited": -1, "tool_offset": _NINE, "tool_prepared": 0,
     },
 }

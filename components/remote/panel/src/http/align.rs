@@ -2,6 +2,7 @@
 
 use super::{
     machine::encoded,
+    pictures::{LOOK, View},
     programs::{MAX_BYTES, disk, whole},
 };
 use crate::{
@@ -19,15 +20,8 @@ use hal_align::{
     Matrix, Transform, Vector,
     rewrite::{Arcs, Refusal, Rules, rewrite as rewritten},
 };
-use hal_protocol::{Reply, Request};
 use serde_json::{Value, json};
-use std::{
-    fs,
-    io::{self, BufRead as _, BufReader, Read as _},
-    path::{Path as FilePath, PathBuf},
-    sync::Arc,
-    time::Duration,
-};
+use std::{path::PathBuf, sync::Arc, time::Duration};
 use tokio::{
     task::block_in_place,
     time::{Instant, sleep},
@@ -35,16 +29,8 @@ use tokio::{
 
 /// Header with what is in a picture.
 const VIEW: HeaderName = HeaderName::from_static("x-ferrule-view");
-/// Time for which the component is asked for pictures, in seconds of machine time.
-const WATCHED: &str = "seconds=3";
-/// Time after which it is asked again.
-const AGAIN: Duration = Duration::from_secs(1);
-/// Time between two looks for a new picture.
-const LOOK: Duration = Duration::from_millis(30);
 /// Longest wait for a new picture.
 const WAIT: Duration = Duration::from_secs(5);
-/// Longest line before a picture, and largest picture, in bytes.
-const MAX_VIEW: u64 = 40 << 20;
 /// Begin of the name of a rewritten program.
 const ALIGNED: &str = "aligned-";
 /// Largest number of refused lines that are reported.
@@ -55,35 +41,12 @@ impl Panel {
     pub(crate) fn view_file(&self) -> PathBuf {
         self.place.folder().join(format!("panel-{}.view", self.place.name()))
     }
-
-    /// Asks the component for pictures, once in a while for all who watch.
-    async fn ask_for_pictures(&self) -> Result<(), Error> {
-        let mut asked = self.viewed.lock().await;
-        if asked.is_some_and(|at| at.elapsed() < AGAIN) {
-            return Ok(());
-        }
-        let file = format!("file={}", self.view_file().display());
-        let args = vec![file, WATCHED.to_owned()];
-        self.engine.call(Request::Command { name: "align.watch".to_owned(), args }).await?;
-        *asked = Some(Instant::now());
-        Ok(())
-    }
-
-    /// Returns what the component knows, as the text of a JSON object.
-    async fn alignment(&self) -> Result<String, Error> {
-        let args = vec!["json=TRUE".to_owned()];
-        let asked = Request::Command { name: "align.status".to_owned(), args };
-        match self.engine.call(asked).await? {
-            Reply::Answer(told) => Ok(told.lines.concat()),
-            _ => Err(Error::new(Code::Refused, "align.status has no answer")),
-        }
-    }
 }
 
 /// Returns marks, fit and camera.
 pub(crate) async fn state(State(panel): State<Arc<Panel>>, _: Session) -> Result<Response, Error> {
-    let json = panel.alignment().await?;
-    Ok(([(header::CONTENT_TYPE, "application/json")], json).into_response())
+    let json = panel.pictures.known(&panel.engine).await?;
+    Ok(([(header::CONTENT_TYPE, "application/json")], json.to_string()).into_response())
 }
 
 /// Returns the next picture of the camera that is not the one of `after`.
@@ -104,10 +67,9 @@ pub(crate) async fn picture(
     let file = panel.view_file();
     let begun = Instant::now();
     loop {
-        panel.ask_for_pictures().await?;
-        let view = block_in_place(|| read_view(&file, after)).map_err(|e| disk(&e))?;
-        if let Some((head, bytes)) = view {
-            return Ok(answer(&head, bytes));
+        let view = panel.pictures.newest(&panel.engine, &file).await?;
+        if let Some(view) = view.filter(|view| after.is_none() || view.number != after) {
+            return Ok(answer(&view));
         }
         if begun.elapsed() >= WAIT {
             return Ok(StatusCode::NO_CONTENT.into_response());
@@ -116,32 +78,15 @@ pub(crate) async fn picture(
     }
 }
 
-/// Reads a picture with the line before it, unless its number is this one.
-fn read_view(file: &FilePath, after: Option<u64>) -> io::Result<Option<(Value, Vec<u8>)>> {
-    let opened = match fs::File::open(file) {
-        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
-        opened => opened?,
-    };
-    let mut opened = BufReader::new(opened.take(MAX_VIEW));
-    let (mut line, mut bytes) = (Vec::new(), Vec::new());
-    opened.read_until(b'\n', &mut line)?;
-    let head: Value = serde_json::from_slice(&line)?;
-    if after.is_some() && head.get("number").and_then(Value::as_u64) == after {
-        return Ok(None);
-    }
-    opened.read_to_end(&mut bytes)?;
-    Ok(Some((head, bytes)))
-}
-
 /// Answers with a picture, or without content where the camera has none: the header then has the problem.
-fn answer(head: &Value, bytes: Vec<u8>) -> Response {
+fn answer(View { head, bytes, .. }: &View) -> Response {
     let kind = match head.get("kind").and_then(Value::as_str) {
         Some("image/png") => Some("image/png"),
         Some("image/jpeg") => Some("image/jpeg"),
         _ => None,
     };
     let mut response = match kind {
-        Some(_) => bytes.into_response(),
+        Some(_) => bytes.clone().into_response(),
         None => StatusCode::NO_CONTENT.into_response(),
     };
     if let Some(kind) = kind {
@@ -171,7 +116,7 @@ pub(crate) async fn rewrite(
     let source = panel.program(&name)?;
     let new = format!("{ALIGNED}{name}");
     let target = panel.program(&new)?;
-    let transform = place(&panel.alignment().await?)?;
+    let transform = place(&panel.pictures.known(&panel.engine).await?)?;
     panel.check_idle(&target)?;
     let rules = Rules { arcs, header: Some(name), inches: panel.is_inch, ..Rules::default() };
     let done = block_in_place(|| {
@@ -214,12 +159,13 @@ fn refused(all: &[Refusal]) -> Error {
 mod tests {
     //! Places that are known, and those that are not; programs of machines with either unit of length.
 
-    use super::{Arc, Code, Json, Panel, Path, Reply, Request, State, fs, json, place, rewrite};
+    use super::{Arc, Code, Json, Panel, Path, State, json, place, rewrite};
     use crate::{
         engine::Engine,
         lease::tests::{run, session},
     };
-    use hal_protocol::Answer;
+    use hal_protocol::{Answer, Reply, Request};
+    use std::fs;
 
     #[test]
     fn only_a_place_that_is_solved_counts() {

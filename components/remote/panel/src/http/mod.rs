@@ -5,6 +5,7 @@ mod graph;
 mod guard;
 mod lists;
 mod machine;
+pub(crate) mod pictures;
 mod programs;
 mod sign_in;
 

@@ -1,8 +1,8 @@
 //! A panel for tests, without a server.
 
 use super::{
-    Arc, Audit, Clients, Engine, Map, Mutex, Options, Panel, Place, Security, Semaphore, Sessions,
-    accounts, watch,
+    Arc, Audit, Clients, Engine, Map, Mutex, Options, Panel, Pictures, Place, Security, Semaphore,
+    Sessions, accounts, watch,
 };
 use clap::Parser as _;
 
@@ -30,7 +30,7 @@ impl Panel {
             reading: Mutex::default(),
             scopes: Arc::new(Semaphore::new(1)),
             pressing: Mutex::default(),
-            viewed: Mutex::default(),
+            pictures: Pictures::default(),
             place: Place::at(&folder, "test").unwrap(),
             is_inch: false,
             info: Map::new(),

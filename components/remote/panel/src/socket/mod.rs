@@ -7,11 +7,12 @@ mod view;
 use crate::{
     error::{Code, Error},
     scope::{MAX_SCOPES, Scope, Wanted},
-    server::Panel,
+    server::{Panel, Wire},
     session::{Role, Session, cookie},
     values,
 };
 use axum::{
+    Extension,
     extract::{
         State,
         ws::{Message, WebSocket, WebSocketUpgrade},
@@ -52,9 +53,11 @@ const MAX_RATE: u32 = 400;
 /// Opens the socket.
 pub(crate) async fn open(
     State(panel): State<Arc<Panel>>,
+    Extension(wire): Extension<Wire>,
     headers: HeaderMap,
     upgrade: WebSocketUpgrade,
 ) -> Response {
+    wire.hold_little();
     let cookie = cookie(&headers, panel.address.port());
     let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
     upgrade.on_upgrade(async move |mut socket| {

@@ -61,6 +61,14 @@ for (const order of [[low, high], [high, low]]) {
   assert.equal(found.get("11,5")[0], red);
 }
 
+// A line that rises through another is behind it first, and then before it.
+const rising = seen(drawn(lines([[2.5, 5.5, -20], [30.5, 5.5, 20], RED], ...[6, 26].map((x) => [[x + 0.5, 2.5, 0], [x + 0.5, 20.5, 0], GREEN]))));
+assert.deepEqual(["6,5", "26,5"].map((at) => rising.get(at)[0]), [word(GREEN) & 0xffffff, red]);
+
+// At the edge, the share of a pixel that is outside goes nowhere.
+const edge = seen(drawn(lines([[39.75, 2.5, 0], [39.75, 9.5, 0], RED])));
+assert.deepEqual([...edge.keys()], [2, 3, 4, 5, 6, 7, 8].map((y) => `39,${y}`));
+
 // A kind that is not asked for is not drawn, and rapids let what is behind them through.
 const path = { points: [2.5, 5.5, 0, 9.5, 5.5, 0, 9.5, 9.5, 0], origin: [0, 0, 0], kinds: [0, 1, 2], colours: [0, word(RED, 100), word(GREEN)] };
 assert.deepEqual([...seen(drawn(path, RAPIDS)).values()], Array(7).fill([red, 100]));
