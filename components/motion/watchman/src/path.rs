@@ -66,7 +66,7 @@ impl PathWatch {
     }
 
     /// Returns the ratio of distance to tolerance: the least one over the shapes within `reach` of `near`, below 1 too;
-    /// infinity if the pose is not finite. Beside an arc in more than XYZ it may be larger than the true one.
+    /// infinity if the pose is not finite.
     pub fn ratio(&self, pose: &[f64; AXES], near: usize, reach: usize) -> f64 {
         self.least(pose, near, reach, true, 0.0)
     }

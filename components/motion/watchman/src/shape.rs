@@ -55,8 +55,9 @@ impl Shape {
     }
 
     /// Returns the least value of `weigh` over the points of the shape, which receives the distances in XYZ, ABC and UVW
-    /// and must not fall when one of them rises. On a line the least value is exact if `exact` is true; else, and on an
-    /// arc, it is the value at the nearest point (on an arc, of every turn), an upper bound. On a spline it is the first
+    /// and must not fall when one of them rises. If `exact` is true, the least value is exact on a line, and on an arc within a
+    /// quarter of a turn of the nearest points; else it is the value at the nearest point (on an arc, of every turn), an upper
+    /// bound. On a spline it is the first
     /// value up to `enough`, else the least, of those between samples: between all of them if `exact` is true, else beside
     /// those that are nearer than their neighbours.
     pub(crate) fn ratio(
@@ -77,15 +78,27 @@ impl Shape {
             });
             return value;
         }
-        let Self::Line { from, to } = self else {
-            let mut least = f64::INFINITY;
-            self.candidates(pose, |t| least = least.min(at(t)));
-            return least;
+        let (Self::Line { from, to } | Self::Arc { from, to, .. }) = self else {
+            return f64::INFINITY;
         };
         let moves = |first: usize| {
             let by = sub3(group(to, first), group(from, first));
             square(by) > 0.0
         };
+        if let Self::Arc { angle, .. } = self {
+            // Up to a quarter of a turn from the nearest point, the distance in XYZ rises.
+            let quarter = core::f64::consts::FRAC_PI_2 / angle.abs();
+            let is_more = exact && (moves(3) || moves(6));
+            let mut value = f64::INFINITY;
+            self.candidates(pose, |t| {
+                let (low, high) = ((t - quarter).max(0.0), (t + quarter).min(1.0));
+                value = value.min(at(t));
+                if is_more {
+                    value = value.min(least(low, high, 64, f64::NEG_INFINITY, at));
+                }
+            });
+            return value;
+        }
         if !exact || [0, 3, 6].iter().filter(|k| moves(**k)).count() < 2 {
             let mut value = f64::INFINITY;
             self.candidates(pose, |t| value = at(t));

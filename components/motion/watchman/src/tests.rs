@@ -210,6 +210,35 @@ fn distance_from_arcs_and_helices() {
     }
 }
 
+/// The best place on the arc is between the one that is nearest in XYZ and the one that is nearest in ABC. With distances of
+/// `radius * angle * (d - x)` and `degrees * x` from it, the larger ratio to the tolerance is least where both are equal.
+#[test]
+fn an_arc_with_rotary_axes_is_judged_where_both_distances_are_small() {
+    let tolerance = Tolerance { linear: 0.1, angular: 0.05 };
+    let (radius, degrees) = (5.0, 12.0);
+    for angle in [2.0_f64, -4.0] {
+        let turned = |t: f64, a: f64| {
+            let (sin, cos) = libm::sincos(angle * t);
+            let mut at = pose(radius * cos, radius * sin, 0.0);
+            at[3] = degrees * a;
+            at
+        };
+        let (from, to) = (turned(0.0, 0.0), turned(1.0, 1.0));
+        let (center, normal) = ([0.0; 3], [0.0, 0.0, 1.0]);
+        let shapes = [(Shape::Arc { from, to, center, normal, angle }, tolerance)];
+        for t in [0.1, 0.5, 0.8] {
+            for d in [0.012, -0.02] {
+                let along = radius * angle.abs() / tolerance.linear;
+                let tilt = degrees / tolerance.angular;
+                let wanted = f64::abs(d) / (1.0 / along + 1.0 / tilt);
+                let watch = PathWatch::new(shapes.clone().into(), 10.0, 1);
+                let found = watch.ratio(&turned(t + d, t), 0, 0);
+                assert!((found - wanted).abs() < 1e-3 * wanted, "{t} {d}: {found}, not {wanted}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_changed_zero_is_no_motion() {
     let limits = Limits { jerk: f64::INFINITY, ..LIMITS };
