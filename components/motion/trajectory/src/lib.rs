@@ -5,8 +5,7 @@
 //! - The [`Planner`] turns moves into a [`Track`]: curves with continuous first and second derivatives inside the path
 //!   tolerance, cut into cells with the highest speed and acceleration that every axis and joint allows.
 //! - The [`Follower`] walks along the track in the servo thread, at any override of feeds and of rapid moves, holds, and
-//!   reverses. A moving average
-//!   over its travel limits the jerk. The average moves the output along the path, never off it.
+//!   reverses. A moving average over its travel limits the jerk. The average moves the output along the path, never off it.
 //! - A certificate checks each cell, by other means than the plan, before the follower may see it.
 //!
 //! ```

@@ -57,9 +57,8 @@ impl Shape {
     /// Returns the least value of `weigh` over the points of the shape, which receives the distances in XYZ, ABC and UVW
     /// and must not fall when one of them rises. If `exact` is true, the least value is exact on a line, and on an arc within a
     /// quarter of a turn of the nearest points; else it is the value at the nearest point (on an arc, of every turn), an upper
-    /// bound. On a spline it is the first
-    /// value up to `enough`, else the least, of those between samples: between all of them if `exact` is true, else beside
-    /// those that are nearer than their neighbours.
+    /// bound. On a spline it is the first value up to `enough`, else the least, of those between samples: between all of
+    /// them if `exact` is true, else beside those that are nearer than their neighbours.
     pub(crate) fn ratio(
         &self,
         pose: &[f64; AXES],

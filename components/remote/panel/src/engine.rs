@@ -16,6 +16,8 @@ use tokio::sync::oneshot;
 const MAX_WAITING: usize = 256;
 /// Number of further places, for what ends motion.
 const MAX_STOPS: usize = 64;
+/// Refusal of a command after a stop.
+pub(crate) const STOPPED: &str = "a stop has come meanwhile: give the command again";
 
 struct Job {
     request: Request,
@@ -65,8 +67,7 @@ impl Engine {
         let waits = {
             let stops = self.stops.lock().unwrap_or_else(PoisonError::into_inner);
             if *stops != before {
-                let text = "a stop has come meanwhile: give the command again";
-                return Err(Error::new(Code::Conflict, text));
+                return Err(Error::new(Code::Conflict, STOPPED));
             }
             self.send(request, MAX_WAITING)?
         };

@@ -63,8 +63,8 @@ fn cycle_of(text: &mut Text, thread: &Thread, then: impl FnOnce(&mut Text, &str)
 }
 
 /// Names the component whose code a function of another one has called, such as kinematics. If the code at the place is
-/// nobody's, such as `strlen`, the word on top of the stack counts, which is the return address of a function without a
-/// frame. Words below it may be left from calls that have returned.
+/// nobody's, such as `strlen`, the word on top of the stack counts, which on x86 is the return address of a function
+/// without a frame. Words below it may be left from calls that have returned.
 fn describe_code(text: &mut Text, place: Registers, origins: &[Origin], caller: &str) {
     let return_address = || {
         let mut top = [0];

@@ -4,6 +4,7 @@ mod cancel;
 
 use super::check::{self, Lengths};
 use crate::{
+    engine::STOPPED,
     error::{Code as Kind, Error},
     server::Panel,
     session::Session,
@@ -149,8 +150,7 @@ impl Start<'_> {
             return Err(why);
         }
         if Stops::of(self.panel) != self.stops {
-            let text = "a stop has come meanwhile: give the command again";
-            return Err(Reason::new(Code::Ocupado, text));
+            return Err(Reason::new(Code::Ocupado, STOPPED));
         }
         Ok(())
     }
@@ -184,13 +184,13 @@ pub(super) async fn start(
 ) -> Result<Begun, Reason> {
     let begun = check_and_begin(panel, user, program, stops).await;
     if begun.is_err() {
-        shown(panel, stops).await;
+        stop_is_shown(panel, stops).await;
     }
     begun
 }
 
 /// Waits until the status shows a stop by this panel since these numbers: otherwise it would refuse the next start too.
-async fn shown(panel: &Panel, before: Stops) {
+async fn stop_is_shown(panel: &Panel, before: Stops) {
     let since = Instant::now();
     let is_shown = || {
         let now = Stops::of(panel);
