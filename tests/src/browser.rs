@@ -1,7 +1,7 @@
 //! A browser that tests drive: Chromium without a screen, by the `WebDriver` protocol of its driver program.
 
 use crate::{
-    scratch::{Running, Scratch, until},
+    scratch::{Running, Scratch, try_until, until},
     tools::Tool,
     web,
 };
@@ -89,6 +89,15 @@ impl Browser {
         self.post("/url", &json!({ "url": address }));
     }
 
+    /// Lets no request for these addresses succeed; `*` stands for any text.
+    pub fn block(&self, addresses: &[&str]) {
+        let command = |cmd: &str, params: Value| {
+            self.post("/goog/cdp/execute", &json!({ "cmd": cmd, "params": params }));
+        };
+        command("Network.enable", json!({}));
+        command("Network.setBlockedURLs", json!({ "urls": addresses }));
+    }
+
     /// Returns the tab that is shown.
     pub fn tab(&self) -> String {
         let tab = self.ask("GET", &format!("{}/window", self.session), None);
@@ -136,7 +145,19 @@ impl Browser {
     /// # Panics
     /// It never is.
     pub fn until(&self, expression: &str) {
-        until(expression, || self.run(&format!("return Boolean({expression})")) == json!(true));
+        let body = json!({ "script": format!("return Boolean({expression})"), "args": [] });
+        let path = format!("{}/execute/sync", self.session);
+        // A page that is loaded again meanwhile has no answer yet.
+        let is_true = try_until(|| self.answer("POST", &path, Some(&body)) == Ok(json!(true)));
+        assert!(is_true, "timed out: {expression}\n{}", self.shown());
+    }
+
+    /// Returns what the page shows, for the report of a test that fails.
+    fn shown(&self) -> String {
+        let text = self
+            .run("return `${location.href} ${document.readyState}\\n${document.body?.innerText}`");
+        let log = self.post("/se/log", &json!({ "type": "browser" }));
+        format!("the page: {}\nits log: {log}", text.as_str().unwrap_or_default())
     }
 
     /// Returns the text of the first element that the selector finds.
@@ -226,12 +247,19 @@ impl Browser {
     /// # Panics
     /// The driver refuses it.
     fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
+        self.answer(method, path, body).unwrap_or_else(|why| panic!("{method} {path}: {why}"))
+    }
+
+    /// Sends one request to the driver; returns its answer or its refusal.
+    fn answer(&self, method: &str, path: &str, body: Option<&Value>) -> Result<Value, String> {
         let body = body.map(Value::to_string).unwrap_or_default();
         let host = format!("Host: 127.0.0.1:{}\r\n", self.port);
         let answer = web::request(self.port, method, path, &host, body.as_bytes()).json();
-        assert!(answer.get("value").is_some(), "{method} {path}: the driver does not answer");
-        assert!(answer["value"]["error"].is_null(), "{method} {path}: {}", answer["value"]);
-        answer["value"].clone()
+        match answer.get("value") {
+            None => Err("the driver does not answer".to_owned()),
+            Some(value) if value["error"].is_null() => Ok(value.clone()),
+            Some(value) => Err(value.to_string()),
+        }
     }
 }
 

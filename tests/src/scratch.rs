@@ -241,7 +241,8 @@ pub fn until(what: &str, look: impl FnMut() -> bool) {
     assert!(try_until(look), "timed out: {what}");
 }
 
-fn try_until(mut look: impl FnMut() -> bool) -> bool {
+/// Polls until a condition holds; returns whether it does before the timeout.
+pub fn try_until(mut look: impl FnMut() -> bool) -> bool {
     (0..LOOKS).any(|_| {
         look() || {
             drop(nanosleep(&Timespec { tv_sec: 0, tv_nsec: 10_000_000 }));

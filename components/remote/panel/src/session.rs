@@ -17,6 +17,8 @@ const LIFE: Duration = Duration::from_hours(12);
 const IDLE: Duration = Duration::from_mins(30);
 /// Number of sessions; the one that was idle longest ends for a new one.
 const MAX_SESSIONS: usize = 256;
+/// Time within which an attempt to sign in can be repeated.
+const REPEAT: Duration = Duration::from_mins(1);
 /// Header with the key of a session.
 const KEY: &str = "x-ferrule-key";
 
@@ -71,6 +73,15 @@ impl Entry {
 pub(crate) struct Sessions {
     list: Mutex<BTreeMap<String, Entry>>,
     token: Mutex<Option<String>>,
+    taken: Mutex<Option<Taken>>,
+}
+
+/// The one-time token that was taken last.
+#[derive(Debug)]
+struct Taken {
+    token: String,
+    attempt: String,
+    at: Instant,
 }
 
 impl Sessions {
@@ -83,10 +94,22 @@ impl Sessions {
         *self.token.lock().unwrap_or_else(PoisonError::into_inner) = Some(token);
     }
 
-    /// Takes the one-time token, if this is it.
-    pub(crate) fn take_token(&self, given: &str) -> bool {
+    /// Takes the one-time token, if this is it, and notes the attempt of who took it.
+    pub(crate) fn take_token(&self, given: &str, attempt: Option<&str>) -> bool {
         let mut token = self.token.lock().unwrap_or_else(PoisonError::into_inner);
-        token.take_if(|token| is_equal(token, given)).is_some()
+        let Some(token) = token.take_if(|token| is_equal(token, given)) else { return false };
+        let taken =
+            attempt.map(|attempt| Taken { token, attempt: attempt.to_owned(), at: Instant::now() });
+        *self.taken.lock().unwrap_or_else(PoisonError::into_inner) = taken;
+        true
+    }
+
+    /// Returns whether this attempt has just taken this token: its answer was lost on the way.
+    pub(crate) fn is_repeated(&self, given: &str, attempt: Option<&str>) -> bool {
+        let taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        let (Some(taken), Some(attempt)) = (&*taken, attempt) else { return false };
+        let is_same = is_equal(&taken.token, given) & is_equal(&taken.attempt, attempt);
+        is_same && taken.at.elapsed() <= REPEAT
     }
 
     /// Begins a session; returns it with its key.

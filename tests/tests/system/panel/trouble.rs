@@ -1,7 +1,12 @@
 //! Files that cannot be used, disks that are full, and engines that end: the page says so, and nothing is half done.
 
 use super::{fixture::Fixture, printer::Printer};
-use hal_tests::{browser::DESKTOP, scratch::until, tools::Tool, web};
+use hal_tests::{
+    browser::{Browser, DESKTOP},
+    scratch::until,
+    tools::Tool,
+    web,
+};
 use serde_json::json;
 use std::{
     fs,
@@ -123,4 +128,44 @@ fn an_engine_that_is_started_again_is_joined_only_by_a_new_panel() {
     until("the machine is as it was started", || {
         printer.halcmd("getp motion.motion-enabled").trim() == "FALSE"
     });
+}
+
+#[test]
+fn a_part_of_the_page_that_does_not_arrive_is_loaded_again() {
+    if !Browser::is_there() {
+        return;
+    }
+    let printer = Printer::start("operator");
+    let b = Browser::open(&printer.scratch, DESKTOP);
+    for part in ["*/src/operator/overrides.js", "*/style/base.css", "*/src/main.js"] {
+        b.block(&[part]);
+        b.go("about:blank");
+        b.go(&printer.address());
+        b.until("/it is loaded again/.test(document.body.textContent)");
+        b.block(&[]);
+        b.until("document.querySelector('#machine-state')?.textContent");
+    }
+    // What the page asks for may be lost too: it goes on asking.
+    b.block(&["*/api/v1/session"]);
+    b.go("about:blank");
+    b.go(&printer.address());
+    b.until("document.querySelector('.sign-in [role=status]')");
+    b.block(&[]);
+    b.until("document.querySelector('#machine-state')?.textContent");
+}
+
+#[test]
+fn a_page_that_is_left_gives_up_its_lease() {
+    let Some(fixture) = Fixture::start(DESKTOP) else { return };
+    let b = &fixture.browser;
+    b.until("document.querySelector('#lease-holder').textContent === 'nobody has control'");
+    b.click("#lease");
+    b.until("document.querySelector('#lease').getAttribute('aria-pressed') === 'true'");
+    assert_eq!(fixture.printer.halcmd("getp remote.present").trim(), "TRUE");
+    b.go("about:blank");
+    until("the lease is free", || fixture.printer.halcmd("getp remote.present").trim() == "FALSE");
+    // The page that the browser has kept is a new client.
+    b.run("history.back()");
+    b.until("document.querySelector('#lease-holder')?.textContent === 'nobody has control'");
+    assert_eq!(fixture.printer.halcmd("getp remote.present").trim(), "FALSE");
 }

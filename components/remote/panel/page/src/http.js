@@ -16,19 +16,34 @@ export class Refusal extends Error {
 /** Returns the key of this tab's session. */
 export const sessionKey = () => sessionStorage.getItem(KEY);
 
-/** Sends a request; returns the response or throws a refusal. */
+/** Returns the refusal for a request or an answer that was lost; the end that the page itself gave it stays as it is. */
+const lost = (error) => (error.name === "AbortError" ? error : new Refusal({ code: "no-server", text: error.message }));
+
+/** Returns the JSON of a response. */
+async function answerOf(response) {
+  try {
+    return await response.json();
+  } catch (error) {
+    throw lost(error);
+  }
+}
+
+/** Sends a request; returns the response or throws a refusal. A question that the network has lost is asked once more. */
 export async function request(method, path, { body, json, signal } = {}) {
   const headers = {};
   if (sessionKey()) headers["X-Ferrule-Key"] = sessionKey();
   if (json !== undefined) headers["Content-Type"] = "application/json";
+  const send = () => fetch(BASE + path, {
+    method, headers, signal, body: json === undefined ? body : JSON.stringify(json), cache: "no-store",
+  });
   let response;
   try {
-    response = await fetch(BASE + path, {
-      method, headers, signal, body: json === undefined ? body : JSON.stringify(json), cache: "no-store",
+    response = await send().catch((error) => {
+      if (method !== "GET" || error.name === "AbortError") throw error;
+      return send();
     });
   } catch (error) {
-    if (error.name === "AbortError") throw error;
-    throw new Refusal({ code: "no-server", text: error.message });
+    throw lost(error);
   }
   if (response.ok) return response;
   let found = null;
@@ -57,7 +72,7 @@ export async function persistent(work, say) {
 }
 
 /** Asks for something that is JSON. */
-export const getJson = async (path, options) => (await request("GET", path, options)).json();
+export const getJson = async (path, options) => answerOf(await request("GET", path, options));
 
 /** Returns a path with patterns that select names. */
 export function listPath(kind, patterns = []) {
@@ -70,7 +85,7 @@ export const programPath = (name, tail = "") => `/programs/${encodeURIComponent(
 
 /** Opens a session with the token of the address, or with a user and a password. */
 export async function signIn(how) {
-  const answer = await (await request("POST", "/session", { json: how })).json();
+  const answer = await answerOf(await request("POST", "/session", { json: how }));
   sessionStorage.setItem(KEY, answer.key);
   return answer;
 }

@@ -14,6 +14,8 @@ export class Link {
     this.capturing = null;
     this.isOpen = false;
     this.isClosed = false;
+    // A browser may keep a page that was left, with its connection and its lease. When it is shown again, the connection is opened again.
+    window.addEventListener("pagehide", () => this.socket.close());
     this.open();
   }
 

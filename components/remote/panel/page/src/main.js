@@ -22,7 +22,9 @@ async function start() {
   let session = null;
   let refusal = null;
   try {
-    session = await persistent(() => (token ? signIn({ token }) : currentSession()), say);
+    // Sent again, it is the same attempt: an answer that the network has lost is no use of the token.
+    const login = { token, attempt: [...crypto.getRandomValues(new Uint8Array(16))].join("-") };
+    session = await persistent(() => (token ? signIn(login) : currentSession()), say);
   } catch (error) {
     // A token that was used is no reason to lose the session of this tab.
     refusal = error;

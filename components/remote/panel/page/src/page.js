@@ -136,7 +136,8 @@ function topBar(ctx) {
     setText(lease, held?.yours ? t("lease.give") : t("lease.take"));
     mark(lease, "aria-pressed", held?.yours === true);
     enable(lease, link.isOpen && session.role !== "viewer");
-    setText(holder, held ? (held.yours ? t("lease.yours") : t("lease.held", held.user)) : t("lease.free"));
+    const isKnown = link.isOpen && panel.lease !== undefined;
+    setText(holder, !isKnown ? "" : held ? (held.yours ? t("lease.yours") : t("lease.held", held.user)) : t("lease.free"));
     enable(stop, link.isOpen && session.role !== "viewer");
     enable(abort, link.isOpen);
   }, signal);

@@ -43,6 +43,8 @@ enum Login {
 #[serde(deny_unknown_fields)]
 struct Token {
     token: String,
+    /// Random text that is the same when a lost request is sent again.
+    attempt: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -53,9 +55,12 @@ struct Password {
 }
 
 impl Panel {
-    /// Returns the role of who has the one-time token, which is replaced.
-    pub(crate) fn by_token(&self, token: &str) -> Result<Role, Error> {
-        if !self.sessions.take_token(token) {
+    /// Returns the role of who has the one-time token, which is replaced. The same attempt may take it again for a while.
+    pub(crate) fn by_token(&self, token: &str, attempt: Option<&str>) -> Result<Role, Error> {
+        if self.sessions.is_repeated(token, attempt) {
+            return Ok(self.options.role);
+        }
+        if !self.sessions.take_token(token, attempt) {
             return Err(Error::new(Code::WrongLogin, "the token is wrong, or has been used"));
         }
         if let Err(why) = self.renew_token() {
@@ -89,7 +94,9 @@ pub(crate) async fn sign_in(
     let login: Login = serde_json::from_slice(&body)
         .map_err(|e| Error::new(Code::Malformed, format!("this is no login: {e}")))?;
     let (user, role) = match login {
-        Login::Token(login) => (LOCAL.to_owned(), panel.by_token(&login.token)),
+        Login::Token(login) => {
+            (LOCAL.to_owned(), panel.by_token(&login.token, login.attempt.as_deref()))
+        }
         Login::Password(login) => {
             let role = panel.by_password(&login.user, &login.password);
             (login.user, role)
@@ -124,4 +131,31 @@ pub(crate) async fn sign_out(
         headers.insert(header::SET_COOKIE, gone);
     }
     (headers, Json(json!({})))
+}
+
+#[cfg(test)]
+mod tests {
+    //! Attempts that are repeated.
+
+    use crate::{engine::Engine, server::Panel};
+    use hal_protocol::Reply;
+
+    #[test]
+    fn only_the_same_attempt_takes_the_token_again() {
+        let panel = Panel::that(Engine::that(|_| Ok(Reply::Done)), "attempts");
+        panel.sessions.set_token("one".to_owned());
+        let by = |token: &str, attempt| panel.by_token(token, attempt).is_ok();
+        assert!(!by("two", Some("a")));
+        assert!(by("one", Some("a")));
+        // The next token is in the file, and is no use of this one.
+        assert!(!by("one", None) && !by("one", Some("")) && !by("one", Some("b")));
+        assert!(by("one", Some("a")));
+        panel.sessions.set_token("two".to_owned());
+        assert!(by("two", Some("b")));
+        assert!(!by("one", Some("a")) && !by("two", Some("a")));
+        panel.sessions.set_token("three".to_owned());
+        assert!(by("three", None));
+        assert!(!by("three", None) && !by("three", Some("")) && !by("one", Some("a")));
+        std::fs::remove_dir_all(panel.place.folder()).unwrap();
+    }
 }

@@ -16,7 +16,7 @@ pub(super) fn role(
 ) -> Result<Role, Error> {
     let accounts = panel.security.accounts.as_ref();
     let takes_token = !is_network && !accounts.is_some_and(|accounts| accounts.has(user));
-    let (name, role) = match takes_token.then(|| panel.by_token(secret)) {
+    let (name, role) = match takes_token.then(|| panel.by_token(secret, None)) {
         Some(Ok(role)) => (format!("local ({user})"), Ok(role)),
         Some(Err(why)) if accounts.is_none() => (user.to_owned(), Err(why)),
         // A password cannot be a token: tokens are random, and of one length.

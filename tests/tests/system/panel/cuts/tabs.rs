@@ -31,7 +31,6 @@ impl Stage {
             // A page that is there already would stay: the address differs by its token alone.
             browser.go("about:blank");
             browser.go(&self.printer.address());
-            browser.until("document.querySelector('#machine-state')?.textContent");
             // A page that went gives up its lease when the panel sees it.
             browser.until(
                 "document.querySelector('#lease-holder')?.textContent === 'nobody has control'",
