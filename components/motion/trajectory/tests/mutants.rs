@@ -245,7 +245,8 @@ fn each_mistake_still_has_its_place() {
 #[ignore = "copies and builds the crate for each mistake; every run has `each_mistake_still_has_its_place`: cargo test -p hal-trajectory --release --test mutants -- --ignored --nocapture"]
 fn each_mistake_fails_its_test() {
     let root = std::env::temp_dir().join(format!("hal-trajectory-mutants-{}", std::process::id()));
-    let members = ["trajectory", "corpus", "watchman"].map(|m| format!("components/motion/{m}"));
+    let motion = ["trajectory", "corpus", "watchman"].map(|m| format!("components/motion/{m}"));
+    let members = [motion.as_slice(), &["hal/golden".to_owned()]].concat();
     for member in &members {
         copy(&crates().join("../..").join(member), &root.join(member));
     }
