@@ -135,9 +135,9 @@ fn the_pedal_is_simulated_on_each_screen() {
         let Some(fixture) = Fixture::start(screen) else { return };
         let b = &fixture.browser;
         fixture.ready();
-        b.run("document.querySelector('[data-group=job]')?.click()");
+        b.run("document.querySelector('nav [data-group=job]').click()");
         open(&fixture, "pedal.ngc", &pedal);
-        b.run("document.querySelector('[data-group=view]')?.click()");
+        b.run("document.querySelector('nav [data-group=view]').click()");
         b.until("Number(document.querySelector('.view').dataset.points) > 0 && !document.querySelector('#sim-start').disabled");
         simulate(&fixture, "max");
         // T1 is flat, T2 is a ball: what the table remarks. Rows 5 mm apart over 30 mm, in two slices of 3 mm, and more.

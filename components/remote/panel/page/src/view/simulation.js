@@ -146,7 +146,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     sim = null;
     place(null);
     draw();
-    setText(figures, why);
+    if (why) setText(figures, why);
   }
 
   function tick() {
@@ -204,7 +204,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
       parts.push(`${Math.floor(100 * sim.player.share)} %`, toolText(tool));
     }
     if (shown) parts.push(t("stock.removed", volume(shown.field.removed)), t("stock.cells", ctx.units().text(shown.field.cell), ctx.units().unit("x")));
-    else if (sim) parts.push(none || t("stock.none"));
+    else if (sim || (path && prefs.get("stock").isLive)) parts.push(none || t("stock.none"));
     setText(figures, parts.join(" · "));
   }
 
