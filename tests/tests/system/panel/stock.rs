@@ -85,7 +85,7 @@ fn a_program_is_simulated_while_the_machine_stands() {
     b.run("document.querySelector('#sim-pause').click()");
     b.until("document.querySelector('.view').dataset.simulation === 'done'");
 
-    // The slots have their volume within half a cell along their edges, and the rapid move is told.
+    // The slots have their volume within half a cell along their edges, and the rapid move is reported.
     let cell = (69.0_f64 * 39.0 / 40_000.0).sqrt() * 1.05;
     let plunge = PI * 2.5 * 2.5;
     let edges = 2.0 * 2.0 * (100.0 + PI * 5.0) + PI * 5.0;
@@ -94,11 +94,7 @@ fn a_program_is_simulated_while_the_machine_stands() {
     assert!((removed - wanted).abs() < edges * cell, "{removed} instead of {wanted} mm³");
     assert_eq!(number(&fixture, "rapids").to_bits(), 1.0_f64.to_bits());
     assert!(b.text("#sim-warning").contains("1 rapid move"), "{}", b.text("#sim-warning"));
-    assert_eq!(
-        b.run(&format!("return {banner}.checkVisibility()")),
-        true,
-        "the stock is none of the machine"
-    );
+    assert_eq!(b.run(&format!("return {banner}.checkVisibility()")), true, "the stock is not real");
 
     // As often as wanted, with the same result.
     for speed in ["max", "100"] {
