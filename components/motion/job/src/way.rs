@@ -36,6 +36,11 @@ impl Way {
         Self { frame, at: frame.machine_mm(position) }
     }
 
+    /// Returns the tool's offset, in millimetres and degrees.
+    pub fn tool(&self) -> Position {
+        self.frame.tool.scaled(self.frame.unit.millimetres())
+    }
+
     /// Follows a call and hands out the points after the first of what it moves.
     pub fn follow(&mut self, call: &Call, each: &mut dyn FnMut(Kind, Position)) {
         self.frame.apply(call);

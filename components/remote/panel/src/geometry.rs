@@ -1,6 +1,6 @@
 //! Geometry of a program: the points of its path, as `API.md` lays them out.
 
-use hal_gcode::{Call, Interpreter, canon::Unit};
+use hal_gcode::{Call, Interpreter, axis::Position, canon::Unit};
 use hal_job::{
     Files, Machine, World,
     run::{Answers, start, step},
@@ -27,6 +27,8 @@ struct Point {
     feed: f32,
     tool: u16,
     kind: u8,
+    /// Number of changes of the tool's offset up to here.
+    offset: u32,
 }
 
 /// The points of a program.
@@ -38,6 +40,10 @@ pub(crate) struct Geometry {
     tolerance: f64,
     reduced: bool,
     whole: bool,
+    /// Offsets of the tool that the program has taken, one after the other; the first is that of its start.
+    offsets: Vec<[f64; 3]>,
+    /// A bit for each of A B C U V W that moves.
+    others: u32,
     /// Reason why the program was not read to its end, and its line.
     pub(crate) error: Option<(u32, String)>,
 }
@@ -56,11 +62,13 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
     start(&mut it, &world)?;
     it.load(&file.display().to_string(), world::program(file)?);
     let mut way = Way::new(it.state.frame, it.state.position);
-    let mut geometry = Geometry { tolerance, ..Geometry::default() };
+    let place = |p: Position| [p.x, p.y, p.z].map(|v| v * scale);
+    let mut geometry =
+        Geometry { tolerance, offsets: vec![place(way.tool())], ..Geometry::default() };
+    let begin = others(way.at);
     let (mut unit, mut feed) = (it.state.frame.unit, it.state.modal.feed);
     let mut tool = u16::try_from(it.state.tool.number).unwrap_or(0);
-    let place = |p: hal_gcode::axis::Position| [p.x, p.y, p.z].map(|v| v * scale);
-    geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0 });
+    geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset: 0 });
     let (begun, mut out) = (Instant::now(), Vec::new());
     for n in 0_u32.. {
         let answers = Answers { probe_trips: true, functions: None };
@@ -74,6 +82,12 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
                 }
                 _ => {}
             }
+            if matches!(issued.call, Call::UseToolLengthOffset(_)) {
+                way.follow(&issued.call, &mut |_, _| {});
+                geometry.offsets.push(place(way.tool()));
+                continue;
+            }
+            let offset = u32::try_from(geometry.offsets.len() - 1).unwrap_or(u32::MAX);
             way.follow(&issued.call, &mut |kind, at| {
                 let (kind, feed) = match (kind, &issued.call) {
                     (Kind::Rapid, _) => (1, 0.0),
@@ -83,7 +97,10 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
                 };
                 #[expect(clippy::cast_possible_truncation, reason = "a colour")]
                 let feed = (feed * unit.to(machine_unit)) as f32;
-                geometry.add(Point { at: place(at), line: issued.line, feed, tool, kind });
+                for (bit, (from, to)) in begin.into_iter().zip(others(at)).enumerate() {
+                    geometry.others |= u32::from((from - to).abs() > 1e-9) << bit;
+                }
+                geometry.add(Point { at: place(at), line: issued.line, feed, tool, kind, offset });
             });
         }
         match going {
@@ -121,7 +138,8 @@ impl Geometry {
     /// Adds a point; leaves out those that the line between their neighbours passes.
     fn add(&mut self, point: Point) {
         let same = |other: &Point| {
-            (other.kind, other.tool) == (point.kind, point.tool) && other.feed == point.feed
+            (other.kind, other.tool, other.offset) == (point.kind, point.tool, point.offset)
+                && other.feed == point.feed
         };
         let passes = |from: [f64; 3]| {
             self.pending.len() < MAX_LEFT_OUT
@@ -176,7 +194,7 @@ impl Geometry {
         let mut out = Vec::with_capacity(64 + 23 * self.points.len());
         out.extend_from_slice(b"FERPATH1");
         out.extend_from_slice(&count.to_le_bytes());
-        let flags = u32::from(self.whole) | u32::from(self.reduced) << 1;
+        let flags = u32::from(self.whole) | u32::from(self.reduced) << 1 | self.others << 2;
         out.extend_from_slice(&flags.to_le_bytes());
         out.extend(origin.into_iter().flat_map(f64::to_le_bytes));
         out.extend(near(low).into_iter().chain(near(high)).flat_map(f32::to_le_bytes));
@@ -185,8 +203,36 @@ impl Geometry {
         out.extend(self.points.iter().flat_map(|p| p.feed.to_le_bytes()));
         out.extend(self.points.iter().flat_map(|p| p.tool.to_le_bytes()));
         out.extend(self.points.iter().map(|p| p.kind));
+        let changes = self.changes();
+        if !changes.is_empty() {
+            out.resize(out.len().next_multiple_of(4), 0);
+        }
+        for (first, offset) in changes {
+            out.extend_from_slice(&first.to_le_bytes());
+            #[expect(clippy::cast_possible_truncation, reason = "pictures need no more")]
+            out.extend(offset.into_iter().flat_map(|v| (v as f32).to_le_bytes()));
+        }
         out
     }
+
+    /// Returns the points from which on another offset of the tool is in force; before the first there is none.
+    fn changes(&self) -> Vec<(u32, [f64; 3])> {
+        let mut last = [0.0; 3];
+        let mut out = Vec::new();
+        for (first, point) in (0_u32..).zip(&self.points) {
+            let Some(offset) = self.offsets.get(point.offset as usize) else { continue };
+            if *offset != last {
+                last = *offset;
+                out.push((first, last));
+            }
+        }
+        out
+    }
+}
+
+/// Returns the places of the axes that a path does not have.
+const fn others(p: Position) -> [f64; 6] {
+    [p.a, p.b, p.c, p.u, p.v, p.w]
 }
 
 /// Returns the distance of a point from the line between two others.

@@ -146,6 +146,11 @@ fn lines_that_the_page_draws_itself() {
     run_script("raster.mjs");
 }
 
+#[test]
+fn stock_that_tools_cut() {
+    run_script("stock.mjs");
+}
+
 /// Returns the texts in quotes that follow one of these beginnings in the page's sources.
 fn quoted_after(beginnings: &[&str]) -> BTreeSet<String> {
     let sources: Vec<_> =

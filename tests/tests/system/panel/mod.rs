@@ -26,6 +26,7 @@ mod requests;
 mod roles;
 mod samples;
 mod socket;
+mod stock;
 mod strangers;
 mod teleop;
 mod trouble;

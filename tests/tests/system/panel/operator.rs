@@ -21,7 +21,7 @@ M2
 ";
 
 /// Uploads a program and opens it.
-fn open(fixture: &Fixture, name: &str, text: &str) {
+pub(super) fn open(fixture: &Fixture, name: &str, text: &str) {
     let b = &fixture.browser;
     fixture.printer.scratch.write(name, text);
     b.fill("#upload", fixture.printer.scratch.path().join(name).to_str().unwrap());

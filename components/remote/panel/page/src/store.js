@@ -5,6 +5,7 @@ export class Store {
   constructor() {
     this.parts = {};
     this.listeners = new Set();
+    this.reporters = new Set();
     this.isWaiting = false;
   }
 
@@ -16,6 +17,7 @@ export class Store {
   /** Takes over the changed fields of a part. */
   merge(part, changes) {
     this.parts[part] = { ...this.get(part), ...changes };
+    for (const reporter of this.reporters) reporter(part);
     this.notify();
   }
 
@@ -30,6 +32,12 @@ export class Store {
     this.listeners.add(listener);
     signal.addEventListener("abort", () => this.listeners.delete(listener));
     listener(this);
+  }
+
+  /** Calls `reporter` with the name of a part at each change, however many there are in a picture, until the signal. */
+  report(reporter, signal) {
+    this.reporters.add(reporter);
+    signal.addEventListener("abort", () => this.reporters.delete(reporter));
   }
 
   notify() {

@@ -69,3 +69,21 @@ fn a_program_with_an_error_has_what_precedes_it() {
     assert!(!geometry.whole);
     assert_eq!(geometry.error.map(|(line, _)| line), Some(3));
 }
+
+#[test]
+fn offsets_of_the_tool_and_further_axes_are_told() {
+    let program = "G21 G90 F100\nG43.1 Z5\nG0 X1\nX2\nG43.1 Z5\nX3\nG49\nG0 X0\nM2\n";
+    let geometry = of("offset.ngc", program, 0.0);
+    assert_eq!(geometry.changes(), [(1, [0.0, 0.0, 5.0]), (4, [0.0; 3])]);
+    let bytes = geometry.bytes();
+    let (n, at) = (geometry.points.len(), (64 + 23 * geometry.points.len()).next_multiple_of(4));
+    assert_eq!((n, bytes.len()), (5, at + 32));
+    assert_eq!(u32::from_le_bytes(word(&bytes, 12)), 1);
+    assert_eq!([at, at + 16].map(|at| u32::from_le_bytes(word(&bytes, at))), [1, 4]);
+    assert_eq!(f32::from_le_bytes(word(&bytes, at + 12)), 5.0);
+    // Points are not left out across a change.
+    assert_eq!(of("across.ngc", program, 0.05).changes().len(), 2);
+    // B moves: bit 1 of A B C U V W, from bit 2 on.
+    let turns = of("turns.ngc", "G21 G90 F100\nG1 X1\nB3\nM2\n", 0.0).bytes();
+    assert_eq!(u32::from_le_bytes(word(&turns, 12)), 1 | 1 << 3);
+}

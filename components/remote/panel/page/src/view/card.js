@@ -1,17 +1,23 @@
-// The card with the picture: path, limits, zeros, machine, tool.
+// The card with the picture: path, limits, zeros, machine, tool, stock.
 
 import { card, el, setText } from "../dom.js";
 import { AXES, workPose } from "../format.js";
 import { getJson, listPath, programPath, request } from "../http.js";
 import { Vector3 } from "../../vendor/three.module.min.js";
 import { Gantry, Lathe, Rods, Tool, Trail, lights } from "./bodies.js";
+import { frameOf } from "./dexels.js";
 import { kinematicsOf } from "./kinematics.js";
 import { Path } from "./path.js";
+import { simulationPart } from "./simulation.js";
 import { View } from "./view.js";
 
+/** Cosine of the angle between a tool and the upright, from which on it points down. */
+const DOWN = -0.9999;
+/** Colours of stock that is uncut, cut, and cut by a rapid move, and of the tool of a simulation. */
+const STOCK = { stock: 0xa9845a, cut: 0xe6cfa0, crash: 0xff2a2a, ghost: 0xa974ff };
 const COLOURS = {
-  dark: { limit: 0x5b7083, grid: 0x2a3846, rapid: 0xe6c34a, tool: 0xff8c42, trail: 0xff5fa2, frame: 0x7a8ea3, part: 0x9fb6cc },
-  light: { limit: 0x7b8c9c, grid: 0xd4dce4, rapid: 0xa87800, tool: 0xd85a00, trail: 0xc2185b, frame: 0x8fa0b0, part: 0x5d7892 },
+  dark: { limit: 0x5b7083, grid: 0x2a3846, rapid: 0xe6c34a, tool: 0xff8c42, trail: 0xff5fa2, frame: 0x7a8ea3, part: 0x9fb6cc, ...STOCK },
+  light: { limit: 0x7b8c9c, grid: 0xd4dce4, rapid: 0xa87800, tool: 0xd85a00, trail: 0xc2185b, frame: 0x8fa0b0, part: 0x5d7892, ...STOCK },
 };
 
 /** Makes the card with the picture. */
@@ -42,13 +48,15 @@ export function viewCard(ctx) {
     colourBy,
   );
 
-  const state = { version: undefined, path: null, zeros: "", pose: "" };
+  const state = { version: undefined, path: null, zeros: "", pose: "", kinematics: null };
   let [low, high] = travel(info);
   let machine = null;
   let tool = new Tool(1, colours.tool);
   const trail = new Trail(colours.trail);
   view.live.add(...lights(), trail.node);
   if (low) view.setLimits(low, high);
+  const simulation = simulationPart(ctx, { host, view, colours, place, whyNot: (path) => whyNoStock(path, state.kinematics, ctx) });
+  box.append(simulation.node);
   build(null);
   // Arms and deltas say by their pins what they are.
   Promise.all(["pins", "params"].map((kind) => getJson(listPath(kind, ["*kins.*"]), { signal }))).then(([pins, params]) => {
@@ -61,7 +69,19 @@ export function viewCard(ctx) {
     // The picture then has the tool alone.
   });
 
+  /** Draws the machine where a simulation has the tool; with null, where it is. */
+  function place(point) {
+    tool.node.visible = !point;
+    // Joints for a place are known where they are the axes.
+    if (machine) machine.node.visible = !point || !state.kinematics;
+    if (point && !state.kinematics) machine?.move(new Vector3(...point));
+    if (point) return;
+    state.pose = "";
+    store.notify();
+  }
+
   function build(kinematics) {
+    state.kinematics = kinematics;
     const size = low ? new Vector3(...high).sub(new Vector3(...low)).length() : 100;
     view.live.remove(tool.node);
     if (machine) view.live.remove(machine.node);
@@ -72,6 +92,7 @@ export function viewCard(ctx) {
     if (machine) view.live.add(machine.node);
     state.pose = "";
     store.notify();
+    if (kinematics && state.path) simulation.setPath(state.path);
   }
 
   let loading = null;
@@ -82,6 +103,7 @@ export function viewCard(ctx) {
     const { signal: mine } = loading;
     state.path = null;
     view.setPath(null);
+    simulation.setPath(null);
     trail.clear();
     setText(note, "");
     if (!file) return;
@@ -98,6 +120,7 @@ export function viewCard(ctx) {
         host.dataset.points = String(path.count);
       }, { once: true });
       draw();
+      simulation.setPath(path);
       const problem = response.headers.get("X-Ferrule-Error");
       setText(note, problem ? decodeURIComponent(problem) : summary(path, low, high, ctx));
     } catch (error) {
@@ -119,6 +142,7 @@ export function viewCard(ctx) {
       state.version = program.version;
       load(program.name);
     }
+    simulation.follow(motion);
     if (!motion.pose) return;
     const zeros = JSON.stringify([task.g5x_offset, task.g92_offset, task.rotation]);
     if (zeros !== state.zeros) {
@@ -126,7 +150,7 @@ export function viewCard(ctx) {
       view.setZeros([{ point: [0, 0, 0], angle: 0, isCurrent: false }, zero(task)]);
     }
     const pose = motion.pose.join();
-    if (pose === state.pose) return;
+    if (pose === state.pose || simulation.isShown()) return;
     state.pose = pose;
     const point = new Vector3(motion.pose[0], motion.pose[1], motion.pose[2]);
     // The controlled point is the tip: the tool is longer than the machine's own point by its offset.
@@ -166,11 +190,22 @@ function bodyOf(info, low, high, colours) {
 
 /** Returns the zero of the current coordinate system in machine coordinates. */
 function zero(task) {
-  const angle = ((task.rotation ?? 0) * Math.PI) / 180;
-  const [gx, gy, gz] = task.g92_offset ?? [0, 0, 0];
-  const [x, y, z] = task.g5x_offset ?? [0, 0, 0];
-  const turned = [gx * Math.cos(angle) - gy * Math.sin(angle), gx * Math.sin(angle) + gy * Math.cos(angle), gz];
-  return { point: [x + turned[0], y + turned[1], z + turned[2]], angle, isCurrent: true };
+  const frame = frameOf(task);
+  return { point: frame.zero, angle: frame.angle, isCurrent: true };
+}
+
+/**
+ * Returns why a program's stock is not carved, or an empty text. The path has no direction of the tool: where no other axes
+ * move, an arm's tool stays as the machine's pose has it.
+ */
+function whyNoStock(path, kinematics, { info, store, t }) {
+  const axes = info.axes.toUpperCase();
+  if (path.others) return t("stock.others", [...path.others].join(" "));
+  if (axes.includes("X") && axes.includes("Z") && !axes.includes("Y")) return t("stock.turned");
+  if (!kinematics || kinematics.isUpright) return "";
+  // Roll, pitch and yaw.
+  const [a, b] = (store.get("motion").pose ?? []).slice(3).map((angle) => (angle * Math.PI) / 180);
+  return Math.cos(a) * Math.cos(b) < DOWN ? "" : t("stock.arm", kinematics.name);
 }
 
 /** Returns the size of a path in words, and whether it leaves the travel. */

@@ -4,10 +4,13 @@ import { Euler, Matrix4, Vector3 } from "../../vendor/three.module.min.js";
 
 const RADIANS = Math.PI / 180;
 
-/** Kinematics with a picture: the parameters they need, and what they return for joints and the tip of the tool. */
+/**
+ * Kinematics with a picture: the parameters they need, and what they return for joints and the tip of the tool. Those that
+ * are upright turn the tool about Z alone.
+ */
 const KINDS = {
-  lineardeltakins: { reach: (p) => [[-p.R, -p.R, 0], [p.R, p.R, p.L * 2]], parts: delta },
-  scarakins: { reach: (p) => round(p.D2 + p.D4, p.D1 + Math.max(0, p.D3)), parts: scara },
+  lineardeltakins: { reach: (p) => [[-p.R, -p.R, 0], [p.R, p.R, p.L * 2]], parts: delta, isUpright: true },
+  scarakins: { reach: (p) => round(p.D2 + p.D4, p.D1 + Math.max(0, p.D3)), parts: scara, isUpright: true },
   genserkins: { reach: (p) => ball(sum(p, /^(A|D)-/)), parts: (p, joints) => chain(serialLinks(p), joints) },
   pumakins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: (p, joints) => chain(pumaLinks(p), joints) },
   armkins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: arm },
@@ -19,7 +22,7 @@ export function kinematicsOf(records) {
     const own = records.filter((r) => r.name.startsWith(`${name}.`));
     if (own.length === 0) continue;
     const values = Object.fromEntries(own.map((r) => [r.name.slice(name.length + 1), Number(Object.values(r.value)[0])]));
-    return { name, reach: kind.reach(values), parts: (joints, tip) => kind.parts(values, joints, tip) };
+    return { name, isUpright: kind.isUpright === true, reach: kind.reach(values), parts: (joints, tip) => kind.parts(values, joints, tip) };
   }
   return null;
 }

@@ -39,17 +39,71 @@ export class Path {
     this.feeds = part(Float32Array, n);
     this.tools = part(Uint16Array, n);
     this.kinds = part(Uint8Array, n);
+    /** Letters of the axes beside X Y Z that move. */
+    this.others = [..."ABCUVW"].filter((_, bit) => (flags >> (bit + 2)) & 1).join("");
+    const changes = [];
+    for (at = 4 * Math.ceil(at / 4); at + 16 <= buffer.byteLength; at += 16) {
+      changes.push({ first: view.getUint32(at, true), offset: [f32(at + 4), f32(at + 8), f32(at + 12)] });
+    }
+    this.lengths = toolLengths(this, changes);
+    this.lengthAt = 0;
+  }
+
+  /** Returns the tip of the tool at a point; with `as`, that of the tool which is there at another point. */
+  tip(i, as = i) {
+    const { points, origin } = this;
+    const at = [points[3 * i] + origin[0], points[3 * i + 1] + origin[1], points[3 * i + 2] + origin[2]];
+    const offset = this.offset(as);
+    return offset ? [at[0] - offset[0], at[1] - offset[1], at[2] - offset[2]] : at;
+  }
+
+  /** Returns how far the tip is from the point that the path has; null where both are the same. */
+  offset(i) {
+    const { lengths } = this;
+    if (lengths.length === 0) return null;
+    // Mostly it is the one of the last question.
+    if (lengths[this.lengthAt].first > i) this.lengthAt = 0;
+    while (this.lengthAt + 1 < lengths.length && lengths[this.lengthAt + 1].first <= i) this.lengthAt += 1;
+    return lengths[this.lengthAt].offset;
+  }
+
+  /** Returns the time in minutes at which each point is reached; `rapid` is the feed of rapids. */
+  timeline(rapid) {
+    this.times ??= times(this, rapid);
+    return this.times;
   }
 
   /** Returns the share of the path's time that lies before a line of the program; `rapid` is the feed of rapids. */
   share(line, rapid) {
-    this.times ??= times(this, rapid);
-    const total = this.times.at(-1) ?? 0;
+    const all = this.timeline(rapid);
+    const total = all.at(-1) ?? 0;
     if (total === 0) return 0;
     let at = 0;
     while (at < this.count - 1 && this.lines[at] < line) at++;
-    return this.times[at] / total;
+    return all[at] / total;
   }
+}
+
+/**
+ * Returns how long the tools are, each from a point on. A tool keeps its length while its offset is not in force (G49,
+ * or before its G43): then it has the one that is in force later or was before. Empty where no offset ever is.
+ */
+function toolLengths({ tools, count }, changes) {
+  if (changes.length === 0) return [];
+  const runs = [];
+  let offset = null;
+  for (let i = 0, next = 0; i < count; i++) {
+    const isOther = i === 0 || tools[i] !== tools[i - 1];
+    const isChange = next < changes.length && changes[next].first === i;
+    if (isChange) offset = changes[next++].offset.some((v) => v !== 0) ? changes[next - 1].offset : null;
+    if (isOther || isChange) runs.push({ first: i, offset, tool: tools[i] });
+  }
+  const fill = (run, near) => {
+    if (!run.offset && near?.tool === run.tool) run.offset = near.offset;
+  };
+  runs.forEach((run, i) => fill(run, runs[i - 1]));
+  for (let i = runs.length - 2; i >= 0; i--) fill(runs[i], runs[i + 1]);
+  return runs;
 }
 
 /** Returns the time in minutes at which each point is reached, without accelerations. */

@@ -1,0 +1,313 @@
+// Stock in the picture: carved by the machine while it cuts, and by a simulation, in which the machine does not move.
+
+import { el, enable, field as labelled, mark, setText, show } from "../dom.js";
+import { getJson } from "../http.js";
+import { Dexels, Frame, boxOf, frameOf } from "./dexels.js";
+import { Player } from "./player.js";
+import { Crashes, Cutter, StockPicture } from "./stock.js";
+
+/** Margin around a program's cuts, and the diameter of a tool that the table has none for, in millimetres. */
+const [MARGIN_MM, DIAMETER_MM] = [2, 6];
+/** Time of one picture for cutting, and work between two looks at the clock. */
+const [SLICE_MS, SLICE_CELLS] = [15, 20_000];
+/** Longest step of the clock: a page that was hidden does not leap. */
+const STEP_MS = 200;
+/** Distance of a machine that has moved, in millimetres. */
+const MOVED_MM = 0.02;
+const SPEEDS = ["1", "10", "100", "max"];
+const SHAPES = ["table", "flat", "ball"];
+/** Words of a tool's remark that tell a ball. */
+const BALL = /ball|spher|esf[eé]r|bola/i;
+
+/**
+ * Makes the controls of stock and simulation. `place` puts the drawn machine to a point of the machine, or back to where it
+ * is with null; `whyNot` returns why nothing is carved, or an empty text.
+ */
+export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
+  const { info, store, t, prefs, signal } = ctx;
+  const mm = ctx.mm.read(1);
+  const banner = el("p", { class: "simulated", role: "status", hidden: true });
+  host.append(banner);
+  const figures = el("p", { class: "note", id: "sim-figures" });
+  const warning = el("p", { class: "warned", role: "status", id: "sim-warning", hidden: true });
+  const begin = el("button", { type: "button", id: "sim-start", onclick: start }, t("sim.start"));
+  const pause = el("button", { type: "button", id: "sim-pause", onclick: () => sim && go(sim.state === "playing" ? "paused" : "playing") }, t("sim.pause"));
+  const end = el("button", { type: "button", id: "sim-end", onclick: () => stop() }, t("sim.end"));
+  const speed = el("select", { id: "sim-speed", "aria-label": t("sim.speed") },
+    ...SPEEDS.map((s) => el("option", { value: s, selected: s === "10" }, t(s === "max" ? "sim.speed.max" : "sim.speed.times", s))));
+  const carve = el("button", { type: "button", id: "stock-live", onclick: () => choose({ isLive: !prefs.get("stock").isLive }) }, t("stock.live"));
+  const fresh = el("button", { type: "button", id: "stock-new", onclick: renew }, t("stock.new"));
+  const choices = fields(ctx, mm, choose);
+  const node = el("div", { class: "simulation" },
+    el("div", { class: "row tabs", role: "group", "aria-label": t("sim") }, begin, pause, end, speed),
+    figures, warning,
+    el("details", { id: "stock-more" }, el("summary", {}, t("stock")), el("div", { class: "row" }, carve, fresh), choices.node));
+
+  let path = null;
+  let table = [];
+  let sim = null;
+  let live = null;
+  let frame = null;
+  let asked = null;
+  const cutter = new Cutter(colours.ghost);
+  const crashes = new Crashes(colours.crash);
+  cutter.node.visible = false;
+  view.live.add(cutter.node, crashes.node);
+
+  function choose(change) {
+    prefs.set("stock", { ...prefs.get("stock"), ...change });
+    renew();
+  }
+
+  /** Returns a tool: its diameter is that of the table, or the one that the operator states. */
+  function toolOf(number) {
+    const { diameter, shape } = prefs.get("stock");
+    const row = table.find((tool) => tool.number === number);
+    const isKnown = row?.diameter > 0;
+    const isBall = shape === "table" ? BALL.test(row?.comment ?? "") : shape === "ball";
+    return { number, radius: (isKnown ? row.diameter : diameter ?? DIAMETER_MM * mm) / 2, isBall, isKnown };
+  }
+
+  /** Returns the tools of a number, looked up once. */
+  function tools() {
+    const known = new Map();
+    return (number) => {
+      if (!known.has(number)) known.set(number, toolOf(number));
+      return known.get(number);
+    };
+  }
+
+  /** Returns new stock with its picture; null where nothing is carved. */
+  function block() {
+    if (!path || path.count < 2 || whyNot(path)) return null;
+    frame = frameOf(store.get("task"));
+    const box = boxOf(path, frame, tools(), MARGIN_MM * mm);
+    choices.propose(box);
+    const typed = prefs.get("stock").box;
+    const ends = [0, 1].map((side) => [0, 1, 2].map((axis) => typed[side][axis] ?? box?.[side][axis]));
+    try {
+      const field = new Dexels(...ends);
+      return { field, frame, picture: new StockPicture(field, frame, colours), rapids: 0, tip: null, line: 0 };
+    } catch {
+      return null;
+    }
+  }
+
+  function drop(stock) {
+    if (!stock) return;
+    view.live.remove(stock.picture.node);
+    stock.picture.dispose();
+  }
+
+  /** Puts new stock in place of what the machine has carved. */
+  function renew() {
+    drop(live);
+    live = prefs.get("stock").isLive ? block() : null;
+    if (live) view.live.add(live.picture.node);
+    draw();
+  }
+
+  async function readTools() {
+    asked?.abort();
+    asked = new AbortController();
+    table = await getJson("/tools", { signal: asked.signal });
+  }
+
+  async function start() {
+    stop();
+    try {
+      await readTools();
+      const stock = block();
+      const times = path.timeline(60 * (info.max_linear_velocity ?? 100));
+      const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: frame ?? new Frame() });
+      sim = { player, stock, state: "playing", pose: store.get("motion").pose, last: performance.now() };
+    } catch (error) {
+      if (error.name !== "AbortError") setText(figures, path?.count > 1 ? error.message : t("view.empty"));
+      return;
+    }
+    if (sim.stock) view.live.add(sim.stock.picture.node);
+    go("playing");
+  }
+
+  function go(state) {
+    if (!sim || sim.state === "done") return;
+    sim.state = state;
+    sim.last = performance.now();
+    if (state === "playing") sim.frame = requestAnimationFrame(tick);
+    draw();
+  }
+
+  /** Ends a simulation: the picture is that of the machine again. */
+  function stop(why = "") {
+    asked?.abort();
+    if (!sim) return;
+    cancelAnimationFrame(sim.frame);
+    drop(sim.stock);
+    sim = null;
+    place(null);
+    draw();
+    if (why) setText(figures, why);
+  }
+
+  function tick() {
+    if (sim?.state !== "playing") return;
+    const now = performance.now();
+    const passed = Math.min(STEP_MS, now - sim.last) / 60_000;
+    sim.last = now;
+    const { player } = sim;
+    const until = speed.value === "max" ? Infinity : player.time + passed * Number(speed.value);
+    // A time that cutting does not reach is left out: the next picture goes on from here.
+    while (!player.isDone && player.time < until && performance.now() - now < SLICE_MS) player.play(until - player.time, SLICE_CELLS);
+    if (player.isDone) {
+      sim.state = "done";
+      place(null);
+    } else sim.frame = requestAnimationFrame(tick);
+    draw();
+  }
+
+  /** Shows what is known, in picture and words. */
+  function draw() {
+    const state = sim?.state ?? "";
+    if (sim) host.dataset.simulation = state;
+    else delete host.dataset.simulation;
+    show(banner, Boolean(sim));
+    if (sim) setText(banner, t(state === "done" ? "sim.done" : "sim.still"));
+    setText(pause, t(state === "paused" ? "sim.resume" : "sim.pause"));
+    setText(begin, t(sim ? "sim.again" : "sim.start"));
+    enable(begin, path?.count > 1 && isStill());
+    enable(pause, state === "playing" || state === "paused");
+    enable(end, Boolean(sim));
+    mark(carve, "aria-pressed", prefs.get("stock").isLive);
+    enable(fresh, Boolean(live));
+    cutter.node.visible = state === "playing" || state === "paused";
+    if (cutter.node.visible) {
+      cutter.move(sim.player.tip, sim.player.tool);
+      place(sim.player.tip);
+    }
+    if (live) live.picture.node.visible = !sim;
+    const shown = sim?.stock ?? (sim ? null : live);
+    shown?.picture.draw();
+    crashes.show(sim?.player.rapids ?? [], path);
+    const rapids = sim ? sim.player.rapids.length : live?.rapids ?? 0;
+    tell(shown, rapids);
+    view.request();
+  }
+
+  function tell(shown, rapids) {
+    Object.assign(host.dataset, { removed: shown ? String(shown.field.removed) : "", rapids: String(rapids), share: String(sim?.player.share ?? "") });
+    show(warning, rapids > 0);
+    setText(warning, rapids === 0 ? "" : rapids === 1 ? t("sim.rapid") : t("sim.rapids", rapids));
+    const none = path && whyNot(path);
+    const parts = [];
+    if (sim) {
+      const tool = sim.player.tool;
+      parts.push(`${Math.floor(100 * sim.player.share)} %`, toolText(tool));
+    }
+    if (shown) parts.push(t("stock.removed", volume(shown.field.removed)), t("stock.cells", ctx.units().text(shown.field.cell), ctx.units().unit("x")));
+    else if (sim || (path && prefs.get("stock").isLive)) parts.push(none || t("stock.none"));
+    setText(figures, parts.join(" · "));
+  }
+
+  function toolText({ number, radius, isBall, isKnown }) {
+    const unit = ctx.units();
+    const text = `T${number} ⌀ ${unit.text(2 * radius)} ${unit.unit("x")} ${t(`stock.shape.${isBall ? "ball" : "flat"}`)}`;
+    return isKnown ? text : `${text} (${t("stock.assumed")})`;
+  }
+
+  function volume(value) {
+    const unit = ctx.units();
+    const shown = value * unit.show(1) ** 3;
+    return `${unit.name === "mm" ? shown.toFixed(1) : shown.toFixed(4)} ${unit.unit("x")}³`;
+  }
+
+  function isStill() {
+    const [motion, task] = [store.get("motion"), store.get("task")];
+    return !task.interpreter && motion.in_position !== false;
+  }
+
+  /** Ends a simulation when the machine moves, and shows what it has carved. */
+  function follow(motion) {
+    if (sim && motion.pose) {
+      const from = sim.pose ?? motion.pose;
+      const hasMoved = motion.pose.some((v, i) => Math.abs(v - from[i]) > MOVED_MM * mm);
+      if (hasMoved || !isStill()) stop(t("sim.moved"));
+    }
+    const hasCarved = live && !sim && live.field.changed[1] >= 0;
+    if (hasCarved || begin.disabled !== !(path?.count > 1 && isStill())) draw();
+  }
+
+  /** Carves what the machine cuts, at each of its reports. */
+  function cut(part) {
+    if (part !== "motion" || !live) return;
+    const [motion, task] = [store.get("motion"), store.get("task")];
+    const isRunning = Boolean(task.interpreter) && store.get("link").isOpen === true;
+    const pose = motion.pose_feedback ?? motion.pose;
+    if (!isRunning || !pose) {
+      live.tip = null;
+      return;
+    }
+    const offset = motion.tool_offset ?? [0, 0, 0];
+    const tip = live.frame.part([0, 1, 2].map((i) => pose[i] - offset[i]));
+    const { tip: from, field } = live;
+    live.tip = tip;
+    if (!from || tip.every((v, i) => v === from[i])) return;
+    const isRapid = motion.motion_type === 1;
+    const removed = field.cut(toolOf(task.tool ?? 0), from, tip, isRapid);
+    if (removed === 0 || !isRapid || live.line === motion.segment) return;
+    live.rapids += 1;
+    live.line = motion.segment;
+  }
+
+  store.report(cut, signal);
+  signal.addEventListener("abort", () => {
+    cancelAnimationFrame(sim?.frame);
+    asked?.abort();
+  });
+  draw();
+  return {
+    node,
+    follow,
+    /** Returns whether the picture shows a simulation that moves, and not the machine. */
+    isShown: () => sim?.state === "playing" || sim?.state === "paused",
+    /** Takes over a program's path, or none. */
+    async setPath(next) {
+      stop();
+      path = next;
+      choices.propose(null);
+      renew();
+      if (!path) return;
+      await readTools().catch(() => {});
+      if (path === next) renew();
+    },
+  };
+}
+
+/** Makes the fields of what the operator states: size of the stock, diameter and shape of tools. */
+function fields(ctx, mm, choose) {
+  const { t, prefs } = ctx;
+  const unit = ctx.units();
+  const shown = (value) => (Number.isFinite(value) ? String(Number(unit.text(value))) : "");
+  const stated = () => prefs.get("stock");
+  const read = (input) => (input.value === "" || !Number.isFinite(Number(input.value)) ? null : unit.read(Number(input.value)));
+  const inputs = [0, 1].map((side) => [0, 1, 2].map((axis) => el("input", {
+    type: "number", step: "any", value: shown(stated().box[side][axis]), id: `stock-${"xyz"[axis]}-${side}`,
+    "aria-label": `${"XYZ"[axis]} ${t(side ? "stock.to" : "stock.from")}`,
+    onchange: () => choose({ box: inputs.map((row) => row.map(read)) }),
+  })));
+  const rows = [0, 1, 2].map((axis) => el("div", { class: "row" }, el("span", {}, "XYZ"[axis]), inputs[0][axis], el("span", {}, "–"), inputs[1][axis],
+    el("span", { class: "unit" }, unit.unit("x"))));
+  const diameter = el("input", {
+    type: "number", step: "any", min: 0, id: "stock-diameter", value: shown(stated().diameter ?? DIAMETER_MM * mm),
+    onchange: () => choose({ diameter: read(diameter) > 0 ? read(diameter) : null }),
+  });
+  const shape = el("select", { id: "stock-shape", onchange: () => choose({ shape: shape.value }) },
+    ...SHAPES.map((name) => el("option", { value: name, selected: name === stated().shape }, t(`stock.shape.${name}`))));
+  return {
+    node: el("div", {}, el("p", { class: "note" }, t("stock.size")), ...rows,
+      el("div", { class: "row" }, labelled(t("stock.diameter"), diameter, unit.unit("x")), labelled(t("stock.shape"), shape))),
+    /** Shows the size that the program needs where none is stated. */
+    propose(box) {
+      for (const side of [0, 1]) for (const axis of [0, 1, 2]) inputs[side][axis].placeholder = shown(box?.[side][axis]);
+    },
+  };
+}
