@@ -183,9 +183,10 @@ impl<'a> Session<'a> {
         &mut self.style
     }
 
-    /// Sends the requests of [`Self::before_start`] that have not been sent yet.
+    /// Sends the requests of [`Self::before_start`] that have not been sent yet. The scripts of the start have ended.
     pub fn settle(&mut self) -> Outcome {
         let result = self.send_pending();
+        self.link.set_starting(false);
         self.outcome_of(result)
     }
 

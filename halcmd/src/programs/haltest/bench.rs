@@ -170,6 +170,10 @@ impl Link for Bench {
         self.engine.at(file, line);
     }
 
+    fn set_starting(&mut self, is_starting: bool) {
+        self.engine.set_starting(is_starting);
+    }
+
     fn is_local(&self) -> bool {
         true
     }
