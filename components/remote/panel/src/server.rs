@@ -128,7 +128,8 @@ pub fn run(options: &Options) -> Result<(), String> {
     let teleop = settings.address;
     Security::check_needs(teleop.unwrap_or(teleop::ADDRESS), options)?;
     let place = Place::find(options.instance.as_deref())?;
-    let info = info::info(place.name(), ini.as_ref());
+    let is_inch = ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false));
+    let info = info::info(place.name(), ini.as_ref(), is_inch);
     let runtime = runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
     let runtime = runtime.map_err(|e| hal_output::reason(&e))?;
     runtime.block_on(async {
@@ -162,7 +163,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             pressing: Mutex::default(),
             pictures: Pictures::default(),
             place,
-            is_inch: ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false)),
+            is_inch,
             info,
             address_file,
         });
