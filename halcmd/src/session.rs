@@ -167,8 +167,7 @@ impl<'a> Session<'a> {
         self.environment = environment;
     }
 
-    /// Adds a request that is sent before the threads are first started or the clock is first
-    /// moved.
+    /// Adds a request that is sent before the threads are first started or the clock is first moved.
     pub fn before_start(&mut self, request: Request) {
         self.before_start.push(request);
     }

@@ -185,7 +185,6 @@ impl Fixture<'_> {
     fn script(&mut self) -> (Outcome, String) {
         let mut terminal = Captured::default();
         let watched = watch::recorded(self.test);
-        self.bench.set_starting(true);
         let mut session = Session::new(
             &mut self.bench,
             &mut terminal,
