@@ -167,8 +167,7 @@ impl<'a> Session<'a> {
         self.environment = environment;
     }
 
-    /// Adds a request that is sent before the threads are first started or the clock is first
-    /// moved.
+    /// Adds a request that is sent before the threads are first started or the clock is first moved.
     pub fn before_start(&mut self, request: Request) {
         self.before_start.push(request);
     }
@@ -183,9 +182,10 @@ impl<'a> Session<'a> {
         &mut self.style
     }
 
-    /// Sends the requests of [`Self::before_start`] that have not been sent yet.
+    /// Sends the requests of [`Self::before_start`] that have not been sent yet. The scripts of the start have ended.
     pub fn settle(&mut self) -> Outcome {
         let result = self.send_pending();
+        self.link.set_starting(false);
         self.outcome_of(result)
     }
 

@@ -33,6 +33,8 @@ pub struct Engine {
     pub(crate) runtime: Runtime,
     pub(crate) workers: Workers,
     pub(crate) snapshots: Snapshots,
+    /// True while the scripts with which the instance starts are in progress.
+    pub(crate) is_starting: bool,
     /// In a dry run: the program's component that is being created.
     pub(crate) tried: Option<Ix>,
     /// The last field: everything else points into its values.
@@ -68,6 +70,7 @@ impl Engine {
             log: Log::default(),
             workers: Workers::default(),
             snapshots: Snapshots::default(),
+            is_starting: false,
             tried: None,
             options,
         })

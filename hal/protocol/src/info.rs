@@ -300,6 +300,9 @@ pub struct StatusInfo {
     pub realtime: Option<RealtimeInfo>,
     /// True if hardware is simulated.
     pub simulated: bool,
+    /// True while the scripts with which the instance starts are in progress: components may still be loaded.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub starting: bool,
     /// True if threads run their functions.
     pub running: bool,
     /// Fault that stopped the threads.

@@ -95,6 +95,12 @@ pub trait Link {
         let _: (&str, u32) = (file, line);
     }
 
+    /// Notes whether the scripts with which the instance starts are in progress. Only a link to an engine in this
+    /// process does so.
+    fn set_starting(&mut self, is_starting: bool) {
+        let _: bool = is_starting;
+    }
+
     /// Returns whether the engine is in this process. Programs that a script starts are then
     /// children of the engine's process.
     fn is_local(&self) -> bool {

@@ -233,6 +233,7 @@ fn script(
     terminal: &mut dyn Terminal,
 ) -> (Outcome, Vec<Child>) {
     let mut link = Local::new(engine);
+    link.set_starting(true);
     if let Some(level) = plan.level {
         // The level is within range.
         drop(link.call(Request::MessageLevel { level }));

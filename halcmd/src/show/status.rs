@@ -232,6 +232,7 @@ pub(crate) mod samples {
             scheduling: "all in one place".to_owned(),
             realtime: None,
             simulated: true,
+            starting: false,
             running: true,
             fault: None,
             stuck: None,

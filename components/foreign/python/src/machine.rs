@@ -10,7 +10,11 @@ use pyo3::{
     prelude::*,
     types::PyTuple,
 };
-use std::{collections::BTreeMap, path::Path, sync::Mutex};
+use std::{
+    collections::BTreeMap,
+    path::Path,
+    sync::{Arc, Mutex},
+};
 
 pyo3::create_exception!(
     linuxcnc,
@@ -38,16 +42,17 @@ struct Record {
     snapshot: Snapshot,
     values: Vec<Value>,
     next: Vec<Value>,
-    client: Client,
+    /// Connection of the channel.
+    client: Arc<Mutex<Client>>,
 }
 
 #[pymethods]
 impl Page {
-    /// Maps the snapshot of this name.
+    /// Maps the snapshot of this name through the connection of a channel.
     #[new]
-    fn new(py: Python<'_>, name: &str) -> PyResult<Self> {
-        let mut client = connect(py)?;
-        let snapshot = py.detach(|| client.snapshot(name));
+    fn new(py: Python<'_>, channel: &Channel, name: &str) -> PyResult<Self> {
+        let client = channel.client.clone();
+        let snapshot = py.detach(|| locked(&client).snapshot(name));
         let snapshot = snapshot.map_err(|e| error::new_err(e.to_string()))?;
         let (mut fields, mut first) = (BTreeMap::new(), 0);
         for field in &snapshot.info().fields {
@@ -66,7 +71,7 @@ impl Page {
         // Other threads go on while the component writes.
         let count = py.detach(|| {
             let record = &mut *locked(&self.record);
-            if record.client.is_gone() {
+            if locked(&record.client).is_gone() {
                 return Err("the machine has ended");
             }
             let count = record.snapshot.wait(&mut record.next);
@@ -105,10 +110,10 @@ impl Page {
     }
 }
 
-/// A connection for commands.
+/// A connection for commands and snapshots.
 #[pyclass(module = "_machine", frozen)]
 struct Channel {
-    client: Mutex<Client>,
+    client: Arc<Mutex<Client>>,
 }
 
 impl Channel {
@@ -122,7 +127,7 @@ impl Channel {
 impl Channel {
     #[new]
     fn new(py: Python<'_>) -> PyResult<Self> {
-        Ok(Self { client: Mutex::new(connect(py)?) })
+        Ok(Self { client: Arc::new(Mutex::new(connect(py)?)) })
     }
 
     /// Sends a command of a component. Returns its lines, and the number of its ticket if it takes time. A refusal
@@ -147,6 +152,12 @@ impl Channel {
             Reply::Ticket(TicketInfo::Failed(why)) => Ok(Some(why)),
             _ => Ok(Some(String::new())),
         }
+    }
+
+    /// Returns whether the scripts with which the instance starts are in progress.
+    fn is_starting(&self, py: Python<'_>) -> PyResult<bool> {
+        let reply = self.ask(py, Request::Status)?;
+        Ok(matches!(reply, Reply::Status(status) if status.starting))
     }
 
     /// Returns the process of the instance, and the arguments with which a component was loaded.

@@ -149,7 +149,7 @@ impl Machine {
     }
 
     fn apply(&mut self, ini: &Ini) -> Result<(), String> {
-        let is_inch = ini.is_inch().map_err(|entry| number::wrong(entry, "mm or inch"))?;
+        let is_inch = ini.is_inch().map_err(number::not_a_unit)?;
         let unit = if is_inch { Unit::Inch } else { Unit::Millimetre };
         self.settings.unit = unit;
         self.settings.program_unit = unit;

@@ -29,6 +29,11 @@ pub fn wrong(entry: &Entry, wanted: &str) -> String {
     format!("{file}:{line}: [{section}]{name} '{value}': it must be {wanted}")
 }
 
+/// Returns the error of an entry that names no unit of length.
+pub fn not_a_unit(entry: &Entry) -> String {
+    wrong(entry, "mm or inch")
+}
+
 /// Returns the first entry of this name with its first word. An entry without a value states nothing.
 fn stated<'a>(ini: &'a Ini, section: &str, name: &str) -> Option<(&'a Entry, &'a str)> {
     let entry = ini.all(section, name).next()?;

@@ -14,6 +14,8 @@ mod ahead;
 mod event;
 mod output;
 
+use ahead::Alike;
+
 use crate::{
     curve::Curve,
     pose::Pose,
@@ -56,8 +58,8 @@ pub struct Follower {
     since_up: f64,
     since_down: f64,
     recheck: u8,
-    /// Farthest cell in the direction of motion up to which all are of the kinds of the input's cell, as far as is known.
-    alike: u64,
+    /// Cells ahead that are of the kinds of the input's cell.
+    alike: Alike,
     /// True if reverse motion was asked for.
     asked: bool,
     events: u32,
@@ -123,7 +125,7 @@ impl Follower {
             since_up: f64::INFINITY,
             since_down: f64::INFINITY,
             recheck: 0,
-            alike: 0,
+            alike: Alike::none(0),
             asked: false,
             events: 0,
             position: start,
@@ -250,7 +252,7 @@ impl Follower {
                     break;
                 }
                 self.back = reverse;
-                self.alike = self.cell;
+                self.alike = Alike::none(self.cell);
                 self.to_go = cell.length - self.to_go;
             }
             if usize::from(cell.samples) != self.samples && !self.change_filter(&cell, still) {
@@ -318,6 +320,7 @@ impl Follower {
             }
         }
         self.cell = number;
+        self.alike.length -= next.length;
         self.to_go = next.length;
         true
     }

@@ -24,7 +24,7 @@ const BOUNDS: [&str; 2] = ["times", "times_are_near"];
 
 const LIB: &str = "lib";
 
-const MUTANTS: [Mutant; 26] = [
+const MUTANTS: [Mutant; 27] = [
     Mutant {
         mistake: "a search takes the end of its bracket that has not passed the test",
         file: "follower/event.rs",
@@ -206,6 +206,13 @@ const MUTANTS: [Mutant; 26] = [
         right: "cell.scaled(scales).min(ahead).min(self.top)",
         wrong: "cell.scaled(scales).min(ahead.max(1e9)).min(self.top)",
         fails: ["rapids", "an_override_of_0"],
+    },
+    Mutant {
+        mistake: "the follower looks no farther than four cells for an override of 0",
+        file: "follower/ahead.rs",
+        right: "for _ in 0..SEARCHED {",
+        wrong: "for _ in SEARCHED..SEARCHED {",
+        fails: ["rapids", "short_cells"],
     },
 ];
 

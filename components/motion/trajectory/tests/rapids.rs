@@ -137,6 +137,47 @@ fn an_override_of_0_stops_before_its_moves() {
     }
 }
 
+/// An override of 0 also stops before its moves where many cells lie within the braking distance: behind dense code, which is
+/// joined or not, and behind an arc of lines.
+#[test]
+fn an_override_of_0_stops_before_its_moves_behind_short_cells() {
+    type Place = fn(f64) -> (f64, f64);
+    let straight: Place = |x| (x, 0.0);
+    let wave: Place = |x| (x, 0.5 * (x / 4.0).sin());
+    let zigzag: Place = |x| (x, if (x * 100.0).round() % 2.0 == 0.0 { 0.0 } else { -0.003 });
+    let circle: Place = |s| (2.0 * (s / 2.0).sin(), 2.0 - 2.0 * (s / 2.0).cos());
+    for jerk in [f64::INFINITY, 1e5, 1e4] {
+        for (name, place, count) in [
+            ("straight", straight, 1500),
+            ("wave", wave, 1500),
+            ("zigzag", zigzag, 200),
+            ("circle", circle, 1200),
+        ] {
+            let machine = machine(jerk);
+            let place = |n: i32| place(f64::from(n) * 0.01);
+            let feeds = (1..=count).map(|n| (place(n).0, place(n).1, false, 120.0));
+            let (x, y) = place(count);
+            let lines: Vec<_> = feeds.chain([(x + 100.0, y, true, 0.0)]).collect();
+            let planner = planned(&machine, Mode::Blend(0.01), &lines);
+            let mut follower = Follower::new(machine.period, Pose::ZERO);
+            let (mut way, mut periods) = (0.0, 0);
+            loop {
+                let scales = Scales { feed: 1.0, rapid: 0.0 };
+                let step = follower.step(planner.track(), scales, false);
+                (way, periods) = (way + step.travel, periods + 1);
+                if !step.moving && way > 0.0 {
+                    break;
+                }
+                assert!(periods < 5000, "{name}, jerk {jerk}: it stands nowhere");
+            }
+            // The blend of the corner begins before the end of the code.
+            let code = (0..count).map(|n| (place(n), place(n + 1)));
+            let end: f64 = code.map(|(a, b)| (b.0 - a.0).hypot(b.1 - a.1)).sum();
+            assert!(end - 0.1 < way && way < end, "{name}, jerk {jerk}: {way} of {end}");
+        }
+    }
+}
+
 /// A hold in the middle of a rapid move stops there, and one of feeds does not.
 #[test]
 fn only_its_own_override_stops_a_move() {

@@ -9,7 +9,7 @@ const SECTIONS: &[&str] = &["DISPLAY", "EMC", "TRAJ", "KINS"];
 const MAX_JOINTS: usize = 16;
 
 /// Returns the description of the machine.
-pub(crate) fn info(instance: &str, ini: Option<&Ini>) -> Map<String, Json> {
+pub(crate) fn info(instance: &str, ini: Option<&Ini>, is_inch: bool) -> Map<String, Json> {
     let get = |section: &str, name: &str| ini.and_then(|ini| ini.get(section, name));
     let number = |section: &str, name: &str| get(section, name).and_then(|t| t.parse::<f64>().ok());
     let letters = get("TRAJ", "COORDINATES").unwrap_or_default().to_uppercase();
@@ -50,7 +50,7 @@ pub(crate) fn info(instance: &str, ini: Option<&Ini>) -> Map<String, Json> {
         "instance": instance,
         "version": env!("CARGO_PKG_VERSION"),
         "machine": get("EMC", "MACHINE"),
-        "linear_units": ini.map(|ini| if ini.is_inch().unwrap_or(false) { "inch" } else { "mm" }),
+        "linear_units": ini.map(|_| if is_inch { "inch" } else { "mm" }),
         "angular_units": get("TRAJ", "ANGULAR_UNITS"),
         "kinematics": get("KINS", "KINEMATICS"),
         "spindles": number("TRAJ", "SPINDLES").unwrap_or(1.0),

@@ -1,5 +1,7 @@
 //! The server: what it needs before it listens, and its connections.
 
+mod wire;
+
 use crate::{
     accounts,
     audit::Audit,
@@ -28,18 +30,16 @@ use hyper_util::{
     rt::{TokioIo, TokioTimer},
     service::TowerToHyperService,
 };
-use rustix::net::sockopt;
 use serde_json::{Map, Value as Json};
 use std::{
     net::SocketAddr,
-    os::fd::{AsFd as _, OwnedFd},
     path::{Path, PathBuf},
     sync::Arc,
     time::Duration,
 };
 use tokio::{
     io::{AsyncRead, AsyncWrite},
-    net::{TcpListener, TcpStream},
+    net::TcpListener,
     runtime,
     signal::unix::{SignalKind, signal},
     sync::{Mutex, Semaphore, watch},
@@ -47,6 +47,9 @@ use tokio::{
     time::timeout,
 };
 use tokio_rustls::TlsAcceptor;
+use wire::Wire;
+
+pub(crate) use wire::SendBuffer;
 
 /// Number of connections; more wait until one ends.
 const MAX_CONNECTIONS: usize = 1024;
@@ -54,8 +57,6 @@ const MAX_CONNECTIONS: usize = 1024;
 const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Longest head of a request in bytes.
 const MAX_HEAD: usize = 32 << 10;
-/// Size of the send buffer of a `WebSocket`, small so that a slow client gets recent states.
-const SEND_BUFFER: usize = 32 << 10;
 /// Wait after the system has refused a connection.
 const REFUSED: Duration = Duration::from_millis(100);
 
@@ -128,7 +129,8 @@ pub fn run(options: &Options) -> Result<(), String> {
     let teleop = settings.address;
     Security::check_needs(teleop.unwrap_or(teleop::ADDRESS), options)?;
     let place = Place::find(options.instance.as_deref())?;
-    let info = info::info(place.name(), ini.as_ref());
+    let is_inch = ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false));
+    let info = info::info(place.name(), ini.as_ref(), is_inch);
     let runtime = runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
     let runtime = runtime.map_err(|e| hal_output::reason(&e))?;
     runtime.block_on(async {
@@ -162,7 +164,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             pressing: Mutex::default(),
             pictures: Pictures::default(),
             place,
-            is_inch: ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false)),
+            is_inch,
             info,
             address_file,
         });
@@ -220,12 +222,12 @@ async fn serve(
                     tokio::spawn(async move {
                         // Without it, small messages wait for the answer to the one before.
                         drop(stream.set_nodelay(true));
-                        let Ok(wire) = Wire::of(&stream) else { return };
+                        let (wire, send_buffer) = Wire::new(stream);
                         match tls {
-                            None => connection(stream, wire, router).await,
+                            None => connection(wire, send_buffer, router).await,
                             Some(tls) => {
-                                if let Ok(Ok(stream)) = timeout(HEAD_TIME, tls.accept(stream)).await {
-                                    connection(stream, wire, router).await;
+                                if let Ok(Ok(wire)) = timeout(HEAD_TIME, tls.accept(wire)).await {
+                                    connection(wire, send_buffer, router).await;
                                 }
                             }
                         }
@@ -241,29 +243,13 @@ async fn serve(
     }
 }
 
-/// The connection under a request. It begins with the system's send buffer: with a small one, a long answer waits for the
-/// client after every few packets, and the path of a long program takes 12 s instead of 0.1 s.
-#[derive(Clone, Debug)]
-pub(crate) struct Wire(Arc<OwnedFd>);
-
-impl Wire {
-    fn of(stream: &TcpStream) -> std::io::Result<Self> {
-        Ok(Self(Arc::new(stream.as_fd().try_clone_to_owned()?)))
-    }
-
-    /// Lets the connection hold only what is recent, for a `WebSocket`.
-    pub(crate) fn hold_little(&self) {
-        sockopt::set_socket_send_buffer_size(&self.0, SEND_BUFFER).unwrap_or_default();
-    }
-}
-
-async fn connection<S>(stream: S, wire: Wire, router: Router)
+async fn connection<S>(stream: S, send_buffer: SendBuffer, router: Router)
 where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
     let router = TowerToHyperService::new(router);
     let service = service_fn(move |mut request: Request<Incoming>| {
-        request.extensions_mut().insert(wire.clone());
+        request.extensions_mut().insert(send_buffer.clone());
         router.call(request)
     });
     let mut http = http1::Builder::new();

@@ -301,6 +301,10 @@ impl Link for Engine {
         self.model.stand(file, line);
     }
 
+    fn set_starting(&mut self, is_starting: bool) {
+        self.is_starting = is_starting;
+    }
+
     fn is_local(&self) -> bool {
         true
     }

@@ -29,6 +29,7 @@ impl Engine {
             scheduling: self.runtime.scheduling().to_owned(),
             realtime: self.runtime.properties(),
             simulated: self.options.simulate,
+            starting: self.is_starting,
             running: self.runtime.is_running() && shared.fault.get().is_none(),
             fault: self.runtime.fault().cloned(),
             stuck: self.runtime.stuck_funct(),

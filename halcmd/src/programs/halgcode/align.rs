@@ -9,6 +9,7 @@ use hal_align::{
     Alignment, Fit, Mark, Matrix, Model, Transform, Vector,
     rewrite::{Arcs, MAX_REFUSALS, Rewritten, Rules, rewrite},
 };
+use hal_job::number;
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
@@ -219,10 +220,7 @@ impl Machine {
 
     /// Takes the facts from an INI file; a relative name of a file is relative to its folder.
     fn of(ini: &hal_ini::Ini, path: &Path) -> Result<Self, String> {
-        let is_inch = ini.is_inch().map_err(|entry| {
-            let value = &entry.value;
-            format!("{}:{}: [TRAJ]LINEAR_UNITS = {value}: mm or inch", entry.file, entry.line)
-        })?;
+        let is_inch = ini.is_inch().map_err(number::not_a_unit)?;
         let named = ini.get("ALIGN", "MARKS").map(str::trim).filter(|name| !name.is_empty());
         let folder = path.parent().unwrap_or(Path::new(""));
         let marks = named.map(|name| folder.join(name).display().to_string());

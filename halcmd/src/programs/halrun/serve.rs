@@ -32,6 +32,10 @@ impl Link for Local<'_> {
         self.engine.at(file, line);
     }
 
+    fn set_starting(&mut self, is_starting: bool) {
+        self.engine.set_starting(is_starting);
+    }
+
     fn is_local(&self) -> bool {
         true
     }

@@ -28,8 +28,9 @@ pub(super) struct Bench {
 }
 
 impl Bench {
-    /// Wraps an engine that may run for `limit_ns`.
-    pub(super) fn new(engine: Engine, limit_ns: u64) -> Self {
+    /// Wraps an engine that may run for `limit_ns`, and that first executes the machine's script.
+    pub(super) fn new(mut engine: Engine, limit_ns: u64) -> Self {
+        engine.set_starting(true);
         let end = engine.now_ns().saturating_add(i64::try_from(limit_ns).unwrap_or(i64::MAX));
         Self {
             engine,
@@ -168,6 +169,10 @@ impl Link for Bench {
 
     fn at(&mut self, file: &str, line: u32) {
         self.engine.at(file, line);
+    }
+
+    fn set_starting(&mut self, is_starting: bool) {
+        self.engine.set_starting(is_starting);
     }
 
     fn is_local(&self) -> bool {

@@ -270,6 +270,33 @@ fn a_program_that_a_hal_file_starts_before_motion_or_the_task_sees_a_machine_in_
     }
 }
 
+/// Output of the script `machine/taskless.py`.
+const TASKLESS: &str = "\
+e-stop 1 True 1
+polls in between True
+snapshot 'motion.status' not found: the scripts of the machine have ended without 'loadrt motmod'
+snapshot 'motion.status' not found: the scripts of the machine have ended without 'loadrt motmod'
+snapshot 'motion.status' not found: the scripts of the machine have ended without 'loadrt motmod'
+connections 1 0
+True 1
+the last state 1
+";
+
+#[test]
+fn a_program_of_a_machine_without_a_task_gets_an_error_when_the_scripts_have_ended() {
+    let Some(python) = python() else { return };
+    let scratch = Scratch::new("python-taskless");
+    scratch.write("taskless.py", fs::read(folder().join("machine/taskless.py")).unwrap());
+    let threads = "loadrt threads name1=t period1=1000000\nstart\n";
+    scratch.write(
+        "bare.hal",
+        format!("{threads}loadusr -Wn taskless {python} taskless.py\nrun 55ms\n"),
+    );
+    scratch.write("run.ini", "[EMC]\nVERSION = 1.1\n[HAL]\nHALFILE = bare.hal\n");
+    let output = ours(&scratch, &["--virtual", "--for", "100ms", "run.ini"]);
+    assert_eq!(output.stdout, TASKLESS, "{}", output.stderr);
+}
+
 #[test]
 fn a_program_that_is_killed_leaves_nothing_behind() {
     let Some(python) = python() else { return };

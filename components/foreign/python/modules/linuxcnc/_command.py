@@ -237,7 +237,7 @@ class command:
 
     def _turning(self, spindle):
         if self._page is None:
-            self._page = _machine.Page("motion.status")
+            self._page = _machine.Page(_machine.Channel(), "motion.status")
         self._page.poll()
         return self._page["spindle_speed"][spindle]
 

@@ -55,6 +55,7 @@ class error_channel:
     """
 
     def __init__(self):
+        self._channel = None
         self._page = None
         self._seen = 0
         self._last = None
@@ -64,9 +65,11 @@ class error_channel:
             pass
 
     def _open(self):
+        if self._channel is None:
+            self._channel = _machine.Channel()
         # Of a task that is not there yet, no message is old.
         was_blank = isinstance(self._page, Blank)
-        self._page = page("task.status")
+        self._page = page(self._channel, "task.status")
         self._seen = 0 if was_blank else self._page["messages"]
 
     def poll(self):

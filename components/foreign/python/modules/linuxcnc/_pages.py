@@ -1,4 +1,8 @@
-"""Snapshots of a machine that begins: until its components are loaded, it is in e-stop and all numbers are zero."""
+"""Snapshots of a machine that starts.
+
+Until its components are loaded, it is in e-stop and all numbers are zero. Once its scripts have ended, a component that is
+missing is an error.
+"""
 
 import os
 
@@ -9,30 +13,35 @@ _ANALOG = (0.0,) * 8
 _JOINTS, _JOINT_BITS = (0.0,) * 16, (False,) * 16
 _SPINDLES, _SPINDLE_COUNTS, _SPINDLE_BITS = (0.0,) * 8, (0,) * 8, (False,) * 8
 
+#: Components that write the snapshots.
+_COMPONENTS = {"motion.status": "motmod", "task.status": "task"}
+
 #: The fields that this module reads, before the component writes them.
 BLANK = {
     "motion.status": {
-        "adaptive_feed": False, "analog_in": _ANALOG, "analog_out": _ANALOG, "axis_to_go": _NINE, "digital_in": 0,
-        "digital_out": 0, "distance_to_go": 0.0, "enabled": False, "feed_hold": False, "in_position": False,
-        "joint_active": _JOINT_BITS, "joint_at_max": _JOINT_BITS, "joint_at_min": _JOINT_BITS,
-        "joint_error": _JOINT_BITS, "joint_fault": _JOINT_BITS, "joint_feedback": _JOINTS,
-        "joint_homed": _JOINT_BITS, "joint_homing": _JOINT_BITS, "joint_max_limit": _JOINTS,
-        "joint_min_limit": _JOINTS, "joint_position": _JOINTS, "joint_velocity": _JOINTS, "joints": 0,
-        "joints_above": 0, "joints_below": 0, "line": 0, "max_velocity": 0.0, "misc_errors": 0, "mode": 0,
-        "motion_type": 0, "overriding_limits": False, "paused": False, "pose": _NINE, "pose_feedback": _NINE,
-        "probe_found": False, "probe_input": False, "probe_measured": _NINE, "probing": False, "queue": 0,
-        "spindle_brake": _SPINDLE_BITS, "spindle_orient_fault": _SPINDLE_COUNTS,
-        "spindle_orient_state": _SPINDLE_COUNTS, "spindle_override": _SPINDLES, "spindle_speed": _SPINDLES,
-        "spindles": 0, "velocity": 0.0,
+        "adaptive_feed": False, "analog_in": _ANALOG, "analog_out": _ANALOG, "axis_to_go": _NINE,
+        "digital_in": 0, "digital_out": 0, "distance_to_go": 0.0, "enabled": False,
+        "feed_hold": False, "in_position": False, "joint_active": _JOINT_BITS,
+        "joint_at_max": _JOINT_BITS, "joint_at_min": _JOINT_BITS, "joint_error": _JOINT_BITS,
+        "joint_fault": _JOINT_BITS, "joint_feedback": _JOINTS, "joint_homed": _JOINT_BITS,
+        "joint_homing": _JOINT_BITS, "joint_max_limit": _JOINTS, "joint_min_limit": _JOINTS,
+        "joint_position": _JOINTS, "joint_velocity": _JOINTS, "joints": 0, "joints_above": 0,
+        "joints_below": 0, "line": 0, "max_velocity": 0.0, "misc_errors": 0, "mode": 0,
+        "motion_type": 0, "overriding_limits": False, "paused": False, "pose": _NINE,
+        "pose_feedback": _NINE, "probe_found": False, "probe_input": False, "probe_measured": _NINE,
+        "probing": False, "queue": 0, "spindle_brake": _SPINDLE_BITS,
+        "spindle_orient_fault": _SPINDLE_COUNTS, "spindle_orient_state": _SPINDLE_COUNTS,
+        "spindle_override": _SPINDLES, "spindle_speed": _SPINDLES, "spindles": 0, "velocity": 0.0,
     },
     "task.status": {
-        "block_delete": False, "calls": 0, "command": "", "delay_left": 0.0, "direction": _SPINDLE_COUNTS,
-        "feed": 0.0, "feed_override": 0.0, "feed_override_counts": False, "file": "", "flood": False,
-        "g5x_offset": _NINE, "g92_offset": _NINE, "g_codes": (0,) * 13, "input_timeout": False, "interpreter": 0,
-        "line": 0, "line_read": 0, "lube": False, "lube_level": False, "mdi_queue": 0, "message": "",
-        "message_level": 0, "messages": 0, "mist": False, "mode": 0, "optional_stop": False,
-        "rapid_override": 0.0, "rotation": 0.0, "speed": _SPINDLES, "spindle_override_counts": _SPINDLE_BITS,
-        "state": 0, "system": 0, "tool": 0,
+        "block_delete": False, "calls": 0, "command": "", "delay_left": 0.0,
+        "direction": _SPINDLE_COUNTS, "feed": 0.0, "feed_override": 0.0,
+        "feed_override_counts": False, "file": "", "flood": False, "g5x_offset": _NINE,
+        "g92_offset": _NINE, "g_codes": (0,) * 13, "input_timeout": False, "interpreter": 0,
+        "line": 0, "line_read": 0, "lube": False, "lube_level": False, "mdi_queue": 0,
+        "message": "", "message_level": 0, "messages": 0, "mist": False, "mode": 0,
+        "optional_stop": False, "rapid_override": 0.0, "rotation": 0.0, "speed": _SPINDLES,
+        "spindle_override_counts": _SPINDLE_BITS, "state": 0, "system": 0, "tool": 0,
         "tool_awaited": -1, "tool_offset": _NINE, "tool_prepared": 0,
     },
 }
@@ -56,13 +65,16 @@ class Blank:
         """Nothing has been written."""
 
 
-def page(name):
-    """Returns a snapshot, or a blank one to a program that a machine starts before the component."""
+def page(channel, name):
+    """Returns a snapshot, or a blank one to a program that a machine's scripts start before the component."""
+    # Asked first: a component that loads meanwhile is found.
+    is_starting = channel.is_starting()
     try:
-        return _machine.Page(name)
-    except _machine.error:
+        return _machine.Page(channel, name)
+    except _machine.error as why:
         if "INI_FILE_NAME" not in os.environ:
             raise
-        # Without an instance, this fails.
-        _machine.Channel()
+        if not is_starting:
+            text = "%s: the scripts of the machine have ended without 'loadrt %s'"
+            raise _machine.error(text % (why, _COMPONENTS[name])) from None
         return Blank(name)

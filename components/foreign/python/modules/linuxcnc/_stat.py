@@ -248,13 +248,16 @@ class stat:
     """State of the machine at the last `poll`."""
 
     def __init__(self):
+        self._channel = None
         self._pages = None
         self._highest = {}
 
     def _open(self):
-        channel = _machine.Channel()
-        pages = page("motion.status"), page("task.status")
-        self._facts = Facts(ini_file(channel))
+        if self._channel is None:
+            self._channel = _machine.Channel()
+        pages = page(self._channel, "motion.status"), page(self._channel, "task.status")
+        if self._pages is None:
+            self._facts = Facts(ini_file(self._channel))
         self._pages = pages
         self._motion, self._task = pages
         self._is_whole = not any(isinstance(p, Blank) for p in pages)

@@ -18,6 +18,15 @@ impl Default for Feed {
     }
 }
 
+/// Overrides that one order sends.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Scale {
+    Feed,
+    Rapid,
+    FeedAndRapid,
+    Spindle(u8),
+}
+
 /// Orders of overrides in progress.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Orders {
@@ -62,13 +71,13 @@ impl Core {
             self.feed.scale = motion.feed_override;
             if !self.feed.counts {
                 // One that is refused is sent again in the next step.
-                drop(self.send_feed_scale(out));
+                drop(self.send_scale(Scale::Feed, out));
             }
         }
         if motion.rapid_override != self.rapid_in_force() {
             self.feed.rapid = motion.rapid_override;
             if !self.feed.counts {
-                drop(self.send_rapid_scale(out));
+                drop(self.send_scale(Scale::Rapid, out));
             }
         }
         let count = self.interpreter.state.modal.spindles.len();
@@ -81,7 +90,7 @@ impl Core {
                 *scale = is;
             }
             if self.spindle_counts.get(n) == Some(&false) {
-                drop(self.send_spindle_scale(spindle, out));
+                drop(self.send_scale(Scale::Spindle(spindle), out));
             }
         }
     }
@@ -100,31 +109,21 @@ impl Core {
         self.spindle_scale.get(spindle).copied().filter(|_| counts).unwrap_or(1.0)
     }
 
-    /// Sends the feed override in force.
-    pub(super) fn send_feed_scale(&mut self, out: &mut impl Outside) -> Result<bool, String> {
-        let (feed, rapid) = (Some(self.feed_in_force()), None);
-        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
-    }
-
-    /// Sends the override of rapid moves in force.
-    pub(super) fn send_rapid_scale(&mut self, out: &mut impl Outside) -> Result<bool, String> {
-        let (feed, rapid) = (None, Some(self.rapid_in_force()));
-        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
-    }
-
-    /// Sends both.
-    pub(super) fn send_feed_scales(&mut self, out: &mut impl Outside) -> Result<bool, String> {
-        let (feed, rapid) = (Some(self.feed_in_force()), Some(self.rapid_in_force()));
-        self.overriding.add(out.order(&Order::FeedScale { feed, rapid }))
-    }
-
-    /// Sends the speed override of a spindle in force.
-    pub(super) fn send_spindle_scale(
+    /// Sends overrides in force. Returns false if motion accepts no more orders now.
+    pub(super) fn send_scale(
         &mut self,
-        spindle: u8,
+        scale: Scale,
         out: &mut impl Outside,
     ) -> Result<bool, String> {
-        let scale = self.speed_in_force(spindle.into());
-        self.overriding.add(out.order(&Order::SpindleScale { spindle, scale }))
+        let (feed, rapid) = (Some(self.feed_in_force()), Some(self.rapid_in_force()));
+        let order = match scale {
+            Scale::Feed => Order::FeedScale { feed, rapid: None },
+            Scale::Rapid => Order::FeedScale { feed: None, rapid },
+            Scale::FeedAndRapid => Order::FeedScale { feed, rapid },
+            Scale::Spindle(spindle) => {
+                Order::SpindleScale { spindle, scale: self.speed_in_force(spindle.into()) }
+            }
+        };
+        self.overriding.add(out.order(&order))
     }
 }

@@ -1,6 +1,6 @@
 //! Execution: steps go to motion and iocontrol in their order.
 
-use super::{Core, Entry, Flight, Reading, Surface, Waiting};
+use super::{Core, Entry, Flight, Reading, Surface, Waiting, overrides::Scale};
 use crate::{
     convert::Action,
     outside::{Level, Order, Outside, Refusal},
@@ -195,7 +195,7 @@ impl Core {
             }
             Action::FeedOverride(on) => {
                 let before = core::mem::replace(&mut self.feed.counts, *on);
-                let sent = self.send_feed_scales(out);
+                let sent = self.send_scale(Scale::FeedAndRapid, out);
                 // Without the order, motion's override is still that of before.
                 if sent != Ok(true) {
                     self.feed.counts = before;
@@ -207,7 +207,7 @@ impl Core {
                 if let Some(counts) = self.spindle_counts.get_mut(usize::from(*spindle)) {
                     *counts = *on;
                 }
-                let sent = self.send_spindle_scale(*spindle, out);
+                let sent = self.send_scale(Scale::Spindle(*spindle), out);
                 if sent != Ok(true) {
                     self.spindle_counts = before;
                 }

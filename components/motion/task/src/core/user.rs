@@ -1,6 +1,6 @@
 //! Commands of operators.
 
-use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, Waiting, file_name};
+use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, Waiting, file_name, overrides::Scale};
 use crate::outside::{Order, Outside, Refusal};
 use hal_component::IoRequest;
 use hal_job::{dry_run::Target, world};
@@ -131,18 +131,18 @@ impl Core {
             }
             Command::FeedOverride(scale) => {
                 self.feed.scale = scale;
-                accepted(self.send_feed_scale(out)?)
+                accepted(self.send_scale(Scale::Feed, out)?)
             }
             Command::RapidOverride(scale) => {
                 self.feed.rapid = scale;
-                accepted(self.send_rapid_scale(out)?)
+                accepted(self.send_scale(Scale::Rapid, out)?)
             }
             Command::SpindleOverride { spindle, scale } => {
                 let count = self.interpreter.state.modal.spindles.len();
                 let slot = self.spindle_scale.get_mut(usize::from(spindle));
                 let slot = slot.filter(|_| usize::from(spindle) < count);
                 *slot.ok_or_else(|| format!("there is no spindle {spindle}"))? = scale;
-                accepted(self.send_spindle_scale(spindle, out)?)
+                accepted(self.send_scale(Scale::Spindle(spindle), out)?)
             }
         }
     }

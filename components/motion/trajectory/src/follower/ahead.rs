@@ -6,21 +6,98 @@ use crate::{
     track::{Cell, Path},
 };
 
-/// Largest number of cells ahead that are examined.
+/// Largest number of cells ahead whose overrides count.
 const AHEAD: usize = 4;
+
+/// Largest number of cells that a period reads in its search for an override of 0; no period passes more of them.
+const SEARCHED: usize = 8;
+
+/// The cells beyond that of the input that belong to the same kinds of moves, as far as is known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Alike {
+    /// Number of the farthest one in the direction of motion.
+    last: u64,
+    /// Length of all of them.
+    pub(super) length: f64,
+    /// Least acceleration at rest in them, and greatest loss of it per squared speed.
+    rest: f64,
+    fade: f64,
+}
+
+impl Alike {
+    /// Nothing is known beyond this cell.
+    pub(super) const fn none(cell: u64) -> Self {
+        Self { last: cell, length: 0.0, rest: f64::INFINITY, fade: 0.0 }
+    }
+
+    /// Adds the next cell in the direction of motion.
+    fn add(&mut self, number: u64, cell: &Cell) {
+        self.last = number;
+        self.length += cell.length;
+        self.rest = self.rest.min(cell.rest);
+        self.fade = self.fade.max(cell.fade);
+    }
+}
 
 impl Follower {
     /// Returns the highest speed of this period from which the input can brake for the overrides of the next cells;
     /// infinity where these are no lower than planned. The limits of speed, acceleration and jerk do not depend on it.
     pub(super) fn cap_ahead(&mut self, track: &impl Path, scales: &Scales) -> f64 {
         // With one factor for all moves, no move is slower than planned beside the others.
-        if scales.feed == scales.rapid || !self.begun || self.is_alike_ahead(track) {
+        if scales.feed == scales.rapid || !self.begun {
+            return f64::INFINITY;
+        }
+        let is_past =
+            if self.back { self.alike.last > self.cell } else { self.alike.last < self.cell };
+        if is_past {
+            self.alike = Alike::none(self.cell);
+        }
+        let cap = self.cap_of_next(track, scales);
+        if scales.feed == 0.0 || scales.rapid == 0.0 {
+            return cap.min(self.cap_before_hold(track, scales));
+        }
+        cap
+    }
+
+    /// Returns the highest speed of this period from which the input can stop before moves that are held, as far as they
+    /// have been found within twice its braking distance. Each cell is read once, a few in each period.
+    fn cap_before_hold(&mut self, track: &impl Path, scales: &Scales) -> f64 {
+        let Some(cell) = track.cell(self.cell) else { return f64::INFINITY };
+        let (highest, margin) = self.margin(&cell);
+        for _ in 0..SEARCHED {
+            let Some((k, next)) = self.beyond(track, self.alike.last) else { break };
+            let Alike { length, rest, fade, .. } = self.alike;
+            // One cell as slow as the slowest of them.
+            let (rest, fade, speed) = (rest.min(cell.rest), fade.max(cell.fade), f64::INFINITY);
+            let square =
+                |way: f64| Cell { length: way.max(0.0), rest, fade, speed, ..cell }.reach(0.0);
+            if kinds(&next) != kinds(&cell) {
+                let is_held = next.scaled(scales) == 0.0;
+                let way = self.to_go + length - margin;
+                return if is_held { square(way).sqrt() } else { f64::INFINITY };
+            }
+            if square(0.5 * (length - margin)) > highest * highest {
+                break;
+            }
+            self.alike.add(k, &next);
+        }
+        f64::INFINITY
+    }
+
+    /// Returns the speed from which the input brakes, and the way before that: it may accelerate once more, and then has to
+    /// wait.
+    fn margin(&self, cell: &Cell) -> (f64, f64) {
+        let speed = self.speed + cell.rest * self.period;
+        (speed, speed * (self.pause() + 2.0 * self.period))
+    }
+
+    /// Returns the highest speed of this period from which the input can brake for the overrides of the next cells.
+    fn cap_of_next(&mut self, track: &impl Path, scales: &Scales) -> f64 {
+        if self.is_alike_ahead(track) {
             return f64::INFINITY;
         }
         let Some(cell) = track.cell(self.cell) else { return f64::INFINITY };
-        // The input may accelerate once more, and then has to wait before it brakes.
-        let speed = self.speed + cell.rest * self.period;
-        let margin = speed * (self.pause() + 2.0 * self.period);
+        let (speed, margin) = self.margin(&cell);
         // Half the acceleration at rest is enough to stop in this cell.
         if cell.rest * (self.to_go - margin) > speed * speed {
             return f64::INFINITY;
@@ -54,19 +131,14 @@ impl Follower {
 
     /// Returns true if the next cells belong to the same kinds of moves as the cell of the input. Each cell is read once.
     fn is_alike_ahead(&mut self, track: &impl Path) -> bool {
-        let (cell, back) = (self.cell, self.back);
-        let is_past = if back { self.alike > cell } else { self.alike < cell };
-        if is_past {
-            self.alike = cell;
-        }
         let mut here = None;
-        while cell.abs_diff(self.alike) < AHEAD as u64 {
-            let Some((k, next)) = self.beyond(track, self.alike) else { return true };
-            let here = *here.get_or_insert_with(|| track.cell(cell).map(|c| kinds(&c)));
+        while self.cell.abs_diff(self.alike.last) < AHEAD as u64 {
+            let Some((k, next)) = self.beyond(track, self.alike.last) else { return true };
+            let here = *here.get_or_insert_with(|| track.cell(self.cell).map(|c| kinds(&c)));
             if here != Some(kinds(&next)) {
                 return false;
             }
-            self.alike = k;
+            self.alike.add(k, &next);
         }
         true
     }

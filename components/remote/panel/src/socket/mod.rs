@@ -7,7 +7,7 @@ mod view;
 use crate::{
     error::{Code, Error},
     scope::{MAX_SCOPES, Scope, Wanted},
-    server::{Panel, Wire},
+    server::{Panel, SendBuffer},
     session::{Role, Session, cookie},
     values,
 };
@@ -53,11 +53,11 @@ const MAX_RATE: u32 = 400;
 /// Opens the socket.
 pub(crate) async fn open(
     State(panel): State<Arc<Panel>>,
-    Extension(wire): Extension<Wire>,
+    Extension(send_buffer): Extension<SendBuffer>,
     headers: HeaderMap,
     upgrade: WebSocketUpgrade,
 ) -> Response {
-    wire.hold_little();
+    send_buffer.shrink();
     let cookie = cookie(&headers, panel.address.port());
     let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
     upgrade.on_upgrade(async move |mut socket| {

@@ -110,7 +110,7 @@ fn what_is_stopped_while_a_start_is_checked_does_not_move_afterwards() {
 #[test]
 fn a_stop_before_the_check_begins_counts_too() {
     let (engine, told) = engine();
-    let (_tell, seen) = watch::channel(machine(2, false));
+    let (tell, seen) = watch::channel(machine(2, false));
     let mut panel = Panel::that(engine, "early");
     panel.machine = seen;
     let panel = Arc::new(panel);
@@ -119,7 +119,18 @@ fn a_stop_before_the_check_begins_counts_too() {
     let begun = run(async {
         let stops = Stops::of(&panel);
         panel.engine.stop(Request::Ready, true).await.unwrap();
-        start(&panel, &user, b"M2\n".to_vec(), stops).await
+        let work = panel.clone();
+        let begun = tokio::spawn(async move { start(&work, &user, b"M2\n".to_vec(), stops).await });
+        // The status of the check is of before the stop; then it shows the stop.
+        for _ in 0..100 {
+            tell.send_replace(machine(2, false));
+            yield_now().await;
+        }
+        while !begun.is_finished() {
+            tell.send_replace(stopped(2, false, 1));
+            yield_now().await;
+        }
+        begun.await.unwrap()
     });
     let text = "a stop has come meanwhile: give the command again";
     assert_eq!(begun.unwrap_err(), Reason::new(Code::Ocupado, text));
