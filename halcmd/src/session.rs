@@ -9,6 +9,7 @@ pub(crate) mod program;
 pub(crate) mod prompt;
 pub mod remote;
 pub(crate) mod running;
+mod start;
 pub(crate) mod tcl;
 pub(crate) mod trailer;
 pub(crate) mod twopass;
@@ -167,11 +168,6 @@ impl<'a> Session<'a> {
         self.environment = environment;
     }
 
-    /// Adds a request that is sent before the threads are first started or the clock is first moved.
-    pub fn before_start(&mut self, request: Request) {
-        self.before_start.push(request);
-    }
-
     /// Sets the folder for relative file names.
     pub fn set_folder(&mut self, folder: &Path) {
         self.folder = Some(folder.to_owned());
@@ -180,13 +176,6 @@ impl<'a> Session<'a> {
     /// Returns the options for changing them.
     pub const fn style_mut(&mut self) -> &mut Style {
         &mut self.style
-    }
-
-    /// Sends the requests of [`Self::before_start`] that have not been sent yet. The scripts of the start have ended.
-    pub fn settle(&mut self) -> Outcome {
-        let result = self.send_pending();
-        self.link.set_starting(false);
-        self.outcome_of(result)
     }
 
     /// Returns the programs that the session started and that have not ended yet.
@@ -380,11 +369,6 @@ impl<'a> Session<'a> {
                 Outcome::Failed
             }
         }
-    }
-
-    pub(crate) fn send_pending(&mut self) -> Result<(), Error> {
-        let pending = core::mem::take(&mut self.before_start);
-        pending.into_iter().try_for_each(|request| self.call(request).map(|_| ()))
     }
 
     fn call(&mut self, request: Request) -> Result<Reply, Error> {
@@ -677,7 +661,7 @@ mod tests {
             session.file("f", Bytes::new(b"setp a 1\nstart\nrun 1s\n".to_vec())),
             Outcome::Good
         );
-        assert_eq!(session.settle(), Outcome::Good);
+        assert_eq!(session.settle(Outcome::Good), Outcome::Good);
         let set = "Set { name: \"a\", value: \"1\" }";
         assert_eq!(link.asked, [set, "EndRecord", "Start", "Run { ns: 1000000000 }"]);
     }

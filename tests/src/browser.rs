@@ -136,19 +136,33 @@ impl Browser {
     }
 
     /// Runs a script in the page; `return` gives its value.
+    ///
+    /// # Panics
+    /// The script fails.
     pub fn run(&self, script: &str) -> Value {
-        self.post("/execute/sync", &json!({ "script": script, "args": [] }))
+        self.answer_of(script).unwrap_or_else(|why| panic!("{script}: {why}"))
+    }
+
+    /// Runs a script in the page; returns its value, or why it has none.
+    fn answer_of(&self, script: &str) -> Result<Value, String> {
+        let body = json!({ "script": script, "args": [] });
+        self.answer("POST", &format!("{}/execute/sync", self.session), Some(&body))
     }
 
     /// Waits until an expression of the page is true.
     ///
     /// # Panics
-    /// It never is.
+    /// It never is, or it cannot be evaluated.
     pub fn until(&self, expression: &str) {
-        let body = json!({ "script": format!("return Boolean({expression})"), "args": [] });
-        let path = format!("{}/execute/sync", self.session);
-        // A page that is loaded again meanwhile has no answer yet.
-        let is_true = try_until(|| self.answer("POST", &path, Some(&body)) == Ok(json!(true)));
+        let script = format!("return Boolean({expression})");
+        let is_true = try_until(|| match self.answer_of(&script) {
+            Ok(value) => value == json!(true),
+            // A page that is loaded again meanwhile has no answer yet.
+            Err(why) => {
+                assert!(why.contains("navigation"), "{expression}: {why}");
+                false
+            }
+        });
         assert!(is_true, "timed out: {expression}\n{}", self.shown());
     }
 

@@ -233,7 +233,8 @@ fn script(
     terminal: &mut dyn Terminal,
 ) -> (Outcome, Vec<Child>) {
     let mut link = Local::new(engine);
-    link.set_starting(true);
+    // What a person types has no end that programs could wait for.
+    link.set_starting(plan.script != Script::Terminal);
     if let Some(level) = plan.level {
         // The level is within range.
         drop(link.call(Request::MessageLevel { level }));
@@ -265,7 +266,7 @@ fn script(
         (Script::Terminal, _) => typed(&mut session),
         (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
     };
-    let outcome = if outcome == Outcome::Good { session.settle() } else { outcome };
+    let outcome = session.settle(outcome);
     let outcome = match &plan.job {
         Some(job) if outcome == Outcome::Good => job::run(&mut session, job),
         _ => outcome,

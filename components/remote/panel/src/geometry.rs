@@ -27,7 +27,7 @@ struct Point {
     feed: f32,
     tool: u16,
     kind: u8,
-    /// Number of changes of the tool's offset up to here.
+    /// Place of the tool's offset among those of the geometry.
     offset: u32,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct Geometry {
     tolerance: f64,
     reduced: bool,
     whole: bool,
-    /// Offsets of the tool that the program has taken, one after the other; the first is that of its start.
+    /// Offsets of the tool at the points, one after the other; no two neighbours are equal.
     offsets: Vec<[f64; 3]>,
     /// A bit for each of A B C U V W that moves.
     others: u32,
@@ -63,12 +63,12 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
     it.load(&file.display().to_string(), world::program(file)?);
     let mut way = Way::new(it.state.frame, it.state.position);
     let place = |p: Position| [p.x, p.y, p.z].map(|v| v * scale);
-    let mut geometry =
-        Geometry { tolerance, offsets: vec![place(way.tool())], ..Geometry::default() };
+    let mut geometry = Geometry { tolerance, ..Geometry::default() };
     let begin = others(way.at);
     let (mut unit, mut feed) = (it.state.frame.unit, it.state.modal.feed);
     let mut tool = u16::try_from(it.state.tool.number).unwrap_or(0);
-    geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset: 0 });
+    let offset = geometry.offset(place(way.tool()));
+    geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset });
     let (begun, mut out) = (Instant::now(), Vec::new());
     for n in 0_u32.. {
         let answers = Answers { probe_trips: true, functions: None };
@@ -82,12 +82,7 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
                 }
                 _ => {}
             }
-            if matches!(issued.call, Call::UseToolLengthOffset(_)) {
-                way.follow(&issued.call, &mut |_, _| {});
-                geometry.offsets.push(place(way.tool()));
-                continue;
-            }
-            let offset = u32::try_from(geometry.offsets.len() - 1).unwrap_or(u32::MAX);
+            let offset = place(way.tool());
             way.follow(&issued.call, &mut |kind, at| {
                 let (kind, feed) = match (kind, &issued.call) {
                     (Kind::Rapid, _) => (1, 0.0),
@@ -100,6 +95,7 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
                 for (bit, (from, to)) in begin.into_iter().zip(others(at)).enumerate() {
                     geometry.others |= u32::from((from - to).abs() > 1e-9) << bit;
                 }
+                let offset = geometry.offset(offset);
                 geometry.add(Point { at: place(at), line: issued.line, feed, tool, kind, offset });
             });
         }
@@ -131,6 +127,14 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
 }
 
 impl Geometry {
+    /// Returns the place of the offset of a point that follows all others.
+    fn offset(&mut self, offset: [f64; 3]) -> u32 {
+        if self.offsets.last() != Some(&offset) {
+            self.offsets.push(offset);
+        }
+        u32::try_from(self.offsets.len() - 1).unwrap_or(u32::MAX)
+    }
+
     fn keep(&mut self, point: Point) {
         self.points.push(point);
     }

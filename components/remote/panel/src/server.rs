@@ -98,7 +98,7 @@ pub(crate) struct Panel {
     /// Description of the machine.
     pub(crate) info: Map<String, Json>,
     /// File with the address and the one-time token.
-    address_file: PathBuf,
+    pub(crate) address_file: PathBuf,
 }
 
 impl Panel {

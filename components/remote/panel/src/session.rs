@@ -94,14 +94,20 @@ impl Sessions {
         *self.token.lock().unwrap_or_else(PoisonError::into_inner) = Some(token);
     }
 
-    /// Takes the one-time token, if this is it, and notes the attempt of who took it.
-    pub(crate) fn take_token(&self, given: &str, attempt: Option<&str>) -> bool {
+    /// Takes the one-time token, if this is it.
+    pub(crate) fn take_token(&self, given: &str) -> bool {
         let mut token = self.token.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some(token) = token.take_if(|token| is_equal(token, given)) else { return false };
-        let taken =
-            attempt.map(|attempt| Taken { token, attempt: attempt.to_owned(), at: Instant::now() });
-        *self.taken.lock().unwrap_or_else(PoisonError::into_inner) = taken;
-        true
+        token.take_if(|token| is_equal(token, given)).is_some()
+    }
+
+    /// Notes the attempt that has taken a token, if it can be repeated.
+    pub(crate) fn note_taken(&self, token: &str, attempt: Option<&str>) {
+        let note = |attempt: &str| Taken {
+            token: token.to_owned(),
+            attempt: attempt.to_owned(),
+            at: Instant::now(),
+        };
+        *self.taken.lock().unwrap_or_else(PoisonError::into_inner) = attempt.map(note);
     }
 
     /// Returns whether this attempt has just taken this token: its answer was lost on the way.

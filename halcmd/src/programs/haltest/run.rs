@@ -210,9 +210,7 @@ impl Fixture<'_> {
                 outcome = session.file(&lines.spot.file, numbered(lines));
             }
         }
-        if outcome == Outcome::Good {
-            outcome = session.settle();
-        }
+        let outcome = session.settle(outcome);
         self.programs.extend(session.into_programs());
         self.heard(&terminal);
         (outcome, terminal.err)

@@ -30,6 +30,9 @@ M2
 /// Volume of a slot whose middle line is 50 mm long.
 const SLOT: f64 = 2.0 * (50.0 * 5.0 + PI * 2.5 * 2.5);
 
+/// True when the picture has the path of the program, and can simulate it.
+const LOADED: &str = "Number(document.querySelector('.view').dataset.points) > 0 && !document.querySelector('#sim-start').disabled";
+
 /// Returns a number that the picture has.
 fn number(fixture: &Fixture, name: &str) -> f64 {
     let value =
@@ -60,7 +63,7 @@ fn a_program_is_simulated_while_the_machine_stands() {
     let b = &fixture.browser;
     fixture.ready();
     open(&fixture, "slots.ngc", SLOTS);
-    b.until("Number(document.querySelector('.view').dataset.points) > 0 && !document.querySelector('#sim-start').disabled");
+    b.until(LOADED);
     let joints = || [0, 1, 2].map(|n| fixture.printer.number(&format!("getp joint.{n}.pos-cmd")));
     let before = joints();
     listen(&fixture);
@@ -134,7 +137,7 @@ fn the_pedal_is_simulated_on_each_screen() {
         b.run("document.querySelector('nav [data-group=job]').click()");
         open(&fixture, "pedal.ngc", &pedal);
         b.run("document.querySelector('nav [data-group=view]').click()");
-        b.until("Number(document.querySelector('.view').dataset.points) > 0 && !document.querySelector('#sim-start').disabled");
+        b.until(LOADED);
         simulate(&fixture, "max");
         // T1 is flat, T2 is a ball: what the table remarks. Rows 5 mm apart over 30 mm, in two slices of 3 mm, and more.
         let removed = number(&fixture, "removed");
@@ -161,7 +164,7 @@ fn the_machine_carves_while_it_cuts() {
         "slot.ngc",
         "G21 G90\nG0 X10 Y10 Z5\nG1 Z-2 F300\nG4 P1\nX40 F600\nG4 P1\nG0 Z5\nM2\n",
     );
-    b.until("Number(document.querySelector('.view').dataset.points) > 0");
+    b.until(LOADED);
     b.run("document.querySelector('#stock-live').click()");
     b.until("document.querySelector('.view').dataset.removed === '0'");
     fixture.hold("#run-start", "!document.querySelector('#run-stop').disabled");

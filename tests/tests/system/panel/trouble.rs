@@ -137,21 +137,22 @@ fn a_part_of_the_page_that_does_not_arrive_is_loaded_again() {
     }
     let printer = Printer::start("operator");
     let b = Browser::open(&printer.scratch, DESKTOP);
-    for part in ["*/src/operator/overrides.js", "*/style/base.css", "*/src/main.js"] {
-        b.block(&[part]);
+    let again = "/it is loaded again/.test(document.body.textContent)";
+    // What the page asks for may be lost too: it goes on asking.
+    let asks = "document.querySelector('.sign-in [role=status]')";
+    for (lost, shown) in [
+        ("*/src/operator/overrides.js", again),
+        ("*/style/base.css", again),
+        ("*/src/main.js", again),
+        ("*/api/v1/session", asks),
+    ] {
+        b.block(&[lost]);
         b.go("about:blank");
         b.go(&printer.address());
-        b.until("/it is loaded again/.test(document.body.textContent)");
+        b.until(shown);
         b.block(&[]);
         b.until("document.querySelector('#machine-state')?.textContent");
     }
-    // What the page asks for may be lost too: it goes on asking.
-    b.block(&["*/api/v1/session"]);
-    b.go("about:blank");
-    b.go(&printer.address());
-    b.until("document.querySelector('.sign-in [role=status]')");
-    b.block(&[]);
-    b.until("document.querySelector('#machine-state')?.textContent");
 }
 
 #[test]

@@ -264,8 +264,8 @@ fn every_component_does_as_theirs() {
     }
     let mut modules = shared();
     // Components that are programs there have no modules to judge, and a file that says why.
-    let is_told = |name: &String| Case::of(name).is_ok_and(|case| case.skip.is_some());
-    modules.extend(pins::names().into_iter().filter(is_told));
+    let is_skipped = |name: &String| Case::of(name).is_ok_and(|case| case.skip.is_some());
+    modules.extend(pins::names().into_iter().filter(is_skipped));
     modules.sort();
     modules.dedup();
     let rows = rows(&modules);

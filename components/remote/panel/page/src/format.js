@@ -60,20 +60,6 @@ export function bytes(n) {
   return n < 1e6 ? `${(n / 1e3).toFixed(1)} kB` : `${(n / 1e6).toFixed(1)} MB`;
 }
 
-/** Returns the pose of the tool in work coordinates: the machine pose without tool, G92, rotation and offset. */
-export function workPose(motion, task) {
-  const pose = motion.pose ?? [];
-  const of = (list, i) => list?.[i] ?? 0;
-  const work = pose.map((p, i) => p - of(task.tool_offset, i) - of(task.g5x_offset, i));
-  const angle = -(task.rotation ?? 0) * (Math.PI / 180);
-  if (angle !== 0 && work.length > 1) {
-    const [x, y] = work;
-    work[0] = x * Math.cos(angle) - y * Math.sin(angle);
-    work[1] = x * Math.sin(angle) + y * Math.cos(angle);
-  }
-  return work.map((p, i) => p - of(task.g92_offset, i));
-}
-
 /** Returns the name of a G code that is given times ten. */
 export function gCode(times10) {
   return Number.isInteger(times10 / 10) ? `G${times10 / 10}` : `G${(times10 / 10).toFixed(1)}`;

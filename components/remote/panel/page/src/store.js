@@ -16,14 +16,13 @@ export class Store {
 
   /** Takes over the changed fields of a part. */
   merge(part, changes) {
-    this.parts[part] = { ...this.get(part), ...changes };
-    for (const reporter of this.reporters) reporter(part);
-    this.notify();
+    this.replace(part, { ...this.get(part), ...changes });
   }
 
   /** Replaces a part. */
   replace(part, value) {
     this.parts[part] = value;
+    for (const reporter of this.reporters) reporter(part);
     this.notify();
   }
 

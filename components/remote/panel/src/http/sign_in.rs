@@ -60,7 +60,7 @@ impl Panel {
         if self.sessions.is_repeated(token, attempt) {
             return Ok(self.options.role);
         }
-        if !self.sessions.take_token(token, attempt) {
+        if !self.sessions.take_token(token) {
             return Err(Error::new(Code::WrongLogin, "the token is wrong, or has been used"));
         }
         if let Err(why) = self.renew_token() {
@@ -68,6 +68,7 @@ impl Panel {
             self.sessions.set_token(token.to_owned());
             return Err(Error::new(Code::Disk, why));
         }
+        self.sessions.note_taken(token, attempt);
         Ok(self.options.role)
     }
 
@@ -156,6 +157,15 @@ mod tests {
         panel.sessions.set_token("three".to_owned());
         assert!(by("three", None));
         assert!(!by("three", None) && !by("three", Some("")) && !by("one", Some("a")));
+        // A token that could not be replaced has not been taken, and the same attempt replaces it.
+        panel.sessions.set_token("four".to_owned());
+        std::fs::remove_file(&panel.address_file).unwrap();
+        std::fs::create_dir(&panel.address_file).unwrap();
+        assert!(!by("four", Some("d")) && !by("four", Some("d")));
+        std::fs::remove_dir(&panel.address_file).unwrap();
+        assert!(by("four", Some("d")));
+        let file = std::fs::read_to_string(&panel.address_file).unwrap();
+        assert!(!file.contains("four") && !by("four", Some("e")), "{file}");
         std::fs::remove_dir_all(panel.place.folder()).unwrap();
     }
 }

@@ -8,6 +8,7 @@ globalThis.document = new EventTarget();
 const { probeLines } = await import("../../page/src/operator/probe.js");
 const { figures } = await import("../../page/src/align/camera.js");
 const { Units } = await import("../../page/src/format.js");
+const { workPose } = await import("../../page/src/frame.js");
 const { machineMessages } = await import("../../page/src/operator/messages.js");
 
 const mm = { far: 10, speed: 50, tip: 2, isInch: false };
@@ -21,6 +22,12 @@ const cases = [
 ];
 for (const [axis, way, numbers, codes, ...lines] of cases) assert.deepEqual(probeLines(axis, way, numbers, codes), lines);
 assert.deepEqual(probeLines("X", 1, mm, [70, 210, 900]), []);
+
+// The part is turned by 90°, G92 with it; the tool is 5 long, and A has offsets of its own.
+const turned = { g5x_offset: [10, 20, 0, 10], g92_offset: [1, 0, 0, 5], rotation: 90, tool_offset: [0, 0, 5] };
+workPose({ pose: [7, 23, 9, 30] }, turned).forEach((v, i) => assert.ok(Math.abs(v - [2, 3, 4, 15][i]) < 1e-9, `${i}: ${v}`));
+assert.deepEqual(workPose({ pose: [1, 2, 3] }, {}), [1, 2, 3]);
+assert.deepEqual(workPose({}, turned), []);
 
 const shown = [];
 const take = machineMessages({ add: (level, text) => shown.push(`${level}: ${text}`) }, (key, n) => `${key} ${n}`);

@@ -2,9 +2,10 @@
 
 import assert from "node:assert/strict";
 
-const { CRASHED, CUT, Dexels, Frame, MAX_CELLS, boxOf } = await import("../../page/src/view/dexels.js");
+const { Frame } = await import("../../page/src/frame.js");
+const { CRASHED, CUT, Dexels, MAX_CELLS, boxOf } = await import("../../page/src/view/dexels.js");
 const { Path } = await import("../../page/src/view/path.js");
-const { Player } = await import("../../page/src/view/player.js");
+const { Carver, Player } = await import("../../page/src/view/player.js");
 
 const flat = (diameter) => ({ radius: diameter / 2, isBall: false });
 const ball = (diameter) => ({ radius: diameter / 2, isBall: true });
@@ -215,4 +216,28 @@ assert.equal(path(way(...slot), { flags: 1 | (1 << 3) | (1 << 7) }).others, "BW"
   assert.equal(boxOf(path(way([0, 0, 0, 0], [1, 5, 5, 5])), turned, () => flat(D), 2), null);
   // Where the zero is below, the highest cut is the upper side.
   assert.equal(boxOf(path(way([0, 0, 0, 9], [2, 5, 5, 3], [2, 9, 5, 4])), new Frame(), () => flat(D), 2)[1][2], 4);
+}
+
+// The machine carves from report to report, with its tool's offset; what is not reported cuts nothing.
+{
+  const stock = block();
+  const carver = new Carver(stock, new Frame([0, 0, 100]));
+  const at = (x, z, more) => carver.report({ pose_feedback: [x, 25, 130 + z], tool_offset: [0, 0, 30], motion_type: 2, segment: 1, ...more }, flat(D));
+  at(20, -H);
+  assert.equal(stock.removed, 0);
+  at(50, -H);
+  at(80, -H);
+  near(stock.removed, H * (60 * D + (Math.PI * D * D) / 4), 0.03 * stock.removed);
+  const { removed } = stock;
+  carver.lose();
+  at(80, -9);
+  assert.equal(stock.removed, removed);
+  carver.report({}, flat(D));
+  at(20, -9);
+  assert.equal(stock.removed, removed);
+  // A rapid move that cuts counts once, however often it is reported.
+  for (const x of [30, 40, 50]) at(x, -9, { motion_type: 1, segment: 2 });
+  at(60, -9, { motion_type: 1, segment: 3 });
+  at(60, 5, { motion_type: 1, segment: 4 });
+  assert.equal(carver.rapids, 2);
 }

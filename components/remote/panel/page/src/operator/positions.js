@@ -1,7 +1,8 @@
 // Positions of the tool and of the joints.
 
 import { card, el, setText } from "../dom.js";
-import { AXES, workPose } from "../format.js";
+import { AXES } from "../format.js";
+import { workPose } from "../frame.js";
 
 const KINDS = ["work", "machine", "joint", "togo"];
 

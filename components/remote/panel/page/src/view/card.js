@@ -1,11 +1,11 @@
 // The card with the picture: path, limits, zeros, machine, tool, stock.
 
 import { card, el, setText } from "../dom.js";
-import { AXES, workPose } from "../format.js";
+import { AXES } from "../format.js";
+import { frameOf, workPose } from "../frame.js";
 import { getJson, listPath, programPath, request } from "../http.js";
 import { Vector3 } from "../../vendor/three.module.min.js";
 import { Gantry, Lathe, Rods, Tool, Trail, lights } from "./bodies.js";
-import { frameOf } from "./dexels.js";
 import { kinematicsOf } from "./kinematics.js";
 import { Path } from "./path.js";
 import { simulationPart } from "./simulation.js";
@@ -180,12 +180,17 @@ function travel(info) {
 
 /** Returns the body of a machine whose axes are its joints; others have none yet. */
 function bodyOf(info, low, high, colours) {
-  const axes = info.axes.toUpperCase();
   // Without an entry in the INI file the machine has no other kinematics than the trivial ones.
   const [kinematics] = (info.kinematics ?? "trivkins").split(" ");
   if (kinematics !== "trivkins") return null;
-  if (axes.includes("X") && axes.includes("Z") && !axes.includes("Y")) return new Lathe(low, high, colours);
-  return axes.startsWith("XYZ") ? new Gantry(low, high, colours) : null;
+  if (isLathe(info)) return new Lathe(low, high, colours);
+  return info.axes.toUpperCase().startsWith("XYZ") ? new Gantry(low, high, colours) : null;
+}
+
+/** Returns whether a machine has the axes of a lathe. */
+function isLathe({ axes }) {
+  const has = (axis) => axes.toUpperCase().includes(axis);
+  return has("X") && has("Z") && !has("Y");
 }
 
 /** Returns the zero of the current coordinate system in machine coordinates. */
@@ -199,9 +204,8 @@ function zero(task) {
  * move, an arm's tool stays as the machine's pose has it.
  */
 function whyNoStock(path, kinematics, { info, store, t }) {
-  const axes = info.axes.toUpperCase();
   if (path.others) return t("stock.others", [...path.others].join(" "));
-  if (axes.includes("X") && axes.includes("Z") && !axes.includes("Y")) return t("stock.turned");
+  if (isLathe(info)) return t("stock.turned");
   if (!kinematics || kinematics.isUpright) return "";
   // Roll, pitch and yaw.
   const [a, b] = (store.get("motion").pose ?? []).slice(3).map((angle) => (angle * Math.PI) / 180);

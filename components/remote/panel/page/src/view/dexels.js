@@ -2,6 +2,8 @@
 //
 // A cell has the height of the material above it. Tools come from above, so that a height says all.
 
+import { RAPID } from "./path.js";
+
 /** Number of cells of a field at most. */
 export const MAX_CELLS = 40_000;
 /** What has cut a cell. */
@@ -120,36 +122,14 @@ function span(ax, ay, cy, reach) {
   return [Math.min(a, b), Math.max(a, b)];
 }
 
-/** The frame of a part: its zero in machine coordinates, and its rotation about Z in radians. */
-export class Frame {
-  constructor(zero = [0, 0, 0], angle = 0) {
-    [this.zero, this.angle] = [zero, angle];
-    [this.cos, this.sin] = [Math.cos(angle), Math.sin(angle)];
-  }
-
-  /** Returns a point of the machine in the part's coordinates. */
-  part([px, py, pz]) {
-    const [x, y, z] = [px - this.zero[0], py - this.zero[1], pz - this.zero[2]];
-    return [x * this.cos + y * this.sin, y * this.cos - x * this.sin, z];
-  }
-}
-
-/** Returns the frame of the coordinate system that the task has. */
-export function frameOf(task) {
-  const turned = new Frame([0, 0, 0], ((task.rotation ?? 0) * Math.PI) / 180);
-  const [x, y, z] = task.g92_offset ?? [0, 0, 0];
-  const g92 = [x * turned.cos - y * turned.sin, x * turned.sin + y * turned.cos, z];
-  return new Frame((task.g5x_offset ?? [0, 0, 0]).slice(0, 3).map((v, i) => v + g92[i]), turned.angle);
-}
-
 /** Returns the box that a program's cuts need, wider by the tools and a margin; null for a program without cuts. */
 export function boxOf(path, frame, tools, margin) {
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
   let isCut = false;
   for (let i = 1; i < path.count; i++) {
-    if (path.kinds[i] < 2) continue;
+    if (path.kinds[i] <= RAPID) continue;
     const { radius } = tools(path.tools[i]);
-    const begins = path.kinds[i - 1] < 2;
+    const begins = path.kinds[i - 1] <= RAPID;
     for (const at of begins ? [i - 1, i] : [i]) {
       const point = frame.part(path.tip(at, i));
       if (!point.every(Number.isFinite)) continue;

@@ -5,7 +5,8 @@ import { word } from "./raster.js";
 
 const MAGIC = "FERPATH1";
 const HEADER_BYTES = 64;
-const RAPID = 1;
+/** Kind of rapid moves; cuts have higher ones. */
+export const RAPID = 1;
 /** Rapids show what is behind them. */
 const RAPID_ALPHA = 140;
 /** Most tools that have colours of their own. */

@@ -1,12 +1,13 @@
-// The play of a program over a stock, in slices, without anything of the browser.
+// Stock that is cut by a program which is played, in slices, or by the machine, without anything of the browser.
 
-const RAPID = 1;
+import { MOTION } from "../operator/states.js";
+import { RAPID } from "./path.js";
 
 /** A program that is played: the tool's place after some of the path's time, and what its rapid moves have cut. */
 export class Player {
   /**
    * `times` has the minutes at which each point of the path is reached, `tools` returns the tool of a number, `stock` may
-   * be null. Throws an error for a path without moves.
+   * be null, and `frame` is that of the stock. Throws an error for a path without moves.
    */
   constructor({ path, times, tools, stock, frame }) {
     if (!(path.count > 1)) throw new RangeError("nothing moves");
@@ -68,5 +69,34 @@ export class Player {
     const volume = stock.cut(this.tools(path.tools[i]), frame.part(tip), frame.part(to), isRapid);
     if (isRapid && volume > 0 && this.rapids.at(-1) !== i) this.rapids.push(i);
     return stock.work;
+  }
+}
+
+/** The machine as its reports show it: between two, its tool is taken to go straight. */
+export class Carver {
+  constructor(stock, frame) {
+    Object.assign(this, { stock, frame });
+    /** Number of rapid moves that have cut. */
+    this.rapids = 0;
+    this.tip = null;
+    this.segment = 0;
+  }
+
+  /** Forgets where the tool is: its way to the next report is not known. */
+  lose() {
+    this.tip = null;
+  }
+
+  /** Cuts with this tool as far as a report of the motion says. */
+  report(motion, tool) {
+    const pose = motion.pose_feedback ?? motion.pose;
+    const from = this.tip;
+    this.tip = pose ? this.frame.part([0, 1, 2].map((i) => pose[i] - (motion.tool_offset?.[i] ?? 0))) : null;
+    if (!from || !this.tip || this.tip.every((v, i) => v === from[i])) return;
+    const isRapid = motion.motion_type === MOTION.rapid;
+    const removed = this.stock.cut(tool, from, this.tip, isRapid);
+    if (removed === 0 || !isRapid || this.segment === motion.segment) return;
+    this.rapids += 1;
+    this.segment = motion.segment;
   }
 }

@@ -2,8 +2,9 @@
 
 import { el, enable, field as labelled, mark, setText, show } from "../dom.js";
 import { getJson } from "../http.js";
-import { Dexels, Frame, boxOf, frameOf } from "./dexels.js";
-import { Player } from "./player.js";
+import { frameOf } from "../frame.js";
+import { Dexels, boxOf } from "./dexels.js";
+import { Carver, Player } from "./player.js";
 import { Crashes, Cutter, StockPicture } from "./stock.js";
 
 /** Margin around a program's cuts, and the diameter of a tool that the table has none for, in millimetres. */
@@ -47,7 +48,6 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   let table = [];
   let sim = null;
   let live = null;
-  let frame = null;
   let asked = null;
   const cutter = new Cutter(colours.ghost);
   const crashes = new Crashes(colours.crash);
@@ -80,14 +80,14 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   /** Returns new stock with its picture; null where nothing is carved. */
   function block() {
     if (!path || path.count < 2 || whyNot(path)) return null;
-    frame = frameOf(store.get("task"));
+    const frame = frameOf(store.get("task"));
     const box = boxOf(path, frame, tools(), MARGIN_MM * mm);
     choices.propose(box);
     const typed = prefs.get("stock").box;
     const ends = [0, 1].map((side) => [0, 1, 2].map((axis) => typed[side][axis] ?? box?.[side][axis]));
     try {
       const field = new Dexels(...ends);
-      return { field, frame, picture: new StockPicture(field, frame, colours), rapids: 0, tip: null, line: 0 };
+      return { field, frame, picture: new StockPicture(field, frame, colours) };
     } catch {
       return null;
     }
@@ -103,7 +103,10 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   function renew() {
     drop(live);
     live = prefs.get("stock").isLive ? block() : null;
-    if (live) view.live.add(live.picture.node);
+    if (live) {
+      live.carver = new Carver(live.field, live.frame);
+      view.live.add(live.picture.node);
+    }
     draw();
   }
 
@@ -119,7 +122,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
       await readTools();
       const stock = block();
       const times = path.timeline(60 * (info.max_linear_velocity ?? 100));
-      const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: frame ?? new Frame() });
+      const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null });
       sim = { player, stock, state: "playing", pose: store.get("motion").pose, last: performance.now() };
     } catch (error) {
       if (error.name !== "AbortError") setText(figures, path?.count > 1 ? error.message : t("view.empty"));
@@ -188,7 +191,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     const shown = sim?.stock ?? (sim ? null : live);
     shown?.picture.draw();
     crashes.show(sim?.player.rapids ?? [], path);
-    const rapids = sim ? sim.player.rapids.length : live?.rapids ?? 0;
+    const rapids = sim ? sim.player.rapids.length : live?.carver.rapids ?? 0;
     tell(shown, rapids);
     view.request();
   }
@@ -238,24 +241,11 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
 
   /** Carves what the machine cuts, at each of its reports. */
   function cut(part) {
-    if (part !== "motion" || !live) return;
-    const [motion, task] = [store.get("motion"), store.get("task")];
-    const isRunning = Boolean(task.interpreter) && store.get("link").isOpen === true;
-    const pose = motion.pose_feedback ?? motion.pose;
-    if (!isRunning || !pose) {
-      live.tip = null;
-      return;
-    }
-    const offset = motion.tool_offset ?? [0, 0, 0];
-    const tip = live.frame.part([0, 1, 2].map((i) => pose[i] - offset[i]));
-    const { tip: from, field } = live;
-    live.tip = tip;
-    if (!from || tip.every((v, i) => v === from[i])) return;
-    const isRapid = motion.motion_type === 1;
-    const removed = field.cut(toolOf(task.tool ?? 0), from, tip, isRapid);
-    if (removed === 0 || !isRapid || live.line === motion.segment) return;
-    live.rapids += 1;
-    live.line = motion.segment;
+    if (!live) return;
+    const task = store.get("task");
+    // What happens without a connection, and without a program, is left out.
+    if (part === "link" || !task.interpreter) live.carver.lose();
+    else if (part === "motion") live.carver.report(store.get("motion"), toolOf(task.tool ?? 0));
   }
 
   store.report(cut, signal);

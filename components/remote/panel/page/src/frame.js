@@ -1,0 +1,31 @@
+// The frame of a part, and the tool in it.
+
+/** The frame of a part: its zero in machine coordinates, and its rotation about Z in radians. */
+export class Frame {
+  constructor(zero = [0, 0, 0], angle = 0) {
+    [this.zero, this.angle] = [zero, angle];
+    [this.cos, this.sin] = [Math.cos(angle), Math.sin(angle)];
+  }
+
+  /** Returns a point of the machine in the part's coordinates. */
+  part([px, py, pz]) {
+    const [x, y, z] = [px - this.zero[0], py - this.zero[1], pz - this.zero[2]];
+    return [x * this.cos + y * this.sin, y * this.cos - x * this.sin, z];
+  }
+}
+
+/** Returns the frame of the coordinate system that the task has. */
+export function frameOf(task) {
+  const angle = ((task.rotation ?? 0) * Math.PI) / 180;
+  // G92 is turned with the part.
+  const g92 = new Frame([0, 0, 0], -angle).part(task.g92_offset ?? [0, 0, 0]);
+  return new Frame((task.g5x_offset ?? [0, 0, 0]).slice(0, 3).map((v, i) => v + g92[i]), angle);
+}
+
+/** Returns the pose of the tool in work coordinates: the machine pose without tool, G92, rotation and offset. */
+export function workPose(motion, task) {
+  const of = (list, i) => list?.[i] ?? 0;
+  const tip = (motion.pose ?? []).map((p, i) => p - of(task.tool_offset, i));
+  const rest = tip.slice(3).map((p, i) => p - of(task.g5x_offset, i + 3) - of(task.g92_offset, i + 3));
+  return tip.length < 3 ? [] : [...frameOf(task).part(tip), ...rest];
+}
