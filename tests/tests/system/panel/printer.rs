@@ -58,7 +58,10 @@ impl Printer {
 
     fn begin(name: &str, role: &str, clock: &[&str], entries: &str) -> Self {
         let scratch = Scratch::copy_of(&root().join("configs").join(name));
-        let ini = scratch.read(&format!("{name}.ini"));
+        let mut ini = scratch.read(&format!("{name}.ini"));
+        if clock.contains(&"--simulate") {
+            ini = without_following_error(&ini);
+        }
         // A computer that tests keep busy answers late: the lease then lasts, while a jog still ends at once.
         let lasts = if entries.contains("LEASE_TIMEOUT") { "" } else { "LEASE_TIMEOUT = 60\n" };
         scratch.write(INI, format!("{ini}\n[REMOTE]\n{lasts}{entries}"));
@@ -216,6 +219,18 @@ impl Drop for Printer {
 
 fn is_address(file: &Path) -> bool {
     fs::read_to_string(file).is_ok_and(|text| text.contains("#token=") && text.ends_with('\n'))
+}
+
+/// Returns an INI file whose joints may be 1000 units late. On the real clock, a computer that runs the base thread late makes
+/// the simulated motors late too, and the machine would switch off.
+fn without_following_error(ini: &str) -> String {
+    let line = |line: &str| match line.split_once('=') {
+        Some((name, _)) if ["FERROR", "MIN_FERROR"].contains(&name.trim()) => {
+            format!("{name}= 1000\n")
+        }
+        _ => format!("{line}\n"),
+    };
+    ini.lines().map(line).collect()
 }
 
 fn machine(scratch: &Scratch, clock: &[&str]) -> Running {

@@ -85,8 +85,6 @@ struct Stage {
 
 /// Switches the machine on and homes it, at the machine itself.
 fn ready(printer: &Printer) {
-    // A computer that runs the base thread late makes the simulated motor late too.
-    printer.halcmd("motion.configure joint=0 ferror=1000 min-ferror=1000");
     for line in ["task.estop-reset --wait", "task.on --wait", "task.home joint=all --wait"] {
         printer.halcmd(line);
     }
