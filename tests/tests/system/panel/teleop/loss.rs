@@ -59,7 +59,7 @@ fn is_held(mill: &Mill) {
 
 /// The job goes on to its end.
 fn ends(mill: &Mill) {
-    mill.until("the job ends", || mill.halcmd("getp task.job").trim() == "FALSE");
+    mill.until_no_job_runs();
     mill.run("1s");
     assert_eq!(mill.number("stepgen.0.counts"), END);
     assert!(mill.halcmd("task.status").contains("jobs=1 failed=0"));

@@ -138,9 +138,18 @@ impl Mill {
     }
 
     /// Lets machine time pass in small steps until something is so.
-    pub(super) fn until(&self, what: &str, mut is_so: impl FnMut() -> bool) {
+    pub(super) fn until(&self, what: &str, is_so: impl FnMut() -> bool) {
+        self.in_steps("10ms", what, is_so);
+    }
+
+    /// Lets machine time pass until no job runs, in steps that are long, because each starts programs.
+    pub(super) fn until_no_job_runs(&self) {
+        self.in_steps("500ms", "the job ends", || self.halcmd("getp task.job").trim() == "FALSE");
+    }
+
+    fn in_steps(&self, step: &str, what: &str, mut is_so: impl FnMut() -> bool) {
         until(what, || {
-            self.run("10ms");
+            self.run(step);
             is_so()
         });
     }
