@@ -97,6 +97,18 @@ impl Controller {
         }
     }
 
+    /// Puts the tool, by hand, to a place in robot coordinates, which is the next part zero; without a client alone.
+    pub fn teach(&mut self, zero: Zero) {
+        if !self.is_connected && zero != self.zero {
+            (self.zero, self.at, self.motion) = (zero, [0.0; 3], None);
+        }
+    }
+
+    /// Sets the faults of the answers from now on; their seed stays.
+    pub const fn set_faults(&mut self, faults: Faults) {
+        self.faults = Faults { seed: self.faults.seed, ..faults };
+    }
+
     /// Returns the targets of all moves that were executed to their end, in the part frame.
     #[must_use]
     pub fn moves(&self) -> &[[f64; 3]] {

@@ -1,9 +1,9 @@
 //! Client's end of the protocol: one line at a time, each executed exactly once.
 
-use crate::{Answer, Command, Framer, Refusal, Zero, line::QUIET};
+use crate::{Answer, Command, Framer, Refusal, Zero, line::QUIET, program::approach};
 use std::{collections::VecDeque, fmt};
 
-/// Time after which a paused driver shows the robot that it is still there, in seconds.
+/// Time after which a driver that is ready or paused shows the robot that it is still there, in seconds.
 const ALIVE: f64 = 20.0;
 /// Largest number of probes without an answer.
 const PROBES: u32 = 10;
@@ -146,9 +146,22 @@ impl Driver {
         self.zero
     }
 
+    /// Returns whether a line has been sent that is not known to be executed: the robot may move.
+    #[must_use]
+    pub const fn awaits_line(&self) -> bool {
+        matches!(self.phase, Phase::Answer { .. } | Phase::Probe { answered: Some(_), .. })
+    }
+
+    /// Returns the index of the first line that is not known to be executed.
+    #[must_use]
+    pub const fn next_line(&self) -> usize {
+        self.next
+    }
+
     /// Begins with a new connection.
     pub fn connected(&mut self, now: f64) {
-        *self = Self { state: State::Connected, last_byte: now, ..Self::new(self.timeout) };
+        let new = Self::new(self.timeout);
+        *self = Self { state: State::Connected, last_byte: now, last_sent: now, ..new };
     }
 
     /// Ends with the connection. What is unanswered stays so.
@@ -161,24 +174,24 @@ impl Driver {
         };
     }
 
-    /// Runs lines from an index on. What was before is made good first: the cutting speed, and the place of the tool, which
-    /// goes above the last point at the greatest height of the lines, and down to it. Returns false unless the robot is
-    /// ready.
+    /// Runs lines from an index on, behind [`approach`]. Returns false unless the robot is ready.
     pub fn run(&mut self, lines: Vec<Command>, from: usize, now: f64) -> bool {
         if self.state != State::Ready {
             return false;
         }
-        let before = |is: fn(&Command) -> bool| lines.iter().take(from).rev().copied().find(is);
-        let speed = before(|c| matches!(c, Command::Speed(_)));
-        let last = before(|c| c.target().is_some());
-        let top = lines.iter().filter_map(Command::target).map(|[.., z]| z).reduce(f64::max);
-        let above = last.and_then(|c| c.target()).zip(top);
-        let above = above.map(|([x, y, _], z)| Command::Rapid([x, y, z]));
-        self.first = [Some(Command::Start), speed, above, last].into_iter().flatten().collect();
+        self.first = approach(&lines, from).into();
         (self.lines, self.next) = (lines, from);
         self.state = State::Running;
-        self.advance(now);
+        // A probe on its way has its answer first.
+        if self.phase == Phase::Idle {
+            self.advance(now);
+        }
         true
+    }
+
+    /// Forgets a connection that was ended on purpose.
+    pub fn closed(&mut self) {
+        *self = Self::new(self.timeout);
     }
 
     /// Sends nothing more after the line under way.
@@ -238,7 +251,7 @@ impl Driver {
                     self.probe(now, tries + 1, answered);
                 }
             }
-            Phase::Idle if self.state == State::Paused && now >= self.last_sent + ALIVE => {
+            Phase::Idle if self.is_resting() && now >= self.last_sent + ALIVE => {
                 self.probe(now, 1, None);
             }
             Phase::Idle | Phase::Answer { .. } | Phase::Probe { .. } => {}
@@ -250,7 +263,7 @@ impl Driver {
     pub fn next(&self) -> Option<f64> {
         let quiet = self.framer.has_begun().then_some(self.last_byte + QUIET);
         let timeout = match self.phase {
-            Phase::Idle => (self.state == State::Paused).then_some(self.last_sent + ALIVE),
+            Phase::Idle => self.is_resting().then_some(self.last_sent + ALIVE),
             Phase::Answer { since } | Phase::Probe { since, .. } => Some(since + self.timeout),
         };
         [quiet, timeout].into_iter().flatten().reduce(f64::min)
@@ -312,6 +325,11 @@ impl Driver {
             | (Some(Answer::Refused(_)), Phase::Idle) => {}
             (Some(Answer::Zero(_) | Answer::Waiting) | None, _) => self.events.push(Event::Noise),
         }
+    }
+
+    /// Returns whether the robot waits for a line, and the driver for the user.
+    fn is_resting(&self) -> bool {
+        matches!(self.state, State::Ready | State::Paused)
     }
 
     const fn refusal(is_odd: bool) -> Refusal {
