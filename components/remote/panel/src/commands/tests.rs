@@ -110,6 +110,9 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
         ("align-look", json!({"mark": 2}), Ok("align.look mark=2")),
         ("align-look", json!({}), Err("the command needs mark")),
         ("align-calibrate", json!({"mark": 2}), Err("the command has no argument 'mark'")),
+        ("robot-run", json!({}), Ok("robot.run")),
+        ("robot-run", json!({"from": 12}), Ok("robot.run from=12")),
+        ("robot-stop", json!({"now": true}), Err("the command has no argument 'now'")),
         (
             "tool-offset",
             json!({"tool": "3 M3", "z": 2}),
