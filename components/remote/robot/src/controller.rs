@@ -1,12 +1,11 @@
 //! Simulated controller of the robot: the server's end of the protocol, with its own motion, delays and faults.
 
-use crate::{Answer, Command, FASTEST, Framer, Refusal, Volume, Zero, line::QUIET};
+use crate::{
+    Answer, Command, FASTEST, Framer, Refusal, Volume, Zero,
+    line::{CUTTING, QUIET, RAPID},
+};
 use std::collections::VecDeque;
 
-/// Speed of rapid moves, in millimetres per second.
-const RAPID: f64 = 10.0;
-/// Cutting speed before any is set, in millimetres per second.
-const CUTTING: f64 = 5.0;
 /// Length of the retract at the connection, in millimetres.
 const RETRACT: f64 = 50.0;
 /// Time without a line after which the connection ends, in seconds.

@@ -10,16 +10,18 @@ mod line;
 mod link;
 mod plugin;
 mod program;
+mod state;
 mod volume;
 
 pub use console::{Console, ConsoleOptions, ConsoleRequest, LogEntry, LogKind};
 pub use controller::{Controller, Faults, Output};
 pub use convert::{Failed, Record, convert};
-pub use driver::{Driver, Event, State, Stopped};
+pub use driver::Driver;
 pub use line::{Answer, Command, FASTEST, Framer, MAX_LINE, Refusal};
 pub use link::{SimulatedLink, TcpLink};
 pub use plugin::Robot;
 pub use program::{Program, approach};
+pub use state::{Event, State, Stopped};
 pub use volume::{Outside, Volume, Zero, parse_volume, parse_zero};
 
 hal_component::export!(Robot);

@@ -6,6 +6,10 @@ use std::fmt;
 pub const MAX_LINE: usize = 255;
 /// Highest cutting speed, in millimetres per second.
 pub const FASTEST: f64 = 15.0;
+/// Speed of rapid moves, in millimetres per second.
+pub(crate) const RAPID: f64 = 10.0;
+/// Cutting speed before any is set, in millimetres per second.
+pub(crate) const CUTTING: f64 = 5.0;
 /// Time after which a line without an end counts as whole, in seconds.
 pub(crate) const QUIET: f64 = 0.05;
 

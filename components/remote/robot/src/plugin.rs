@@ -83,10 +83,10 @@ getp robot.connected # -> FALSE
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = &[
         &Arg::text("to", "Address and port of the controller.").or("127.0.0.1:55000"),
-        &Arg::float("timeout", "Time for the answer to a line; longer than any move.")
+        &Arg::float("timeout", "Time for the answer to a line behind the end of its move.")
             .within(0.1, 3600.0)
             .unit("s")
-            .or("60"),
+            .or("20"),
         &Arg::float("connect_timeout", "Longest time for a connection.")
             .within(0.1, 60.0)
             .unit("s")
@@ -112,7 +112,7 @@ getp robot.connected # -> FALSE
         dimensions(b, &volume)?;
         let settings = Settings {
             to: b.arg_text("to").unwrap_or_default(),
-            timeout: b.arg_float("timeout").unwrap_or(60.0),
+            timeout: b.arg_float("timeout").unwrap_or(20.0),
             connect: b.arg_float("connect_timeout").unwrap_or(10.0),
             volume,
             is_simulated: b.is_simulated(),

@@ -139,7 +139,6 @@ impl Update for Gate {
             simulated.inputs.set(&simulated.pins.inputs());
             simulated.pins.shown.set(&simulated.results.get());
         }
-        shared.cycles.store(shared.cycles.load(Relaxed).wrapping_add(1).max(1), Relaxed);
         let mut results = self.results.get();
         if self.is_worker_dead() {
             // Nobody speaks with the controller any more, which then stops by itself.
@@ -148,5 +147,7 @@ impl Update for Gate {
             results = Results { stopped, error, line, ..Results::default() };
         }
         self.shown.set(&results);
+        let cycles = &self.shared.cycles;
+        cycles.store(cycles.load(Relaxed).wrapping_add(1).max(1), Relaxed);
     }
 }

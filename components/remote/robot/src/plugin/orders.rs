@@ -106,9 +106,10 @@ pub(crate) fn open(
             if inbox.orders.len() >= MAX_WAITING && order != RobotOrder::Stop {
                 return Err(Error::new("too many commands wait for the worker of robot"));
             }
-            // A program that is refused must not be missed.
-            let is_load = matches!(order, RobotOrder::Load(_));
-            let ticket = if is_load { call.awaited_ticket()? } else { call.ticket()? };
+            // What ends at once must not be refused unseen.
+            let ends_at_once =
+                matches!(order, RobotOrder::Load(_) | RobotOrder::Resume | RobotOrder::Disconnect);
+            let ticket = if ends_at_once { call.awaited_ticket()? } else { call.ticket()? };
             inbox.orders.push((order, ticket));
             Ok(())
         })?;

@@ -80,6 +80,7 @@ fn a_connection_needs_the_function_and_ends_without_it() {
     bench.load::<Robot>(&[]).unwrap();
     bench.command("robot.connect", &[]).unwrap();
     bench.work("robot", 1).unwrap();
+    bench.work("robot", 1).unwrap();
     assert_eq!(bench.failure().unwrap(), "function robot is in no thread that runs");
 
     let rig = Rig::connected();

@@ -5,7 +5,7 @@ use super::{
     gate::{Ends, Shared, press},
     lock,
     orders::{Inbox, RobotOrder},
-    pins::{SimInputs, SimResults},
+    pins::{Results, SimInputs, SimResults},
     report::Report,
     session::Session,
 };
@@ -65,6 +65,8 @@ struct Pending {
     connect: Option<TicketHandle>,
     run: Option<TicketHandle>,
     pause: Option<TicketHandle>,
+    /// Tickets whose ends are known, and are reported once the pins show them.
+    ended: Vec<(TicketHandle, Result<(), &'static str>)>,
 }
 
 /// The worker.
@@ -72,7 +74,7 @@ struct Pending {
 pub(crate) struct Worker {
     cutting_speed: ParamRw<f64>,
     tool_length: ParamRw<f64>,
-    results: SeqWriter<super::pins::Results>,
+    results: SeqWriter<Results>,
     simulated: Option<(SeqReader<SimInputs>, SeqWriter<SimResults>)>,
     clock: Clock,
     messages: Messages,
@@ -97,6 +99,12 @@ pub(crate) struct Worker {
     /// Number of cycles of the function, and the time at which it last changed.
     #[state]
     cycles: (u32, f64),
+    /// Results that the function has, or is about to have.
+    #[state]
+    last: Results,
+    /// Cycles of the function when the results were last set.
+    #[state]
+    shown_since: u32,
     /// Reason that was reported.
     #[state]
     reported: Option<Cause>,
@@ -135,6 +143,8 @@ impl Worker {
             texts: Texts::new(MESSAGES),
             pending: Pending::default(),
             cycles: (0, 0.0),
+            last: Results::default(),
+            shown_since: 0,
             reported: None,
         })
     }
@@ -187,7 +197,7 @@ impl Worker {
                 self.shared.loads.store(true, Relaxed);
                 let loaded = self.session.load(path, speed, tool).map(|warnings| {
                     for warning in warnings.iter().take(MAX_REMARKS) {
-                        self.messages.warn(self.texts.keep(warning), &[]);
+                        self.messages.notice(self.texts.keep(warning), &[]);
                     }
                 });
                 self.shared.loads.store(false, Relaxed);
@@ -208,36 +218,49 @@ impl Worker {
             }
         };
         let waits = match order {
-            RobotOrder::Connect => &mut self.pending.connect,
-            RobotOrder::Run(_) => &mut self.pending.run,
-            RobotOrder::Pause => &mut self.pending.pause,
+            RobotOrder::Connect => Some(&mut self.pending.connect),
+            RobotOrder::Run(_) => Some(&mut self.pending.run),
+            RobotOrder::Pause => Some(&mut self.pending.pause),
             RobotOrder::Disconnect
             | RobotOrder::Load(_)
             | RobotOrder::Resume
-            | RobotOrder::Stop => {
-                match (done, ticket) {
-                    (Ok(()), Some(ticket)) => ticket.done(),
-                    (Err(why), Some(ticket)) => ticket.fail(self.texts.keep(&why)),
-                    (Ok(()), None) => {}
-                    (Err(why), None) => self.messages.error(self.texts.keep(&why), &[]),
-                }
-                return;
-            }
+            | RobotOrder::Stop => None,
         };
-        match (done, ticket) {
-            (Ok(()), Some(ticket)) => {
-                if let Some(before) = waits.replace(ticket) {
-                    before.fail("another command of this kind has followed");
-                }
+        let done = done.map_err(|why| self.texts.keep(&why));
+        let Some(ticket) = ticket else {
+            if let Err(why) = done {
+                self.messages.error(why, &[]);
             }
-            (Err(why), Some(ticket)) => ticket.fail(self.texts.keep(&why)),
-            (Ok(()), None) => {}
-            (Err(why), None) => self.messages.error(self.texts.keep(&why), &[]),
+            return;
+        };
+        if let (Ok(()), Some(waits)) = (done, waits) {
+            if let Some(before) = waits.replace(ticket) {
+                before.fail("another command of this kind has followed");
+            }
+            return;
         }
+        if let Err(why) = done
+            && matches!(order, RobotOrder::Run(_) | RobotOrder::Pause | RobotOrder::Connect)
+            && self.session.cause() != Some(Cause::Unreachable)
+        {
+            // Perhaps nobody waits for the ticket. A connection that fails is logged as such.
+            self.messages.error(why, &[]);
+        }
+        self.pending.ended.push((ticket, done));
     }
 
-    /// Tells tickets and the log how things have ended.
-    fn tell(&mut self) {
+    /// Tells tickets and the log how things have ended, once the pins show it.
+    fn tell(&mut self, now: f64) {
+        let cycles = self.shared.cycles.load(Relaxed).wrapping_sub(self.shown_since);
+        if self.cycles.0 != 0 && cycles < 2 && now - self.cycles.1 <= IDLE {
+            return;
+        }
+        for (ticket, end) in self.pending.ended.drain(..) {
+            match end {
+                Ok(()) => ticket.done(),
+                Err(why) => ticket.fail(why),
+            }
+        }
         let state = self.session.driver.state();
         let cause = self.session.cause();
         let number = self.session.line() as f64;
@@ -279,6 +302,7 @@ impl Work for Worker {
         let time = move || clock.now_ns() as f64 * 1e-9;
         let sim =
             self.simulated.as_mut().map_or_else(SimInputs::default, |(inputs, _)| inputs.get());
+        self.tell(time());
         // A connection that the stop action has ended is not lost.
         if self.halt.has_stopped.swap(false, Relaxed) && self.session.is_connected() {
             self.session.stop(Cause::Instance);
@@ -302,8 +326,11 @@ impl Work for Worker {
         }
         self.session.flush(self.shared.hold.load(Relaxed), now);
         self.halt.socket.store(self.session.socket().cloned());
-        self.tell();
-        self.results.set(&self.session.results());
+        let results = self.session.results();
+        if results != self.last {
+            (self.last, self.shown_since) = (results, self.shared.cycles.load(Relaxed));
+            self.results.set(&results);
+        }
         if let Some((_, results)) = &mut self.simulated {
             results.set(&self.session.sim_results(now));
         }

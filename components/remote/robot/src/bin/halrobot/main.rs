@@ -55,8 +55,8 @@ struct RunOptions {
     /// Convert for this part zero, and run nothing.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_zero, allow_hyphen_values = true)]
     zero: Option<Zero>,
-    /// Time for the answer to a line, in seconds; longer than any move.
-    #[arg(long, default_value_t = 60.0)]
+    /// Time for the answer to a line behind the end of its move, in seconds. A robot that hears nothing for 60 s ends the connection.
+    #[arg(long, default_value_t = 20.0)]
     timeout: f64,
 }
 
