@@ -13,6 +13,22 @@ const WRITE: Duration = Duration::from_secs(1);
 /// Largest number of events of the simulation in one step.
 const MAX_EVENTS: u32 = 100_000;
 
+/// Checks that a text is `HOST:PORT`, without looking the host up.
+///
+/// # Errors
+/// The text is something else.
+pub fn check_address(text: &str) -> Result<(), String> {
+    let is_host = |host: &str| {
+        let is_usual = |c: char| c.is_ascii_alphanumeric() || ".-_:[]".contains(c);
+        (1..=253).contains(&host.len()) && host.chars().all(is_usual)
+    };
+    let parts = text.rsplit_once(':').filter(|(host, _)| is_host(host));
+    match parts.and_then(|(_, port)| port.parse::<u16>().ok()) {
+        Some(port) if port != 0 => Ok(()),
+        _ => Err("must be HOST:PORT, such as 192.168.47.5:55000".to_owned()),
+    }
+}
+
 /// Connection over TCP.
 #[derive(Debug)]
 pub struct TcpLink {

@@ -19,7 +19,7 @@ mod session;
 mod shown;
 mod worker;
 
-use crate::{Volume, volume::parse_volume};
+use crate::{Volume, check_address, volume::parse_volume};
 use gate::{Gate, Shared};
 use hal_component::{
     Arg, Builder, Component, Error, ParamRo,
@@ -103,6 +103,8 @@ getp robot.connected # -> FALSE
         let (min, max) =
             parse_volume(&text).map_err(|e| Error::new(format!("volume={text}: {e}")))?;
         let volume = Volume { min, max, ..Volume::default() };
+        let to = b.arg_text("to").unwrap_or_default();
+        check_address(&to).map_err(|e| Error::new(format!("to={to}: {e}")))?;
         let shared = Arc::new(Shared::default());
         let inbox = Arc::new(Mutex::new(Inbox::default()));
         let report = Arc::new(Mutex::new(Report::default()));
@@ -111,7 +113,7 @@ getp robot.connected # -> FALSE
         orders::open(b, &inbox, &report)?;
         dimensions(b, &volume)?;
         let settings = Settings {
-            to: b.arg_text("to").unwrap_or_default(),
+            to,
             timeout: b.arg_float("timeout").unwrap_or(20.0),
             connect: b.arg_float("connect_timeout").unwrap_or(10.0),
             volume,

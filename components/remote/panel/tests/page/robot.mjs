@@ -29,6 +29,7 @@ const [motion, task] = asMachine(robot);
 assert.deepEqual(workPose(motion, task).map((n) => Number(n.toFixed(9))), [42.085, 7.07, 10]);
 assert.deepEqual(frameOf(task).zero, [-400, 10, -30]);
 assert.deepEqual(asMachine(null), [{}, {}]);
+assert.deepEqual(asMachine(robotOf(values({}))), [{}, {}], "before the first connection");
 
 // The arm ends where the joints put it, with the tool pointing down.
 const lengths = { A1: 120, A2: 250, A3: 0, D1: 0, D4: 250, D6: 76.5 };

@@ -151,6 +151,13 @@ fn arguments_and_status() {
     assert!(refused.contains("volume=1,2,3: six numbers are needed"), "{refused}");
     let refused = Bench::new().load::<Robot>(&["volume=1,0,0,0,0,0"]).unwrap_err();
     assert!(refused.contains("a least coordinate is above the greatest"), "{refused}");
+    for to in ["", "robot", ":1", "robot:", "robot:0", "robot:65536", "a b:1", "ä:1", "[::1]1"] {
+        let refused = Bench::new().load::<Robot>(&[&format!("to={to}")]).unwrap_err();
+        assert!(refused.contains("must be HOST:PORT"), "{to}: {refused}");
+    }
+    for to in ["robot:1", "[::1]:55000", "192.168.47.5:65535"] {
+        Bench::new().load::<Robot>(&[&format!("to={to}")]).unwrap();
+    }
     let rig = Rig::connected();
     rig.load("G0 Z10\nG0 X5\n");
     let lines = rig.0.command("robot.status", &[]).unwrap();

@@ -33,8 +33,11 @@ export function robotState(robot) {
   return ["ready", "connected"].find((state) => robot[state]) ?? "closed";
 }
 
-/** Returns a robot as the 3D view reads a machine: pose and joints, and the coordinate system of the part. */
+/**
+ * Returns a robot as the 3D view reads a machine: pose and joints, and the coordinate system of the part. Before the first
+ * connection nobody knows where it is: no part zero is in the robot's base.
+ */
 export function asMachine(robot) {
-  if (!robot) return [{}, {}];
+  if (!robot?.zero.some((n) => n !== 0)) return [{}, {}];
   return [{ pose: robot.pose, joint_feedback: robot.joints }, { g5x_offset: robot.zero, rotation: TURN }];
 }
