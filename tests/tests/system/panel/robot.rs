@@ -24,6 +24,13 @@ fn stands(fixture: &Fixture) {
     until("the robot stands", || fixture.printer.halcmd("getp robot.sim.moving").trim() == "FALSE");
 }
 
+/// Checks that all numbers lie within their card.
+fn fits(fixture: &Fixture) {
+    let right = |of: &str| format!("document.querySelector('{of}').getBoundingClientRect().right");
+    let look = format!("return {} <= {}", right("#robot table"), right("#robot"));
+    assert_eq!(fixture.browser.run(&look), true, "numbers lie beside their card");
+}
+
 #[test]
 fn the_lease_reaches_a_robot_without_motion() {
     let printer = Printer::robot("integrator", "");
@@ -73,6 +80,7 @@ fn a_program_is_checked_run_paused_and_stopped() {
     b.until(&is("paused"));
     stands(&fixture);
     let line = b.text("#robot-line");
+    fits(&fixture);
     fixture.picture("robot");
     fixture.hold("#robot-resume", &is("running"));
     b.until(&format!("document.querySelector('#robot-line').textContent !== '{line}'"));
@@ -121,6 +129,7 @@ fn the_chain_of_the_e_stop_stops_a_robot_and_a_phone_shows_it() {
     assert_eq!(b.run("return document.querySelector('#robot-connect').disabled"), true);
     let width = b.run("return document.documentElement.scrollWidth <= innerWidth");
     assert_eq!(width, true, "nothing lies beside the screen");
+    fits(&fixture);
     fixture.picture("robot-phone");
     assert_eq!(b.errors(), Vec::<String>::new());
 }

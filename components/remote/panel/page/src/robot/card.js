@@ -5,6 +5,9 @@ import { holdButton } from "../hold.js";
 import { getJson } from "../http.js";
 import { robotOf, robotState } from "./state.js";
 
+/** Names of files that may be programs. */
+const PROGRAM = /\.(anc|cnc|gcode|nc|ngc|tap|txt)$/i;
+
 /** Makes the card. */
 export function robotCard(ctx) {
   const { store, t, run, signal } = ctx;
@@ -37,7 +40,7 @@ export function robotCard(ctx) {
 
   async function refresh() {
     try {
-      const all = await getJson("/programs", { signal });
+      const all = (await getJson("/programs", { signal })).filter((file) => PROGRAM.test(file.name));
       const chosen = files.value;
       files.replaceChildren(...all.map((file) => el("option", { value: file.name, selected: file.name === chosen }, file.name)));
     } catch (error) {

@@ -14,7 +14,8 @@ const KINDS = {
   genserkins: { reach: (p) => ball(sum(p, /^(A|D)-/)), parts: (p, joints) => chain(serialLinks(p), joints) },
   pumakins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: (p, joints) => chain(pumaLinks(p), joints) },
   armkins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: arm },
-  robot: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: arm },
+  // Its work volume is near its base.
+  robot: { reach: (p) => ball(0.65 * sum(p, /^[AD]\d/)), parts: arm },
 };
 
 /** Returns the kinematics that the names of pins and parameters tell, with their values; null for others. */
