@@ -1,5 +1,4 @@
 //! The dialogue without a device.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use robot::{Console, ConsoleOptions, ConsoleRequest, LogKind};
 

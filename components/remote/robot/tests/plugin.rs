@@ -69,7 +69,7 @@ fn until(bench: &Bench, pin: &str) {
         }
         std::thread::yield_now();
     }
-    std::panic::panic_any(format!("{pin} stays FALSE: {:?}", bench.said()));
+    assert!(bench.get::<bool>(pin), "{pin} stays FALSE: {:?}", bench.said());
 }
 
 fn program(name: &str, text: &str) -> String {

@@ -47,13 +47,13 @@ pub(crate) struct Session {
 
 impl Session {
     /// Returns a session without a connection. `timeout` is the time for the answer to a line, in seconds.
-    pub(crate) fn new(volume: Volume, timeout: f64, simulated: Option<Zero>) -> Self {
+    pub(crate) fn new(volume: &Volume, timeout: f64, simulated: Option<Zero>) -> Self {
         Self {
             driver: Driver::new(timeout),
             link: Link::None,
-            simulated: simulated.map(|zero| SimulatedLink::new(volume, zero, SEED)),
+            simulated: simulated.map(|zero| SimulatedLink::new(*volume, zero, SEED)),
             program: None,
-            volume,
+            volume: *volume,
             cause: None,
             problem: String::new(),
             is_paused: false,

@@ -60,14 +60,13 @@ impl Session {
     pub(crate) fn report(&self, report: &mut Report) {
         report.state = match (self.cause(), self.driver.state()) {
             _ if self.is_opening() => "connecting",
-            (Some(_), _) => "stopped",
+            (Some(_), _) | (None, State::Stopped(_)) => "stopped",
             (None, State::Closed) => "closed",
             (None, State::Connected) => "connected",
             (None, State::Ready) => "ready",
             (None, State::Running) => "running",
             (None, State::Paused) => "paused",
             (None, State::Ended) => "ended",
-            (None, State::Stopped(_)) => "stopped",
         };
         report.zero = self.zero;
         report.line = self.line;

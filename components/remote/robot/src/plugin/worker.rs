@@ -133,7 +133,7 @@ impl Worker {
             simulated: ends.simulated,
             clock: b.clock(),
             messages: b.messages(),
-            session: Session::new(volume, timeout, zero),
+            session: Session::new(&volume, timeout, zero),
             to,
             connect,
             shared,
@@ -203,14 +203,11 @@ impl Worker {
                 self.shared.loads.store(false, Relaxed);
                 loaded
             }
-            RobotOrder::Run(_) if self.shared.hold.load(Relaxed) => {
+            RobotOrder::Run(_) | RobotOrder::Resume if self.shared.hold.load(Relaxed) => {
                 Err("robot.hold is TRUE".to_owned())
             }
             RobotOrder::Run(from) => self.session.run(*from, speed, tool, now),
             RobotOrder::Pause => self.session.pause(true),
-            RobotOrder::Resume if self.shared.hold.load(Relaxed) => {
-                Err("robot.hold is TRUE".to_owned())
-            }
             RobotOrder::Resume => self.session.pause(false),
             RobotOrder::Stop => {
                 self.session.stop(Cause::Command);
