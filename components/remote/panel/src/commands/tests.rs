@@ -48,7 +48,7 @@ fn sent(name: &str, args: &Json, is_inch: bool) -> Result<String, String> {
     let requests = match super::find(name).map_err(|e| e.text)?.action {
         Action::Engine(requests) => requests(&given),
         Action::Jog => given.jog(7),
-        Action::Open | Action::ToolChanged => panic!("{name} is no request"),
+        Action::Open(_) | Action::ToolChanged => panic!("{name} is no request"),
     };
     let words = requests.map_err(|e| e.text)?.into_iter().map(|request| match request {
         Request::Command { name, args } => format!("{name} {}", args.join(" ")).trim().to_owned(),
