@@ -35,10 +35,10 @@ fn the_document_states_each_command_with_its_role_and_lease() {
 #[test]
 fn only_what_ends_motion_needs_no_lease() {
     let free: Vec<&str> = ROWS.iter().filter(|row| !row.lease).map(|row| row.name).collect();
-    assert_eq!(free, ["abort", "estop", "off", "pause", "jog-stop"]);
+    assert_eq!(free, ["abort", "estop", "off", "pause", "jog-stop", "robot-stop", "robot-pause"]);
     let viewers: Vec<&str> =
         ROWS.iter().filter(|row| row.role == Role::Viewer).map(|row| row.name).collect();
-    assert_eq!(viewers, ["abort"]);
+    assert_eq!(viewers, ["abort", "robot-stop"]);
 }
 
 /// Returns the engine's command for these arguments.
