@@ -90,7 +90,7 @@ fn arrows_point_only_downward() {
         ("teleop", &["hal-output", "hal-protocol"]),
         ("hal-lease", &["hal-ini", "hal-protocol"]),
         ("rsh", &["hal-ini", "hal-lease", "hal-output", "hal-protocol"]),
-        ("robot", &["hal-arm", "hal-gcode", "hal-output"]),
+        ("robot", &["hal-arm", "hal-component", "hal-gcode", "hal-output"]),
         ("accessory", &["hal-component", "hal-handheld", "hal-nk105", "hal-storage"]),
         ("hal-handheld", &[]),
         ("hal-nk105", &["hal-gcode", "hal-handheld", "hal-job"]),

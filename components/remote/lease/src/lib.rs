@@ -17,6 +17,12 @@ const ABORT: (&str, &str, &str) = ("remote.abort", "remote-abort", "task.abort")
 const JOB: (&str, &str, &str) = ("task.job", "remote-job", "remote.job");
 /// Function before which the plugin's runs.
 const CONTROLLER: &str = "motion-controller";
+/// Function of a robot behind its own controller, in a machine without motion; pins of the plugin that act on it, and
+/// the pin that shows its job.
+const ROBOT: &str = "robot";
+const ROBOT_STOPS: &[(&str, &str, &str)] =
+    &[("remote.hold", "remote-hold", "robot.hold"), ("remote.abort", "remote-abort", "robot.stop")];
+const ROBOT_JOB: (&str, &str, &str) = ("robot.busy", "remote-job", "remote.job");
 
 /// Loads and wires the plugin as a whole, or leaves the machine as it is. Messages name the program that asks.
 ///
@@ -25,6 +31,11 @@ const CONTROLLER: &str = "motion-controller";
 pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), String> {
     let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
     let mut requests = Vec::new();
+    let Reply::Threads(threads) = list(&mut client, Kind::Threads)? else {
+        return Err("the engine lists no threads".to_owned());
+    };
+    let has = |name: &str| threads.iter().any(|t| t.functs.iter().any(|f| f == name));
+    let controller = if !has(CONTROLLER) && has(ROBOT) { ROBOT } else { CONTROLLER };
     let component = Request::Component { name: "remote".to_owned() };
     let there = client.call(component).map_err(|e| e.to_string())?;
     if there == Reply::Components(Vec::new()) {
@@ -35,22 +46,21 @@ pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), Strin
             ("ON_LOSS", "on_loss"),
         ];
         let args = entries.iter().filter_map(|(entry, arg)| Some(format!("{arg}={}", get(entry)?)));
-        let args = args.map(|arg| arg.to_lowercase()).collect();
+        let motion = (controller == ROBOT).then(|| "motion=0".to_owned());
+        let args = args.map(|arg| arg.to_lowercase()).chain(motion).collect();
         requests.push(Request::Load { module: "remote".to_owned(), args });
     }
-    let threads = list(&mut client, Kind::Threads)?;
-    let Reply::Threads(threads) = threads else {
-        return Err("the engine lists no threads".to_owned());
-    };
-    if !threads.iter().any(|t| t.functs.iter().any(|f| f == "remote")) {
-        let (thread, position) = place_of(&threads).ok_or_else(|| {
-            format!("no thread runs {CONTROLLER}: this machine has no motion that could be stopped")
+    if !has("remote") {
+        let (thread, position) = place_of(&threads, controller).ok_or_else(|| {
+            format!(
+                "no thread runs {CONTROLLER} or {ROBOT}: this machine has no motion that could be stopped"
+            )
         })?;
         let funct = "remote".to_owned();
         requests.push(Request::AddFunct { funct, thread, position, init: false });
-    } else if !threads.iter().any(|thread| runs_before(&thread.functs)) {
+    } else if !threads.iter().any(|thread| runs_before(&thread.functs, controller)) {
         return Err(format!(
-            "function remote is not in the thread of {CONTROLLER} before it: motion would see a stop a cycle late, or \
+            "function remote is not in the thread of {controller} before it: motion would see a stop a cycle late, or \
              never; addf it there, before {program} is started"
         ));
     }
@@ -58,12 +68,16 @@ pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), Strin
         return Err("the engine lists no pins".to_owned());
     };
     let has_task = pins.iter().any(|pin| pin.name == JOB.0);
-    let stops = STOPS.iter().copied().chain(has_task.then_some(ABORT));
+    let (stops, job) = match controller {
+        ROBOT => (ROBOT_STOPS.to_vec(), Some(ROBOT_JOB)),
+        _ if has_task => ([STOPS, &[ABORT]].concat(), Some(JOB)),
+        _ => (STOPS.to_vec(), None),
+    };
     for (from, signal, to) in stops {
         requests.extend(wire(&pins, from, signal, to)?);
     }
-    if has_task {
-        requests.extend(join(&pins, JOB)?);
+    if let Some(job) = job {
+        requests.extend(join(&pins, job)?);
     }
     if requests.is_empty() {
         return Ok(());
@@ -85,10 +99,10 @@ fn list(client: &mut Client, kind: Kind) -> Result<Reply, String> {
     client.call(list).map_err(|e| e.to_string())
 }
 
-/// Returns the thread of the motion controller, and the position before it.
-fn place_of(threads: &[ThreadInfo]) -> Option<(String, i64)> {
+/// Returns the thread of the controller, and the position before it.
+fn place_of(threads: &[ThreadInfo], controller: &str) -> Option<(String, i64)> {
     threads.iter().find_map(|thread| {
-        let at = thread.functs.iter().position(|f| f == CONTROLLER)?;
+        let at = thread.functs.iter().position(|f| f == controller)?;
         Some((thread.name.clone(), i64::try_from(at).ok()? + 1))
     })
 }
@@ -129,9 +143,9 @@ pub fn join(
 }
 
 /// Returns whether the plugin's function runs before the controller's, in its thread.
-fn runs_before(functs: &[String]) -> bool {
+fn runs_before(functs: &[String], controller: &str) -> bool {
     let at = |name: &str| functs.iter().position(|f| f == name);
-    at("remote").zip(at(CONTROLLER)).is_some_and(|(own, controller)| own < controller)
+    at("remote").zip(at(controller)).is_some_and(|(own, controller)| own < controller)
 }
 
 /// Returns whether a signal reaches another through components: from a pin that reads it to one that the same part
@@ -223,7 +237,7 @@ mod tests {
             (&["remote"], false),
         ] {
             let functs: Vec<String> = functs.iter().map(|f| (*f).to_owned()).collect();
-            assert_eq!(runs_before(&functs), right, "{functs:?}");
+            assert_eq!(runs_before(&functs, super::CONTROLLER), right, "{functs:?}");
         }
     }
 }

@@ -26,8 +26,8 @@ pub(crate) enum Action {
     Engine(fn(&Input<'_>) -> Result<Vec<Request>, Error>),
     /// Jogs, with the number of the lease.
     Jog,
-    /// Opens a program of the list.
-    Open,
+    /// Gives this command of the engine the file of a program of the list.
+    Open(&'static str),
     /// Presses the button of `hal_manualtoolchange` by the plugin.
     ToolChanged,
 }
@@ -52,7 +52,7 @@ pub(crate) const ROWS: &[Row] = &[
     row("home", Operator, true, Engine(|g| g.command("task.home", &["joint"]))),
     row("unhome", Operator, true, Engine(|g| g.command("motion.unhome", &["joint"]))),
     row("jog", Operator, true, Jog),
-    row("open", Operator, true, Open),
+    row("open", Operator, true, Open("task.open")),
     row("run", Operator, true, Engine(|g| g.plain("task.run"))),
     row("run-from", Operator, true, Engine(|g| g.command("task.run-from", &["line", "pass?"]))),
     row("recover", Operator, true, Engine(|g| g.plain("task.recover"))),
@@ -88,6 +88,13 @@ pub(crate) const ROWS: &[Row] = &[
     row("align-go", Operator, true, Engine(align_go)),
     row("align-sight", Integrator, true, Engine(|g| g.plain("align.sight"))),
     row("align-calibrate", Integrator, true, Engine(|g| g.plain("align.calibrate"))),
+    row("robot-stop", Viewer, false, Engine(|g| g.plain("robot.stop"))),
+    row("robot-pause", Operator, false, Engine(|g| g.plain("robot.pause"))),
+    row("robot-connect", Operator, true, Engine(|g| g.plain("robot.connect"))),
+    row("robot-disconnect", Operator, true, Engine(|g| g.plain("robot.disconnect"))),
+    row("robot-load", Operator, true, Open("robot.load")),
+    row("robot-run", Operator, true, Engine(|g| g.command("robot.run", &["from?"]))),
+    row("robot-resume", Operator, true, Engine(|g| g.plain("robot.resume"))),
     row("setp", Integrator, true, Engine(setp)),
     row("sets", Integrator, true, Engine(sets)),
     row("net", Integrator, true, Engine(net)),
@@ -257,7 +264,16 @@ fn tool_offset(given: &Input<'_>) -> Result<Vec<Request>, Error> {
 }
 
 /// Pins of motion and the task that the dead man acts on or looks at.
-const STOPS: &[&str] = &["motion.jog-stop", "motion.feed-inhibit", "task.abort", "task.job"];
+const STOPS: &[&str] = &[
+    "motion.jog-stop",
+    "motion.feed-inhibit",
+    "task.abort",
+    "task.job",
+    "robot.hold",
+    "robot.stop",
+    "robot.busy",
+    "robot.enable",
+];
 
 /// Returns the signal that a command writes or links, by its argument.
 pub(crate) fn signal_of<'a>(name: &str, args: &'a Args) -> Option<&'a str> {

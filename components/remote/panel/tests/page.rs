@@ -147,6 +147,11 @@ fn lines_that_the_page_draws_itself() {
 }
 
 #[test]
+fn a_robot_behind_its_own_controller() {
+    run_script("robot.mjs");
+}
+
+#[test]
 fn stock_that_tools_cut() {
     run_script("stock.mjs");
 }

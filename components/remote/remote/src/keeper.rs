@@ -1,10 +1,12 @@
 //! The task: it follows remote jogs and programs until their end.
 
-use crate::lease::{Lease, jog};
+use crate::{
+    lease::{Lease, jog},
+    pins::Pins,
+};
 use hal_component::{
-    Builder, Clock, Error, In, Messages, MotionCommand, MotionEnd, MotionId, MotionRef,
-    MotionRefusal, MotionStatus, MotionToken, Out, Period, Touch, Update, Uses, motion_kind,
-    motion_source,
+    Clock, Error, Messages, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal,
+    MotionToken, Period, Touch, Update, Uses, motion_kind, motion_source,
 };
 use std::sync::{
     Arc, Mutex, PoisonError,
@@ -17,39 +19,6 @@ const START_NS: i64 = 2_000_000_000;
 const PRESS_NS: i64 = 200_000_000;
 /// Time for which an abort lasts and then rests, in nanoseconds: the task acts on its edges.
 const ABORT_NS: i64 = 100_000_000;
-
-/// Pins between the task and remote work.
-#[derive(Debug, Touch)]
-pub(crate) struct Pins {
-    job: In<bool>,
-    abort: Out<bool>,
-    tool_change: In<bool>,
-    tool_changed: Out<bool>,
-}
-
-impl Pins {
-    pub(crate) fn make(b: &mut Builder<'_>) -> Result<Self, Error> {
-        let item = "TRUE while a job is in progress, also while it is paused; linked to task.job.";
-        Ok(Self {
-            job: b.item("remote.job", item, false)?,
-            abort: b.item(
-                "remote.abort",
-                "Rises again and again while a lost lease ends a job; linked to task.abort.",
-                false,
-            )?,
-            tool_change: b.item(
-                "remote.tool-change",
-                "FALSE releases the button; linked to the request of the tool change.",
-                true,
-            )?,
-            tool_changed: b.item(
-                "remote.tool-changed",
-                "Button that answers a tool change; remote.tool-changed presses it.",
-                false,
-            )?,
-        })
-    }
-}
 
 /// Progress of a program that was started under the lease.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,11 +39,22 @@ enum Jog {
     Taken(u64),
 }
 
+/// Work of motion; none in a machine without it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Work {
+    /// Something moves, or is about to.
+    moves: bool,
+    /// A program has it, or moves wait.
+    waits: bool,
+    homes: bool,
+}
+
 /// State of the lease that only commands and the task see.
 #[derive(Debug)]
 pub(crate) struct Keeper {
     pub(crate) lease: Arc<Lease>,
-    pub(crate) motion: MotionRef,
+    /// Motion; a machine whose robot moves by its own controller has none.
+    pub(crate) motion: Option<MotionRef>,
     pub(crate) holder: String,
     /// Number of the last lease.
     last: u32,
@@ -98,7 +78,7 @@ pub(crate) struct Keeper {
 impl Keeper {
     pub(crate) fn new(
         lease: Arc<Lease>,
-        motion: MotionRef,
+        motion: Option<MotionRef>,
         pins: Pins,
         clock: Clock,
         say: Messages,
@@ -143,8 +123,8 @@ impl Keeper {
     pub(crate) fn give(&mut self, number: u32) -> Result<(), Error> {
         self.check(number)?;
         // A job that has ended since the last step is none that is lost.
-        if let Some(status) = self.motion.status() {
-            self.follow_job(&status);
+        if let Some(work) = self.work() {
+            self.follow_job(work);
         }
         if self.lease.number.compare_exchange(number, 0, Relaxed, Relaxed).is_ok() {
             fence(SeqCst); // As in `start`.
@@ -169,6 +149,9 @@ impl Keeper {
     pub(crate) fn jog(&mut self, number: u32, command: MotionCommand) -> Result<(), Error> {
         self.check(number)?;
         self.check_allowed()?;
+        let motion = self.motion.as_ref();
+        let motion =
+            motion.ok_or_else(|| Error::new("this machine has no motion that could jog"))?;
         let held = command.extent == 0;
         if held && !self.lease.permit.load(Relaxed) {
             return Err(Error::new(format!(
@@ -186,7 +169,7 @@ impl Keeper {
         self.lease.jog_lease.store(number, Relaxed);
         self.lease.jog.fetch_max(kind, Relaxed);
         let command = MotionCommand { source: motion_source::REMOTE, ..command };
-        match self.motion.push(MotionToken::LOCAL, &command) {
+        match motion.push(MotionToken::LOCAL, &command) {
             Ok(id) => {
                 self.jogs.push(Jog::Sent(id));
                 Ok(())
@@ -242,8 +225,8 @@ impl Keeper {
     /// Forgets a program that was announced and has not begun.
     pub(crate) fn refused(&mut self, number: u32) -> Result<(), Error> {
         self.check(number)?;
-        if let Some(status) = self.motion.status() {
-            self.follow_job(&status);
+        if let Some(work) = self.work() {
+            self.follow_job(work);
         }
         if matches!(self.job, Job::Commanded(_)) {
             self.job = Job::None;
@@ -279,14 +262,24 @@ impl Keeper {
     }
 
     fn send(&self, kind: u32) {
-        if self.motion.push(MotionToken::LOCAL, &MotionCommand::new(kind)).is_err() {
+        let Some(motion) = &self.motion else { return };
+        if motion.push(MotionToken::LOCAL, &MotionCommand::new(kind)).is_err() {
             self.say.error("motion takes no commands: a lost lease does not abort", &[]);
         }
     }
 
+    /// Returns what motion does; `None` before its first cycle.
+    fn work(&self) -> Option<Work> {
+        let Some(motion) = &self.motion else { return Some(Work::default()) };
+        let status = motion.status()?;
+        let waits = status.claimed || status.queue != 0;
+        let moves = waits || status.homing || !status.in_position;
+        Some(Work { moves, waits, homes: status.homing })
+    }
+
     fn step(&mut self) {
-        let Some(status) = self.motion.status() else { return };
-        self.follow_jogs(&status);
+        let Some(work) = self.work() else { return };
+        self.follow_jogs();
         if self.lease.lost.swap(false, Relaxed) {
             let text = if self.lease.allowed.load(Relaxed) {
                 "the control lease has ended: remote jogs stop"
@@ -299,18 +292,18 @@ impl Keeper {
             }
             self.orphaned = self.job != Job::None;
         }
-        self.end_orphan(&status);
-        self.follow_job(&status);
+        self.end_orphan(work);
+        self.follow_job(work);
         if self.clock.now_ns() >= self.pressed_until || !self.pins.tool_change.get() {
             self.pins.tool_changed.set(false);
         }
     }
 
     /// Ends a job without a lease. Homing and the job may begin later: they wait in queues, where an abort misses them.
-    fn end_orphan(&mut self, status: &MotionStatus) {
+    fn end_orphan(&mut self, work: Work) {
         let now = self.clock.now_ns();
-        let works = self.pins.job.get() || status.claimed || status.queue != 0;
-        if !(self.orphaned && (status.homing || self.aborts && works)) {
+        let works = self.pins.job.get() || work.waits;
+        if !(self.orphaned && (work.homes || self.aborts && works)) {
             self.ends = false;
             self.ends_next = now;
         } else if self.ends_next <= now {
@@ -324,8 +317,9 @@ impl Keeper {
         self.pins.abort.set(self.ends && self.aborts);
     }
 
-    fn follow_jogs(&mut self, status: &MotionStatus) {
-        let motion = &self.motion;
+    fn follow_jogs(&mut self) {
+        let Some(motion) = &self.motion else { return };
+        let Some(status) = motion.status() else { return };
         self.jogs.retain_mut(|jog| match *jog {
             Jog::Sent(id) => {
                 if motion.poll(id) != MotionEnd::Pending {
@@ -344,10 +338,9 @@ impl Keeper {
         }
     }
 
-    fn follow_job(&mut self, status: &MotionStatus) {
-        let moves = status.claimed || status.homing || status.queue != 0 || !status.in_position;
+    fn follow_job(&mut self, work: Work) {
         // A paused job has no claim on motion.
-        let over = !moves && !self.pins.job.get();
+        let over = !work.moves && !self.pins.job.get();
         self.job = match self.job {
             Job::None => return,
             Job::Commanded(at) if over => {

@@ -4,14 +4,16 @@
 mod commands;
 mod keeper;
 mod lease;
+mod pins;
 mod watch;
 
 use hal_component::{
     Arg, Builder, Component, Error,
     abi::{ArgSpec, component_flags},
 };
-use keeper::{Keeper, Pins};
+use keeper::Keeper;
 use lease::Lease;
+use pins::Pins;
 use std::{
     sync::{Arc, Mutex},
     time::Duration,
@@ -30,7 +32,8 @@ impl Component for Remote {
     const DOC: &'static str = "\
 The control lease of remote operators, and the dead man of their jogs.
 
-It is loaded after `motmod`; `halpanel` loads and wires it where the machine's files have not. One
+It is loaded after `motmod`; `halpanel` loads and wires it where the machine's files have not. A machine whose robot moves by
+its own controller has no `motmod`: with `motion=0`, `hold`, `abort` and `job` are linked to the component `robot`, and nothing jogs. One
 remote operator at a time has the lease. Local controls need none: what they command ends remote
 motion.
 
@@ -89,6 +92,7 @@ getp remote.present # -> FALSE
             "Effect of a lost lease on a program that was started under it: hold, continue or abort.",
         )
         .or("hold"),
+        &Arg::bit("motion", "FALSE for a machine without motmod.").or("TRUE"),
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
@@ -104,9 +108,12 @@ getp remote.present # -> FALSE
                 return Err(Error::new(text));
             }
         };
-        let motion = b.motion()?.ok_or_else(|| {
-            Error::new("there is no motion controller for it: loadrt motmod first")
-        })?;
+        let motion = if b.arg_int("motion") == Some(0) {
+            None
+        } else {
+            let missing = "there is no motion controller for it: loadrt motmod first, or motion=0";
+            Some(b.motion()?.ok_or_else(|| Error::new(missing))?)
+        };
         let lease = Arc::new(Lease::new(jog_ms, lease_ms, holds));
         let watch = Watch::make(b, lease.clone())?;
         b.function("remote", "Judges the beats, and ends remote motion.", watch)?;

@@ -1,5 +1,6 @@
 //! The lease and the dead man, with a motion controller in virtual time.
 
+mod alone;
 mod cuts;
 mod job;
 mod jogs;

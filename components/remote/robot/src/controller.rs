@@ -1,12 +1,11 @@
 //! Simulated controller of the robot: the server's end of the protocol, with its own motion, delays and faults.
 
-use crate::{Answer, Command, FASTEST, Framer, Refusal, Volume, Zero, line::QUIET};
+use crate::{
+    Answer, Command, FASTEST, Framer, Refusal, Volume, Zero,
+    line::{CUTTING, QUIET, RAPID},
+};
 use std::collections::VecDeque;
 
-/// Speed of rapid moves, in millimetres per second.
-const RAPID: f64 = 10.0;
-/// Cutting speed before any is set, in millimetres per second.
-const CUTTING: f64 = 5.0;
 /// Length of the retract at the connection, in millimetres.
 const RETRACT: f64 = 50.0;
 /// Time without a line after which the connection ends, in seconds.
@@ -95,6 +94,18 @@ impl Controller {
             closing: false,
             moves: Vec::new(),
         }
+    }
+
+    /// Puts the tool, by hand, to a place in robot coordinates, which is the next part zero; without a client alone.
+    pub fn teach(&mut self, zero: Zero) {
+        if !self.is_connected && zero != self.zero {
+            (self.zero, self.at, self.motion) = (zero, [0.0; 3], None);
+        }
+    }
+
+    /// Sets the faults of the answers from now on; their seed stays.
+    pub const fn set_faults(&mut self, faults: Faults) {
+        self.faults = Faults { seed: self.faults.seed, ..faults };
     }
 
     /// Returns the targets of all moves that were executed to their end, in the part frame.

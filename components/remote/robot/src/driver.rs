@@ -1,82 +1,20 @@
 //! Client's end of the protocol: one line at a time, each executed exactly once.
 
-use crate::{Answer, Command, Framer, Refusal, Zero, line::QUIET};
-use std::{collections::VecDeque, fmt};
+use crate::{
+    Answer, Command, Event, Framer, Refusal, State, Stopped, Zero,
+    line::{CUTTING, QUIET, RAPID},
+    program::approach,
+};
+use std::collections::VecDeque;
 
-/// Time after which a paused driver shows the robot that it is still there, in seconds.
+/// Time after which a driver that is ready or paused shows the robot that it is still there, in seconds.
 const ALIVE: f64 = 20.0;
+/// Time from a connection to the greeting of the robot, which retracts first, in seconds.
+const GREETING: f64 = 60.0;
+/// Place of the tool behind the retract, in the part frame: from elsewhere a probe only comes earlier than it must.
+const RETRACTED: [f64; 3] = [0.0, 0.0, 50.0];
 /// Largest number of probes without an answer.
 const PROBES: u32 = 10;
-
-/// State of the driver.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum State {
-    /// There is no connection.
-    Closed,
-    /// The robot has not yet said where it stands.
-    Connected,
-    /// The robot waits; the part zero is known.
-    Ready,
-    /// Lines are executed.
-    Running,
-    /// The line under way ends, and no other follows.
-    Paused,
-    /// All lines are executed.
-    Ended,
-    /// The run has stopped.
-    Stopped(Stopped),
-}
-
-/// Reason why a run has stopped, with the index of the line that has no answer.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Stopped {
-    /// The user has stopped it.
-    User(usize),
-    /// The connection has ended.
-    Lost(usize),
-    /// The robot does not answer any more.
-    Silent(usize),
-    /// The robot has refused the line.
-    Refused(usize, Refusal),
-    /// Another client is connected.
-    Busy,
-}
-
-/// News for the user.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Event {
-    /// The part zero.
-    Zero(Zero),
-    /// A line was sent: its index.
-    Sent(usize),
-    /// A line was executed: its index, and whether its own answer came.
-    Executed(usize, bool),
-    /// Text that is no answer was received, or an overlong one.
-    Noise,
-}
-
-impl Stopped {
-    /// Returns the index of the line with which a run can resume.
-    #[must_use]
-    pub const fn line(&self) -> Option<usize> {
-        match self {
-            Self::User(n) | Self::Lost(n) | Self::Silent(n) | Self::Refused(n, _) => Some(*n),
-            Self::Busy => None,
-        }
-    }
-}
-
-impl fmt::Display for Stopped {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::User(n) => write!(f, "stopped at line {n}"),
-            Self::Lost(n) => write!(f, "the connection was lost at line {n}"),
-            Self::Silent(n) => write!(f, "the robot does not answer line {n}"),
-            Self::Refused(n, why) => write!(f, "the robot refused line {n}: {why}"),
-            Self::Busy => f.write_str("another client is connected to the robot"),
-        }
-    }
-}
 
 /// Exchange under way.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -108,12 +46,18 @@ pub struct Driver {
     /// Refusal of the line, or a late copy of the answer to the probe before: its `done` will tell.
     doubt: Option<Refusal>,
     last_sent: f64,
+    /// Target of the last move.
+    at: [f64; 3],
+    /// Cutting speed.
+    speed: f64,
+    /// Time for the answer to the line under way, its move included.
+    wait: f64,
     out: Vec<u8>,
     events: Vec<Event>,
 }
 
 impl Driver {
-    /// Returns a driver. `timeout` is the time for the answer to a line, in seconds; it must be longer than any move.
+    /// Returns a driver. `timeout` is the time for the answer to a line behind the end of its move, in seconds.
     #[must_use]
     pub const fn new(timeout: f64) -> Self {
         Self {
@@ -129,6 +73,9 @@ impl Driver {
             is_odd: false,
             doubt: None,
             last_sent: 0.0,
+            at: RETRACTED,
+            speed: CUTTING,
+            wait: 0.0,
             out: Vec::new(),
             events: Vec::new(),
         }
@@ -146,9 +93,22 @@ impl Driver {
         self.zero
     }
 
+    /// Returns whether a line has been sent that is not known to be executed: the robot may move.
+    #[must_use]
+    pub const fn awaits_line(&self) -> bool {
+        matches!(self.phase, Phase::Answer { .. } | Phase::Probe { answered: Some(_), .. })
+    }
+
+    /// Returns the index of the first line that is not known to be executed.
+    #[must_use]
+    pub const fn next_line(&self) -> usize {
+        self.next
+    }
+
     /// Begins with a new connection.
     pub fn connected(&mut self, now: f64) {
-        *self = Self { state: State::Connected, last_byte: now, ..Self::new(self.timeout) };
+        let new = Self::new(self.timeout);
+        *self = Self { state: State::Connected, last_byte: now, last_sent: now, ..new };
     }
 
     /// Ends with the connection. What is unanswered stays so.
@@ -161,24 +121,24 @@ impl Driver {
         };
     }
 
-    /// Runs lines from an index on. What was before is made good first: the cutting speed, and the place of the tool, which
-    /// goes above the last point at the greatest height of the lines, and down to it. Returns false unless the robot is
-    /// ready.
+    /// Runs lines from an index on, behind [`approach`]. Returns false unless the robot is ready.
     pub fn run(&mut self, lines: Vec<Command>, from: usize, now: f64) -> bool {
         if self.state != State::Ready {
             return false;
         }
-        let before = |is: fn(&Command) -> bool| lines.iter().take(from).rev().copied().find(is);
-        let speed = before(|c| matches!(c, Command::Speed(_)));
-        let last = before(|c| c.target().is_some());
-        let top = lines.iter().filter_map(Command::target).map(|[.., z]| z).reduce(f64::max);
-        let above = last.and_then(|c| c.target()).zip(top);
-        let above = above.map(|([x, y, _], z)| Command::Rapid([x, y, z]));
-        self.first = [Some(Command::Start), speed, above, last].into_iter().flatten().collect();
+        self.first = approach(&lines, from).into();
         (self.lines, self.next) = (lines, from);
         self.state = State::Running;
-        self.advance(now);
+        // A probe on its way has its answer first.
+        if self.phase == Phase::Idle {
+            self.advance(now);
+        }
         true
+    }
+
+    /// Forgets a connection that was ended on purpose.
+    pub fn closed(&mut self) {
+        *self = Self::new(self.timeout);
     }
 
     /// Sends nothing more after the line under way.
@@ -227,18 +187,20 @@ impl Driver {
             }
         }
         match self.phase {
-            Phase::Answer { since } if now >= since + self.timeout => {
+            Phase::Answer { since } if now >= since + self.wait => {
                 self.probe(now, 1, Some(false));
             }
             Phase::Probe { since, tries, answered } if now >= since + self.timeout => {
                 if tries >= PROBES {
-                    self.phase = Phase::Idle;
-                    self.state = State::Stopped(Stopped::Silent(self.next));
+                    self.silent();
                 } else {
                     self.probe(now, tries + 1, answered);
                 }
             }
-            Phase::Idle if self.state == State::Paused && now >= self.last_sent + ALIVE => {
+            Phase::Idle if self.state == State::Connected && now >= self.last_sent + GREETING => {
+                self.silent();
+            }
+            Phase::Idle if self.is_resting() && now >= self.last_sent + ALIVE => {
                 self.probe(now, 1, None);
             }
             Phase::Idle | Phase::Answer { .. } | Phase::Probe { .. } => {}
@@ -250,8 +212,10 @@ impl Driver {
     pub fn next(&self) -> Option<f64> {
         let quiet = self.framer.has_begun().then_some(self.last_byte + QUIET);
         let timeout = match self.phase {
-            Phase::Idle => (self.state == State::Paused).then_some(self.last_sent + ALIVE),
-            Phase::Answer { since } | Phase::Probe { since, .. } => Some(since + self.timeout),
+            Phase::Idle if self.state == State::Connected => Some(self.last_sent + GREETING),
+            Phase::Idle => self.is_resting().then_some(self.last_sent + ALIVE),
+            Phase::Answer { since } => Some(since + self.wait),
+            Phase::Probe { since, .. } => Some(since + self.timeout),
         };
         [quiet, timeout].into_iter().flatten().reduce(f64::min)
     }
@@ -314,8 +278,19 @@ impl Driver {
         }
     }
 
+    /// Returns whether the robot waits for a line, and the driver for the user.
+    fn is_resting(&self) -> bool {
+        matches!(self.state, State::Ready | State::Paused)
+    }
+
     const fn refusal(is_odd: bool) -> Refusal {
         if is_odd { Refusal::Format } else { Refusal::Unknown }
+    }
+
+    fn silent(&mut self) {
+        self.phase = Phase::Idle;
+        self.state = State::Stopped(Stopped::Silent(self.next));
+        self.send(&Command::Exit);
     }
 
     fn refused(&mut self, why: Refusal) {
@@ -362,7 +337,19 @@ impl Driver {
             self.events.push(Event::Sent(self.next));
         }
         self.send(&line);
+        self.wait = self.timeout + self.duration(&line);
         self.phase = Phase::Answer { since: now };
+    }
+
+    /// Returns how long a line takes, in seconds, and notes what it changes.
+    fn duration(&mut self, line: &Command) -> f64 {
+        if let Command::Speed(speed) = line {
+            self.speed = *speed;
+        }
+        let Some(to) = line.target() else { return 0.0 };
+        let from = core::mem::replace(&mut self.at, to);
+        let way = libm::sqrt(from.iter().zip(&to).map(|(a, b)| (a - b) * (a - b)).sum());
+        way / if matches!(line, Command::Rapid(_)) { RAPID } else { self.speed }
     }
 
     fn send(&mut self, command: &Command) {

@@ -6,6 +6,10 @@ use std::fmt;
 pub const MAX_LINE: usize = 255;
 /// Highest cutting speed, in millimetres per second.
 pub const FASTEST: f64 = 15.0;
+/// Speed of rapid moves, in millimetres per second.
+pub(crate) const RAPID: f64 = 10.0;
+/// Cutting speed before any is set, in millimetres per second.
+pub(crate) const CUTTING: f64 = 5.0;
 /// Time after which a line without an end counts as whole, in seconds.
 pub(crate) const QUIET: f64 = 0.05;
 
@@ -160,18 +164,31 @@ impl fmt::Display for Refusal {
     }
 }
 
-/// Splits bytes into lines that end with LF, CR or both. Longer lines than [`MAX_LINE`] come out empty of their text.
-#[derive(Clone, Default, Debug)]
+/// Splits bytes into lines that end with LF, CR or both. Longer lines than the limit come out empty of their text.
+#[derive(Clone, Debug)]
 pub struct Framer {
     line: Vec<u8>,
     is_long: bool,
+    limit: usize,
+}
+
+impl Default for Framer {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Framer {
-    /// Returns a framer before the first byte.
+    /// Returns a framer for lines of at most [`MAX_LINE`] bytes.
     #[must_use]
     pub const fn new() -> Self {
-        Self { line: Vec::new(), is_long: false }
+        Self::with_limit(MAX_LINE)
+    }
+
+    /// Returns a framer for lines of at most this many bytes.
+    #[must_use]
+    pub const fn with_limit(limit: usize) -> Self {
+        Self { line: Vec::new(), is_long: false, limit }
     }
 
     /// Gives each line that these bytes complete to `take`; an overlong one as `None`.
@@ -179,7 +196,7 @@ impl Framer {
         for byte in bytes {
             if matches!(byte, b'\n' | b'\r') {
                 self.end(&mut take);
-            } else if self.line.len() < MAX_LINE {
+            } else if self.line.len() < self.limit {
                 self.line.push(*byte);
             } else {
                 self.is_long = true;

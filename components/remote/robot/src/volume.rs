@@ -2,7 +2,7 @@
 
 use crate::line::number;
 use hal_arm::{
-    Arm, CONFIGURATIONS, Frame,
+    Arm, CONFIGURATIONS, Frame, Joints,
     rotation::{Vector, from_zyz},
 };
 use std::fmt;
@@ -20,6 +20,21 @@ pub fn parse_zero(text: &str) -> Result<Zero, String> {
         numbers.push(number(word).ok_or_else(|| format!("'{}' is not a number", word.trim()))?);
     }
     <Zero>::try_from(numbers).map_err(|_| "three numbers are needed, such as -400,0,-30".to_owned())
+}
+
+/// Reads a work volume: the least X, Y and Z, then the greatest, separated by commas.
+///
+/// # Errors
+/// The text says something else, or a least coordinate is above the greatest.
+pub fn parse_volume(text: &str) -> Result<([f64; 3], [f64; 3]), String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
+    let needed = "six numbers are needed, such as -550,-250,-100,-250,250,40";
+    let ends = numbers.and_then(|n| <[f64; 6]>::try_from(n).ok()).ok_or(needed)?;
+    let [x0, y0, z0, x1, y1, z1] = ends;
+    if x0 > x1 || y0 > y1 || z0 > z1 {
+        return Err("a least coordinate is above the greatest".to_owned());
+    }
+    Ok(([x0, y0, z0], [x1, y1, z1]))
 }
 
 /// Box of the work, in robot coordinates, and the arm that must reach every point with its tool downwards.
@@ -95,10 +110,28 @@ impl Volume {
                 return Err(Outside::Box { axis, at, limit });
             }
         }
-        let down = from_zyz([-90.0, 180.0, 0.0]);
-        let origin = Vector::from(point) - down * Vector::new(0.0, 0.0, self.tool);
-        let flange = Frame { origin, turn: down };
+        let flange = self.flange(point);
         let reaches = |c| self.arm.solve(&flange, c, &[0.0; 6]).is_ok();
         if (0..CONFIGURATIONS).any(reaches) { Ok(()) } else { Err(Outside::Arm) }
+    }
+
+    /// Returns the joints that bring the tool to a point in robot coordinates, those nearest to `last`; `None` if there are
+    /// none.
+    #[must_use]
+    pub fn joints(&self, point: [f64; 3], last: &Joints) -> Option<Joints> {
+        let flange = self.flange(point);
+        let far = |way: &Joints| {
+            let turns = way.iter().zip(last).map(|(a, b)| (a - b).abs());
+            turns.fold(0.0, f64::max)
+        };
+        let ways = (0..CONFIGURATIONS).filter_map(|c| self.arm.solve(&flange, c, last).ok());
+        ways.map(|way| way.joints).min_by(|a, b| far(a).total_cmp(&far(b)))
+    }
+
+    /// Returns the flange when the tool points downwards at a point in robot coordinates.
+    fn flange(&self, point: [f64; 3]) -> Frame {
+        let down = from_zyz([-90.0, 180.0, 0.0]);
+        let origin = Vector::from(point) - down * Vector::new(0.0, 0.0, self.tool);
+        Frame { origin, turn: down }
     }
 }

@@ -415,3 +415,20 @@ fn a_refusal_behind_the_time_out_counts_unless_it_has_the_word_of_the_probe() {
         assert_eq!(executed, wanted == State::Running, "{word}");
     }
 }
+
+/// Above the last point, at the greatest height of the program, is a point of its own: a long tool does not reach it.
+#[test]
+fn the_way_to_a_line_is_checked_like_the_program() {
+    let path = std::env::temp_dir().join(format!("ferrule-approach-{}.nc", std::process::id()));
+    std::fs::write(&path, "G0 X0 Y0 Z60\nX100\nZ0\nG1 X110 F300\nX120\n").unwrap();
+    let mut volume = Volume::default();
+    let program = robot::Program::read(&path, &volume, &ZERO, 5.0).unwrap();
+    std::fs::remove_file(path).unwrap();
+    assert_eq!(program.check_approach(&volume, 4), Ok(()));
+    assert_eq!(robot::approach(&program.commands(), 0), [Command::Start]);
+    volume.max[2] = 29.0;
+    let why = program.check_approach(&volume, 4).unwrap_err();
+    assert!(why.ends_with(
+        "the way to line 4: X100.000 Y0.000 Z60.000 is outside the work volume: robot Z 30.000 > 29"
+    ), "{why}");
+}

@@ -35,6 +35,18 @@ impl Fixture {
         Some(Self { browser, printer })
     }
 
+    /// Starts the robot behind its own controller and its panel, and opens the page. `None` where there is no browser.
+    pub(super) fn robot(screen: Screen) -> Option<Self> {
+        Browser::is_there().then_some(())?;
+        // A computer that tests keep busy answers late, as in `Printer::begin`.
+        let lease = "loadrt remote motion=0 lease_timeout=60\naddf remote servo 1\n";
+        let printer = Printer::robot("integrator", lease);
+        let browser = Browser::open(&printer.scratch, screen);
+        browser.go(&printer.address());
+        browser.until("document.querySelector('#robot-state')?.textContent");
+        Some(Self { browser, printer })
+    }
+
     /// Waits until motion is at its end.
     pub(super) fn rests(&self) {
         until("the machine stands", || {

@@ -23,6 +23,7 @@ mod openapi;
 mod operator;
 mod printer;
 mod requests;
+mod robot;
 mod roles;
 mod samples;
 mod socket;

@@ -73,6 +73,25 @@ impl Printer {
         printer
     }
 
+    /// Starts the robot of `configs` behind its own controller, a machine without an INI file, on the real clock, and a panel
+    /// whose sessions have this role; the programs are in the machine's folder. `lines` follow the machine's script.
+    pub(super) fn robot(role: &str, lines: &str) -> Self {
+        let name = "rs03n-controller";
+        let scratch = Scratch::copy_of(&root().join("configs").join(name));
+        scratch.write("machine.hal", format!("source {name}.hal\n{lines}"));
+        let mut command = scratch.command(&[], "halrun");
+        let machine = scratch.start(command.args(["--simulate", "machine.hal"]));
+        let ready = if lines.is_empty() { "robot.status" } else { "remote.status" };
+        until("the machine runs", || scratch.halcmd(&[ready]).status == Some(0));
+        let mut command = scratch.command(&[], "halpanel");
+        command.args(["--listen", "127.0.0.1:0", "--role", role, "--programs", "."]);
+        command.args(["--address-file", "address", "--audit", "audit"]);
+        let panel = scratch.start(&mut command);
+        let mut printer = Self { panel, machine, scratch, port: 0 };
+        printer.port = printer.listens();
+        printer
+    }
+
     /// Waits until the panel listens, and returns its port.
     fn listens(&mut self) -> u16 {
         until("the panel writes its address", || {

@@ -10,6 +10,7 @@ import { Store } from "./store.js";
 import { translator } from "./texts.js";
 import { buildPage } from "./page.js";
 import { context } from "./context.js";
+import { ROBOT_PINS } from "./robot/state.js";
 
 const prefs = new Prefs();
 const store = new Store();
@@ -60,6 +61,7 @@ async function run(session) {
     built.abort();
     built = new AbortController();
     applyLook();
+    if (info.isRobot) link.watch("robot", ROBOT_PINS);
     buildPage(context({ info, session, link, store, messages, prefs, signal: built.signal, t: translator(prefs.get("language")) }));
   };
   prefs.listen((name) => ["language", "theme", "units", null].includes(name) && build(), new AbortController().signal);
@@ -72,8 +74,11 @@ function say(error) {
 
 /** Asks for everything that the page needs to know of the machine. */
 async function description() {
-  const [info, align] = await Promise.all([getJson("/info"), getJson(listPath("components", ["align"]))]);
-  info.hasAlign = align.length > 0;
+  const [info, components] = await Promise.all([getJson("/info"), getJson(listPath("components"))]);
+  const has = (name) => components.some((component) => component.name === name);
+  info.hasAlign = has("align");
+  // A robot that moves by its own controller is the machine itself.
+  info.isRobot = has("robot") && !has("motmod");
   if (!info.joints) await addJoints(info);
   return info;
 }

@@ -21,6 +21,7 @@ import { positionsCard } from "./operator/positions.js";
 import { probeCard } from "./operator/probe.js";
 import { programsCard } from "./operator/programs.js";
 import { runCard } from "./operator/run.js";
+import { robotCard } from "./robot/card.js";
 import { LANGUAGES } from "./texts.js";
 import { viewCard } from "./view/card.js";
 
@@ -42,11 +43,13 @@ const ALIGN = [
   ["left", positionsCard], ["left", machineCard], ["left", jogCard], ["centre", cameraCard], ["centre", runCard], ["centre", programsCard],
   ["right", marksCard], ["right", messagesCard],
 ];
+/** Cards of a robot behind its own controller. */
+const ROBOT = [["left", robotCard], ["centre", viewCard], ["right", messagesCard]];
 /** Cards of the pages that show all of them on every screen. */
-const WHOLE = { integrate: INTEGRATOR, align: ALIGN };
+const WHOLE = { integrate: INTEGRATOR, align: ALIGN, robot: ROBOT };
 
-/** Returns the pages that this machine has. */
-const pagesOf = (info) => ["operate", ...(info.hasAlign ? ["align"] : []), "integrate"];
+/** Returns the pages that this machine has; the first one is shown first. */
+const pagesOf = (info) => [info.isRobot ? "robot" : "operate", ...(info.hasAlign ? ["align"] : []), "integrate"];
 
 /** Builds the page anew. */
 export function buildPage(ctx) {
@@ -82,7 +85,8 @@ export function buildPage(ctx) {
 /** Returns the chosen page; the first one where this machine has no such page. */
 function pageOf({ info, prefs }) {
   const page = prefs.get("page");
-  return pagesOf(info).includes(page) ? page : "operate";
+  const pages = pagesOf(info);
+  return pages.includes(page) ? page : pages[0];
 }
 
 function columns(page, ctx) {
@@ -104,14 +108,18 @@ function topBar(ctx) {
     el("button", { type: "button", "data-page": page, onclick: () => prefs.set("page", page) }, t(`page.${page}`)));
   const lease = el("button", { type: "button", id: "lease", onclick: changeLease });
   const holder = el("span", { class: "note", id: "lease-holder" });
-  const stop = el("button", { type: "button", id: "estop", class: "estop", onclick: () => run("estop") }, t("estop"));
-  const abort = el("button", { type: "button", id: "abort", class: "danger", onclick: () => run("abort") }, t("abort"));
+  const stop = el("button", { type: "button", id: "estop", class: "estop", onclick: info.isRobot ? endRun : () => run("estop") }, t("estop"));
+  const abort = el("button", { type: "button", id: "abort", class: "danger", onclick: info.isRobot ? endRun : () => run("abort") }, t("abort"));
   const language = el("select", { "aria-label": t("language"), id: "language", onchange: () => prefs.set("language", language.value) },
     ...LANGUAGES.map(([code, name]) => el("option", { value: code, selected: code === prefs.get("language"), lang: code }, name)));
   const theme = el("button", { type: "button", id: "theme", "aria-label": t("theme"), title: t("theme"),
     onclick: () => prefs.set("theme", prefs.get("theme") === "dark" ? "light" : "dark") }, "◐");
   const leave = el("button", { type: "button", id: "sign-out", onclick: endSession }, t("sign.out"));
 
+  /** Stops a robot that its own controller moves, and ends the connection to it. */
+  function endRun() {
+    run("robot-stop");
+  }
   async function changeLease() {
     const panel = store.get("panel");
     const isOther = panel.lease && !panel.lease.yours;

@@ -35,10 +35,10 @@ fn the_document_states_each_command_with_its_role_and_lease() {
 #[test]
 fn only_what_ends_motion_needs_no_lease() {
     let free: Vec<&str> = ROWS.iter().filter(|row| !row.lease).map(|row| row.name).collect();
-    assert_eq!(free, ["abort", "estop", "off", "pause", "jog-stop"]);
+    assert_eq!(free, ["abort", "estop", "off", "pause", "jog-stop", "robot-stop", "robot-pause"]);
     let viewers: Vec<&str> =
         ROWS.iter().filter(|row| row.role == Role::Viewer).map(|row| row.name).collect();
-    assert_eq!(viewers, ["abort"]);
+    assert_eq!(viewers, ["abort", "robot-stop"]);
 }
 
 /// Returns the engine's command for these arguments.
@@ -48,7 +48,7 @@ fn sent(name: &str, args: &Json, is_inch: bool) -> Result<String, String> {
     let requests = match super::find(name).map_err(|e| e.text)?.action {
         Action::Engine(requests) => requests(&given),
         Action::Jog => given.jog(7),
-        Action::Open | Action::ToolChanged => panic!("{name} is no request"),
+        Action::Open(_) | Action::ToolChanged => panic!("{name} is no request"),
     };
     let words = requests.map_err(|e| e.text)?.into_iter().map(|request| match request {
         Request::Command { name, args } => format!("{name} {}", args.join(" ")).trim().to_owned(),
@@ -110,6 +110,9 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
         ("align-look", json!({"mark": 2}), Ok("align.look mark=2")),
         ("align-look", json!({}), Err("the command needs mark")),
         ("align-calibrate", json!({"mark": 2}), Err("the command has no argument 'mark'")),
+        ("robot-run", json!({}), Ok("robot.run")),
+        ("robot-run", json!({"from": 12}), Ok("robot.run from=12")),
+        ("robot-stop", json!({"now": true}), Err("the command has no argument 'now'")),
         (
             "tool-offset",
             json!({"tool": "3 M3", "z": 2}),

@@ -20,8 +20,19 @@ use std::{
 use tokio::{sync::mpsc, time::sleep};
 
 /// Commands that the engine must know of as work under the lease.
-const STARTS: &[&str] =
-    &["run", "confirm", "resume", "step", "mdi", "home", "touch-off", "tool-offset", "align-go"];
+const STARTS: &[&str] = &[
+    "run",
+    "confirm",
+    "resume",
+    "step",
+    "mdi",
+    "home",
+    "touch-off",
+    "tool-offset",
+    "align-go",
+    "robot-run",
+    "robot-resume",
+];
 /// Commands that begin motion or the power of it: refused while the machine's wiring permits no motion from afar.
 const WORK: &[&str] = &[
     "run",
@@ -39,9 +50,12 @@ const WORK: &[&str] = &[
     "spindle",
     "override-limits",
     "tool-changed",
+    "robot-connect",
+    "robot-run",
+    "robot-resume",
 ];
 /// Commands that end work: orders of which a part has not been sent end too.
-const ENDS: &[&str] = &["abort", "estop", "off", "pause"];
+const ENDS: &[&str] = &["abort", "estop", "off", "pause", "robot-stop", "robot-pause"];
 /// State of the interpreter in the task's status that waits in a pause.
 const PAUSED: u64 = 2;
 /// Longest name of a command in the audit log, in characters.
@@ -162,10 +176,10 @@ impl Order {
         let requests = match row.action {
             Action::Engine(requests) => requests(&given)?,
             Action::Jog => given.jog(lease)?,
-            Action::Open => {
+            Action::Open(command) => {
                 let path = self.panel.program(&given.program()?)?;
                 let file = format!("file={}", path.display());
-                vec![Request::Command { name: "task.open".to_owned(), args: vec![file] }]
+                vec![Request::Command { name: command.to_owned(), args: vec![file] }]
             }
             Action::ToolChanged => return self.tool_changed(lease).await,
         };
@@ -178,10 +192,11 @@ impl Order {
         }
         let stops = engine.stops();
         // A program that is held, and not paused, goes on by the release alone.
-        let released = name == "resume" && self.panel.heart.hold.load(Relaxed) && !self.is_paused();
+        let resumes = (name == "resume" && !self.is_paused()) || name == "robot-resume";
+        let released = resumes && self.panel.heart.hold.load(Relaxed);
         if STARTS.contains(&name) {
             let mut args = vec![format!("lease={lease}")];
-            if name == "resume" {
+            if matches!(name, "resume" | "robot-resume") {
                 args.push("release=TRUE".to_owned());
             }
             let start = Request::Command { name: "remote.start".to_owned(), args };

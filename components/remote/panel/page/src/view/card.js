@@ -3,6 +3,7 @@
 import { card, el, setText } from "../dom.js";
 import { AXES } from "../format.js";
 import { frameOf, workPose } from "../frame.js";
+import { asMachine, robotOf } from "../robot/state.js";
 import { getJson, listPath, programPath, request } from "../http.js";
 import { Vector3 } from "../../vendor/three.module.min.js";
 import { Gantry, Lathe, Rods, Tool, Trail, lights } from "./bodies.js";
@@ -59,7 +60,7 @@ export function viewCard(ctx) {
   box.append(simulation.node);
   build(null);
   // Arms and deltas say by their pins what they are.
-  Promise.all(["pins", "params"].map((kind) => getJson(listPath(kind, ["*kins.*"]), { signal }))).then(([pins, params]) => {
+  Promise.all(["pins", "params"].map((kind) => getJson(listPath(kind, ["*kins.*", "robot.*"]), { signal }))).then(([pins, params]) => {
     const kinematics = kinematicsOf([...pins, ...params]);
     if (!kinematics) return;
     if (!low) view.setReach(...kinematics.reach);
@@ -137,7 +138,8 @@ export function viewCard(ctx) {
     if (name === "colourBy" && state.path) draw();
   }, signal);
   store.listen(() => {
-    const [motion, task, program] = ["motion", "task", "program"].map((part) => store.get(part));
+    const program = store.get("program");
+    const [motion, task] = info.isRobot ? asMachine(robotOf(store.get("values"))) : [store.get("motion"), store.get("task")];
     if (program.version !== state.version && (program.lines > 0 || !program.name)) {
       state.version = program.version;
       load(program.name);

@@ -14,6 +14,8 @@ const KINDS = {
   genserkins: { reach: (p) => ball(sum(p, /^(A|D)-/)), parts: (p, joints) => chain(serialLinks(p), joints) },
   pumakins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: (p, joints) => chain(pumaLinks(p), joints) },
   armkins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: arm },
+  // Its work volume is near its base.
+  robot: { reach: (p) => ball(0.65 * sum(p, /^[AD]\d/)), parts: arm },
 };
 
 /** Returns the kinematics that the names of pins and parameters tell, with their values; null for others. */
@@ -68,11 +70,11 @@ function pumaLinks({ A2, A3, D3, D4, D6 }) {
   return rows.map(([a, alpha, d]) => ({ a, alpha, d }));
 }
 
-/** An arm of armkins: joints with directions and offsets, in a frame, with a tool. */
+/** An arm of armkins, or of robot, which has no frame: joints with directions and offsets, with a tool. */
 function arm(p, joints, tip) {
   const quarter = Math.PI / 2;
-  const frame = new Matrix4().makeRotationFromEuler(new Euler(...["a", "b", "c"].map((k) => p[`frame.${k}`] * RADIANS), "ZYX"));
-  frame.setPosition(p["frame.x"], p["frame.y"], p["frame.z"]);
+  const frame = new Matrix4().makeRotationFromEuler(new Euler(...["a", "b", "c"].map((k) => (p[`frame.${k}`] ?? 0) * RADIANS), "ZYX"));
+  frame.setPosition(p["frame.x"] ?? 0, p["frame.y"] ?? 0, p["frame.z"] ?? 0);
   const at = frame.invert();
   const points = [new Vector3().setFromMatrixPosition(at)];
   const links = [[p.A1, p.D1, -quarter], [p.A2, 0, 0], [p.A3, 0, quarter], [0, p.D4, -quarter], [0, 0, quarter], [0, p.D6, 0]];

@@ -1,0 +1,288 @@
+//! The terminal: a person, or lines of standard input, and a controller.
+
+use crate::{
+    device::{self, Device},
+    print,
+};
+use robot::{Console, ConsoleOptions, ConsoleRequest, LogEntry, LogKind};
+use rustyline::{
+    Editor, ExternalPrinter, config::BellStyle, error::ReadlineError, history::FileHistory,
+};
+use std::{
+    env, fs,
+    io::{BufRead as _, ErrorKind, Read, Write as _},
+    os::unix::fs::DirBuilderExt as _,
+    path::{Path, PathBuf},
+    sync::mpsc::{RecvTimeoutError, Sender, channel},
+    thread,
+    time::{Duration, Instant},
+};
+
+/// Number of lines in the history.
+const REMEMBERED: usize = 2000;
+const PROMPT: &str = "robot: ";
+
+/// Options of the terminal.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct TerminalOptions {
+    /// Address and port of the controller.
+    #[arg(long, required_unless_present = "serial", conflicts_with = "serial")]
+    to: Option<String>,
+    /// Serial line of the controller, as /dev/ttyUSB0; 8 data bits, no parity, 1 stop bit.
+    #[arg(long)]
+    serial: Option<PathBuf>,
+    /// Speed of the serial line, in Bd.
+    #[arg(long, default_value_t = 9600)]
+    baud: u32,
+    /// End of a line that is sent: cr, lf or crlf.
+    #[arg(long, default_value = "crlf", value_parser = ["cr", "lf", "crlf"])]
+    eol: String,
+    /// Begin of a line or a prompt that is an answer; may be repeated. Without it, every line and every prompt is one.
+    #[arg(long)]
+    answer: Vec<String>,
+    /// Text that the controller sends before anything is sent to it.
+    #[arg(long)]
+    begin: Option<String>,
+    /// Time for an answer, in seconds, while a file is sent or standard input is no terminal.
+    #[arg(long, default_value_t = 60.0)]
+    timeout: f64,
+    /// File of the history of typed lines; without it, one in the user's state folder.
+    #[arg(long)]
+    history: Option<PathBuf>,
+}
+
+/// Something that happens.
+enum Happening {
+    Typed(String),
+    TypedEnd,
+    Received(Vec<u8>),
+    /// The controller has gone, with the reason.
+    Gone(String),
+}
+
+/// Log, on the screen or on standard output.
+struct Log {
+    printer: Option<Box<dyn ExternalPrinter + Send>>,
+    is_coloured: bool,
+}
+
+/// Talks until the person or the controller ends it.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "a program at the edge: the controller lives in real time"
+)]
+pub(crate) fn talk(options: &TerminalOptions) -> Result<(), String> {
+    // NaN is refused too.
+    if !(0.0 < options.timeout && options.timeout < 1e6) {
+        return Err(format!("--timeout {}: must be a number above 0", options.timeout));
+    }
+    let Device { from, mut to } = match (&options.to, &options.serial) {
+        (_, Some(path)) => device::open(path, options.baud)?,
+        (Some(to), None) => device::connect(to)?,
+        (None, None) => return Err("--to or --serial is needed".to_owned()),
+    };
+    let is_person = is_terminal(std::io::stdin()) && is_terminal(std::io::stdout());
+    let line_end = match options.eol.as_str() {
+        "cr" => "\r",
+        "lf" => "\n",
+        _ => "\r\n",
+    };
+    let dialogue = ConsoleOptions {
+        line_end,
+        answers: options.answer.clone(),
+        begin: options.begin.clone(),
+        timeout: options.timeout,
+        is_queued: !is_person,
+    };
+    let begin = Instant::now();
+    let now = || begin.elapsed().as_secs_f64();
+    let mut console = Console::new(dialogue, now());
+    let (send, receive) = channel();
+    let mut log = Log { printer: None, is_coloured: is_coloured() };
+    receive_from(from, send.clone());
+    if is_person {
+        log.printer = Some(type_lines(send, options.history.clone().or_else(history_file))?);
+    } else {
+        read_lines(send);
+    }
+    let mut has_ended = false;
+    loop {
+        let wait = console.next().map(|at| Duration::from_secs_f64(f64::max(0.0, at - now())));
+        let happening = match wait {
+            None => receive.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            Some(wait) => receive.recv_timeout(wait),
+        };
+        let mut is_gone = false;
+        let mut request = None;
+        match happening {
+            Ok(Happening::Typed(line)) => request = console.enter(&line, now()),
+            Ok(Happening::TypedEnd) => has_ended = true,
+            Ok(Happening::Received(bytes)) => console.receive(&bytes, now()),
+            Ok(Happening::Gone(why)) => {
+                console.closed(&why);
+                is_gone = true;
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => is_gone = true,
+        }
+        console.poll(now());
+        while let Some(wanted) = request.take().or_else(|| console.turn(now())) {
+            match wanted {
+                ConsoleRequest::Quit => return finish(&mut console, &mut log),
+                ConsoleRequest::Read(name) => match fs::read_to_string(&name) {
+                    Ok(text) => console.send_file(&name, &text, now()),
+                    Err(e) => console.fail(&format!("{name}: {}", hal_output::reason(&e))),
+                },
+            }
+        }
+        let bytes = console.output();
+        if let Err(e) = to.write_all(&bytes).and_then(|()| to.flush()) {
+            console.closed(&hal_output::reason(&e));
+            is_gone = true;
+        }
+        log.show(&mut console)?;
+        if is_gone || has_ended && (is_person || console.is_idle()) {
+            return finish(&mut console, &mut log);
+        }
+    }
+}
+
+/// Prints what is left of the log. A failure of lines that nobody watched is one of the program.
+fn finish(console: &mut Console, log: &mut Log) -> Result<(), String> {
+    log.show(console)?;
+    let is_person = log.printer.is_some();
+    if console.has_failed() && !is_person {
+        return Err("not everything was sent and answered".to_owned());
+    }
+    Ok(())
+}
+
+impl Log {
+    fn show(&mut self, console: &mut Console) -> Result<(), String> {
+        for entry in console.log() {
+            let text = self.line(&entry);
+            match &mut self.printer {
+                Some(printer) => printer.print(text).map_err(|e| e.to_string())?,
+                None => print(&text)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns an entry as a line: what is sent as the terminal writes, what is received in red, errors in bold magenta.
+    fn line(&self, entry: &LogEntry) -> String {
+        let (mark, colour) = match entry.kind {
+            LogKind::Sent => ('>', ""),
+            LogKind::Received => ('<', "\x1b[31m"),
+            LogKind::Error => ('!', "\x1b[1;35m"),
+            LogKind::Note => ('#', "\x1b[2m"),
+        };
+        let text = &entry.text;
+        if self.is_coloured && !colour.is_empty() {
+            format!("{colour}{mark} {text}\x1b[0m\n")
+        } else {
+            format!("{mark} {text}\n")
+        }
+    }
+}
+
+fn is_terminal(file: impl std::os::fd::AsFd) -> bool {
+    rustix::termios::isatty(file)
+}
+
+/// Returns whether standard output shows colours, and its user wants them.
+fn is_coloured() -> bool {
+    let refused = env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+    let is_able = env::var("TERM").is_ok_and(|term| !matches!(term.as_str(), "" | "dumb"));
+    !refused && is_able && is_terminal(std::io::stdout())
+}
+
+/// Receives in a thread of its own.
+fn receive_from(mut from: Box<dyn Read + Send>, send: Sender<Happening>) {
+    thread::spawn(move || {
+        let mut buffer = [0; 4096];
+        loop {
+            let happening = match from.read(&mut buffer) {
+                Ok(0) => Happening::Gone("the controller has closed the connection".to_owned()),
+                Ok(count) => Happening::Received(buffer.get(..count).unwrap_or_default().to_vec()),
+                Err(e) if e.kind() == ErrorKind::Interrupted => continue,
+                Err(e) => Happening::Gone(hal_output::reason(&e)),
+            };
+            let is_last = matches!(happening, Happening::Gone(_));
+            if send.send(happening).is_err() || is_last {
+                return;
+            }
+        }
+    });
+}
+
+/// Reads lines of standard input in a thread of its own.
+fn read_lines(send: Sender<Happening>) {
+    thread::spawn(move || {
+        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+            if send.send(Happening::Typed(line)).is_err() {
+                return;
+            }
+        }
+        // Without a receiver nobody waits for the end.
+        drop(send.send(Happening::TypedEnd));
+    });
+}
+
+/// Lets a person type lines in a thread of its own, with a history; returns the way to print beside the line.
+fn type_lines(
+    send: Sender<Happening>,
+    history: Option<PathBuf>,
+) -> Result<Box<dyn ExternalPrinter + Send>, String> {
+    let failed = |e: ReadlineError| e.to_string();
+    let config = rustyline::Config::builder()
+        .max_history_size(REMEMBERED)
+        .map_err(failed)?
+        .history_ignore_dups(true)
+        .map_err(failed)?
+        .bell_style(BellStyle::None)
+        .build();
+    let mut editor = Editor::<(), FileHistory>::with_config(config).map_err(failed)?;
+    let printer = editor.create_external_printer().map_err(failed)?;
+    if let Some(file) = &history {
+        // The first time, there is no file.
+        drop(editor.load_history(file));
+    }
+    thread::spawn(move || {
+        loop {
+            let happening = match editor.readline(PROMPT) {
+                Ok(line) => {
+                    let is_new = !line.trim().is_empty() && editor.add_history_entry(&line).is_ok();
+                    if let (true, Some(file)) = (is_new, &history) {
+                        keep(&mut editor, file);
+                    }
+                    Happening::Typed(line)
+                }
+                Err(ReadlineError::Interrupted) => Happening::Typed(":stop".to_owned()),
+                Err(_) => Happening::TypedEnd,
+            };
+            let is_last = matches!(happening, Happening::TypedEnd);
+            if send.send(happening).is_err() || is_last {
+                return;
+            }
+        }
+    });
+    Ok(Box::new(printer))
+}
+
+/// Returns `ferrule/robot-history` in the user's state folder, which is created if necessary.
+fn history_file() -> Option<PathBuf> {
+    let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    let state =
+        absolute("XDG_STATE_HOME").or_else(|| Some(absolute("HOME")?.join(".local/state")))?;
+    let folder = state.join("ferrule");
+    fs::DirBuilder::new().recursive(true).mode(0o700).create(&folder).ok()?;
+    Some(folder.join("robot-history"))
+}
+
+/// Appends the last line, and keeps lines that other terminals have appended. A history that cannot be written stops nobody.
+fn keep(editor: &mut Editor<(), FileHistory>, file: &Path) {
+    let kept = if file.exists() { editor.append_history(file) } else { editor.save_history(file) };
+    drop(kept);
+}

@@ -1,0 +1,128 @@
+//! Commands `robot.*`.
+
+use super::{lock, report::Report};
+use hal_component::{Arg, Builder, Call, Error, TicketHandle, abi::ArgSpec};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex},
+};
+
+/// Largest number of orders that wait.
+const MAX_WAITING: usize = 16;
+
+/// Order for the worker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum RobotOrder {
+    /// Connects.
+    Connect,
+    /// Ends the connection while nothing runs.
+    Disconnect,
+    /// Loads a program.
+    Load(PathBuf),
+    /// Runs the program from a line.
+    Run(usize),
+    /// Pauses behind the move under way.
+    Pause,
+    /// Resumes.
+    Resume,
+    /// Stops at once.
+    Stop,
+}
+
+/// Orders that wait, with the tickets that tell their ends.
+#[derive(Debug, Default)]
+pub(crate) struct Inbox {
+    pub(crate) orders: Vec<(RobotOrder, TicketHandle)>,
+}
+
+struct OrderRow {
+    name: &'static str,
+    doc: &'static str,
+    args: &'static [&'static ArgSpec],
+    order: fn(&Call<'_>) -> RobotOrder,
+}
+
+const ROWS: &[OrderRow] = &[
+    OrderRow {
+        name: "robot.connect",
+        doc: "Connects to the controller: the robot takes the place of its tool as the part zero, and retracts. With --wait, until it is ready.",
+        args: &[],
+        order: |_| RobotOrder::Connect,
+    },
+    OrderRow {
+        name: "robot.disconnect",
+        doc: "Ends the connection while no run is in progress.",
+        args: &[],
+        order: |_| RobotOrder::Disconnect,
+    },
+    OrderRow {
+        name: "robot.load",
+        doc: "Converts a program, and checks every point; a refusal names file, line and point.",
+        args: &[&Arg::text("file", "G-code program.").required()],
+        order: |call| RobotOrder::Load(PathBuf::from(call.text("file").unwrap_or_default())),
+    },
+    OrderRow {
+        name: "robot.run",
+        doc: "Runs the loaded program. With --wait, until its end.",
+        args: &[&Arg::int("from", "Line to the robot to begin with, from 0.")
+            .within(0.0, 1e9)
+            .or("0")],
+        order: |call| {
+            RobotOrder::Run(call.int("from").and_then(|n| usize::try_from(n).ok()).unwrap_or(0))
+        },
+    },
+    OrderRow {
+        name: "robot.pause",
+        doc: "Lets the move under way end, and sends nothing more. With --wait, until the robot stands.",
+        args: &[],
+        order: |_| RobotOrder::Pause,
+    },
+    OrderRow {
+        name: "robot.resume",
+        doc: "Resumes a run that was paused.",
+        args: &[],
+        order: |_| RobotOrder::Resume,
+    },
+    OrderRow {
+        name: "robot.stop",
+        doc: "Stops the move under way at once, and ends the connection.",
+        args: &[],
+        order: |_| RobotOrder::Stop,
+    },
+];
+
+/// Declares the commands.
+pub(crate) fn open(
+    b: &mut Builder<'_>,
+    inbox: &Arc<Mutex<Inbox>>,
+    report: &Arc<Mutex<Report>>,
+) -> Result<(), Error> {
+    for row in ROWS {
+        let inbox = inbox.clone();
+        b.command(row.name, row.doc, row.args, move |call| {
+            let mut inbox = lock(&inbox);
+            // A stop finds room always.
+            let order = (row.order)(call);
+            if inbox.orders.len() >= MAX_WAITING && order != RobotOrder::Stop {
+                return Err(Error::new("too many commands wait for the worker of robot"));
+            }
+            // What ends at once must not be refused unseen.
+            let ends_at_once =
+                matches!(order, RobotOrder::Load(_) | RobotOrder::Resume | RobotOrder::Disconnect);
+            let ticket = if ends_at_once { call.awaited_ticket()? } else { call.ticket()? };
+            inbox.orders.push((order, ticket));
+            Ok(())
+        })?;
+    }
+    let report = report.clone();
+    let doc = "Returns the state, the program, the part zero, and the last problem.";
+    const JSON: &[&ArgSpec] = &[&Arg::bit("json", "As JSON, in one line.").or("FALSE")];
+    b.command("robot.status", doc, JSON, move |call| {
+        let report = lock(&report);
+        match call.bit("json").unwrap_or(false) {
+            true => call.reply(&report.json().to_string()),
+            false => report.lines().iter().for_each(|line| call.reply(line)),
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,364 @@
+//! A connection, the program that is loaded, and its run.
+
+use super::{cause::Cause, pins::SimInputs};
+use crate::{Command, Driver, Event, Faults, Program, SimulatedLink, State, TcpLink, Volume, Zero};
+use hal_arm::Joints;
+use std::{
+    path::Path,
+    sync::mpsc::{Receiver, TryRecvError, channel},
+    time::Duration,
+};
+
+/// Longest wait for bytes in one step of the worker.
+const TICK: Duration = Duration::from_millis(2);
+/// Seed of the simulated faults.
+const SEED: u64 = 1;
+
+/// Connection.
+enum Link {
+    /// There is none.
+    None,
+    /// A thread connects.
+    Opening(Receiver<Result<TcpLink, String>>),
+    Tcp(TcpLink),
+    Simulated,
+}
+
+/// Connection, program and run.
+pub(crate) struct Session {
+    pub(crate) driver: Driver,
+    link: Link,
+    /// Controller of the instance; `None` where it is a real one.
+    pub(super) simulated: Option<SimulatedLink>,
+    pub(super) program: Option<Program>,
+    volume: Volume,
+    /// Reason of an end, where it is not the driver's.
+    pub(super) cause: Option<Cause>,
+    /// Text of the last problem.
+    pub(super) problem: String,
+    /// A command has paused the run.
+    is_paused: bool,
+    pub(super) line: usize,
+    pub(super) point: [f64; 3],
+    pub(super) speed: f64,
+    pub(super) joints: Joints,
+    pub(super) zero: Option<Zero>,
+}
+
+impl Session {
+    /// Returns a session without a connection. `timeout` is the time for the answer to a line, in seconds.
+    pub(crate) fn new(volume: &Volume, timeout: f64, simulated: Option<Zero>) -> Self {
+        Self {
+            driver: Driver::new(timeout),
+            link: Link::None,
+            simulated: simulated.map(|zero| SimulatedLink::new(*volume, zero, SEED)),
+            program: None,
+            volume: *volume,
+            cause: None,
+            problem: String::new(),
+            is_paused: false,
+            line: 0,
+            point: [0.0; 3],
+            speed: 0.0,
+            joints: [0.0; 6],
+            zero: None,
+        }
+    }
+
+    /// Returns whether the controller is connected, or about to be: the robot may move.
+    pub(crate) const fn is_connected(&self) -> bool {
+        matches!(self.link, Link::Opening(_)) || self.is_driven()
+    }
+
+    /// Returns whether the driver has a connection.
+    pub(super) const fn is_driven(&self) -> bool {
+        use State::{Connected, Paused, Ready, Running};
+        matches!(self.driver.state(), Connected | Ready | Running | Paused)
+    }
+
+    /// Returns whether a run is in progress.
+    pub(crate) const fn is_busy(&self) -> bool {
+        matches!(self.driver.state(), State::Running | State::Paused)
+    }
+
+    /// Returns whether a thread connects.
+    pub(crate) const fn is_opening(&self) -> bool {
+        matches!(self.link, Link::Opening(_))
+    }
+
+    /// Returns the socket.
+    pub(crate) const fn socket(&self) -> Option<&std::sync::Arc<std::net::TcpStream>> {
+        match &self.link {
+            Link::Tcp(link) => Some(link.stream()),
+            _ => None,
+        }
+    }
+
+    /// Returns the number of the first line that is not known to be executed.
+    pub(crate) const fn line(&self) -> usize {
+        self.line
+    }
+
+    /// Returns the reason of the end of a run or a connection that did not end as it should.
+    pub(crate) const fn cause(&self) -> Option<Cause> {
+        match (self.cause, self.driver.state()) {
+            (Some(cause), _) => Some(cause),
+            (None, State::Stopped(why)) => Some(Cause::of(&why)),
+            _ => None,
+        }
+    }
+
+    /// Returns the text of the last problem.
+    pub(crate) fn problem(&self) -> &str {
+        &self.problem
+    }
+
+    /// Begins to connect.
+    pub(crate) fn connect(
+        &mut self,
+        to: &str,
+        longest: f64,
+        sim: &SimInputs,
+        now: f64,
+    ) -> Result<(), String> {
+        if self.is_connected() {
+            return Err("the controller is connected already".to_owned());
+        }
+        (self.cause, self.is_paused) = (None, false);
+        self.problem.clear();
+        self.driver.closed();
+        let Some(link) = &mut self.simulated else {
+            let (send, receive) = channel();
+            let (to, longest) = (to.to_owned(), Duration::from_secs_f64(longest));
+            let connect = move || {
+                // Nobody waits for a connection that was aborted, and it closes.
+                drop(send.send(TcpLink::connect(&to, longest, TICK)));
+            };
+            std::thread::Builder::new()
+                .name("robot".to_owned())
+                .spawn(connect)
+                .map_err(|e| hal_output::reason(&e))?;
+            self.link = Link::Opening(receive);
+            return Ok(());
+        };
+        if sim.cut {
+            return self.unreachable("the simulated link is down".to_owned());
+        }
+        if sim.zero.iter().all(|at| at.abs() < 1e6) {
+            link.controller_mut().teach(sim.zero);
+        }
+        link.connect(&mut self.driver, now);
+        self.link = Link::Simulated;
+        Ok(())
+    }
+
+    fn unreachable(&mut self, why: String) -> Result<(), String> {
+        self.cause = Some(Cause::Unreachable);
+        self.problem.clone_from(&why);
+        Err(why)
+    }
+
+    /// Advances the connection to a time. Returns whether bytes came, so that more may follow at once.
+    pub(crate) fn exchange(&mut self, now: impl Fn() -> f64, sim: &SimInputs) -> bool {
+        let mut came = false;
+        match (&mut self.link, &mut self.simulated) {
+            (Link::Opening(opened), _) => match opened.try_recv() {
+                Ok(Ok(link)) => {
+                    self.driver.connected(now());
+                    self.link = Link::Tcp(link);
+                    came = true;
+                }
+                Ok(Err(why)) => {
+                    self.link = Link::None;
+                    drop(self.unreachable(why));
+                }
+                Err(TryRecvError::Empty) => {}
+                Err(TryRecvError::Disconnected) => {
+                    self.link = Link::None;
+                    drop(self.unreachable("the thread that connects has ended".to_owned()));
+                }
+            },
+            (Link::Tcp(link), _) => came = link.exchange(&mut self.driver, now),
+            (_, Some(link)) => {
+                let share = |x: f64| if x > 0.0 { f64::min(x, 1.0) } else { 0.0 };
+                let delay = if sim.delay > 0.0 { f64::min(sim.delay, 3600.0) } else { 0.0 };
+                let (lost, doubled) = (share(sim.lost), share(sim.doubled));
+                link.controller_mut().set_faults(Faults { seed: 0, delay, lost, doubled });
+                link.exchange(&mut self.driver, now());
+                if sim.cut {
+                    link.cut(&mut self.driver, now());
+                }
+            }
+            (Link::None | Link::Simulated, None) => {}
+        }
+        self.events();
+        came
+    }
+
+    /// Sends what a command has made, and ends a connection that is over.
+    pub(crate) fn flush(&mut self, hold: bool, now: f64) {
+        if self.is_paused || hold {
+            self.driver.pause();
+        } else {
+            self.driver.resume(now);
+        }
+        match (&mut self.link, &mut self.simulated) {
+            (Link::Tcp(link), _) => link.send(&mut self.driver),
+            (_, Some(link)) => link.exchange(&mut self.driver, now),
+            (Link::None | Link::Opening(_) | Link::Simulated, None) => {}
+        }
+        self.events();
+        if self.is_busy() {
+            self.line = self.driver.next_line();
+        }
+        if !self.is_driven() && !self.is_opening() {
+            let is_lost = self.driver.state() == State::Closed && !matches!(self.link, Link::None);
+            self.cause = self.cause.or_else(|| is_lost.then_some(Cause::Lost));
+            self.link = Link::None;
+        }
+    }
+
+    /// Takes the driver's news.
+    fn events(&mut self) {
+        for event in self.driver.events() {
+            match event {
+                Event::Zero(zero) => {
+                    (self.zero, self.point, self.speed) = (Some(zero), [0.0; 3], 0.0);
+                    self.follow();
+                }
+                Event::Executed(n, _) => self.executed(n),
+                Event::Noise => {
+                    "the controller has sent text that is no answer".clone_into(&mut self.problem);
+                }
+                Event::Sent(_) => {}
+            }
+        }
+    }
+
+    fn executed(&mut self, n: usize) {
+        self.line = n + 1;
+        let record = self.program.as_ref().and_then(|program| program.records.get(n));
+        match record.map(|record| record.command) {
+            Some(Command::Rapid(to) | Command::Cut(to)) => {
+                self.point = to;
+                self.follow();
+            }
+            Some(Command::Speed(speed)) => self.speed = speed,
+            Some(Command::Start | Command::Exit) | None => {}
+        }
+    }
+
+    /// Computes the joints for the point.
+    fn follow(&mut self) {
+        let Some(zero) = &self.zero else { return };
+        let point = Volume::robot(zero, self.point);
+        if let Some(joints) = self.volume.joints(point, &self.joints) {
+            self.joints = joints;
+        }
+    }
+
+    /// Loads a program for the part zero of this connection.
+    pub(crate) fn load(&mut self, path: &Path, speed: f64, tool: f64) -> Result<&[String], String> {
+        if self.is_busy() {
+            return Err("a run is in progress".to_owned());
+        }
+        let zero = self.driver.zero().filter(|_| self.driver.state() == State::Ready);
+        let zero = zero.ok_or("the part zero is not known: robot.connect first")?;
+        self.program = None;
+        self.line = 0;
+        self.volume.tool = tool;
+        match Program::read(path, &self.volume, &zero, speed) {
+            Ok(program) => {
+                self.problem.clear();
+                Ok(&self.program.insert(program).warnings)
+            }
+            Err(why) => {
+                self.problem.clone_from(&why);
+                Err(why)
+            }
+        }
+    }
+
+    /// Runs the program from a line.
+    pub(crate) fn run(
+        &mut self,
+        from: usize,
+        speed: f64,
+        tool: f64,
+        now: f64,
+    ) -> Result<(), String> {
+        if self.is_busy() {
+            return Err("a run is in progress".to_owned());
+        }
+        let program = self.program.as_ref().ok_or("there is no program: robot.load first")?;
+        if self.driver.state() != State::Ready {
+            return Err("the controller does not wait for a run: robot.connect first".to_owned());
+        }
+        let changed = [
+            (self.driver.zero() != Some(program.zero), "the part zero"),
+            (tool.to_bits() != program.tool.to_bits(), "robot.tool-length"),
+            (speed.to_bits() != program.speed.to_bits(), "robot.cutting-speed"),
+        ];
+        if let Some((_, what)) = changed.iter().find(|(is, _)| *is) {
+            return Err(format!(
+                "{what} has changed since the program was loaded: robot.load again"
+            ));
+        }
+        let lines = program.records.len();
+        if from >= lines {
+            return Err(format!("from={from}: the program has {lines} lines, from 0"));
+        }
+        program.check_approach(&self.volume, from)?;
+        (self.is_paused, self.line) = (false, from);
+        self.driver.run(program.commands(), from, now);
+        Ok(())
+    }
+
+    /// Pauses the run, or ends a pause.
+    pub(crate) fn pause(&mut self, is_paused: bool) -> Result<(), String> {
+        if !self.is_busy() {
+            return Err("no run is in progress".to_owned());
+        }
+        self.is_paused = is_paused;
+        Ok(())
+    }
+
+    /// Returns whether a run is paused and the robot stands.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        self.driver.state() == State::Paused && !self.driver.awaits_line()
+    }
+
+    /// Ends a connection while nothing runs.
+    pub(crate) fn disconnect(&mut self) -> Result<(), String> {
+        if self.is_busy() {
+            return Err("a run is in progress: robot.stop ends it".to_owned());
+        }
+        self.give_up(None);
+        Ok(())
+    }
+
+    /// Stops the robot at once, and ends the connection.
+    pub(crate) fn stop(&mut self, cause: Cause) {
+        self.give_up(Some(cause));
+    }
+
+    fn give_up(&mut self, cause: Option<Cause>) {
+        if self.is_opening() {
+            self.link = Link::None;
+        } else if !self.is_driven() {
+            return;
+        }
+        self.cause = cause;
+        self.driver.stop();
+        if cause.is_none() {
+            // EXIT leaves before the driver forgets the connection.
+            match (&mut self.link, &mut self.simulated) {
+                (Link::Tcp(link), _) => link.send(&mut self.driver),
+                (_, Some(link)) => link.send(&mut self.driver),
+                (Link::None | Link::Opening(_) | Link::Simulated, None) => {}
+            }
+            self.driver.closed();
+            self.link = Link::None;
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! A session as its pins and `robot.status` show it.
+
+use super::{
+    cause::Cause,
+    pins::{Results, SimResults},
+    report::Report,
+    session::Session,
+};
+use crate::State;
+
+impl Session {
+    /// Returns the values of the pins.
+    pub(crate) fn results(&self) -> Results {
+        let state = self.driver.state();
+        let cause = self.cause();
+        let program = self.program.as_ref();
+        let record = program.and_then(|p| p.records.get(self.line).or_else(|| p.records.last()));
+        let number = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
+        let [x, y, z] = self.point;
+        let [zero_x, zero_y, zero_z] = self.zero.unwrap_or_default();
+        let [joint_0, joint_1, joint_2, joint_3, joint_4, joint_5] = self.joints;
+        Results {
+            connected: self.is_driven(),
+            ready: state == State::Ready,
+            running: state == State::Running,
+            paused: self.is_at_rest(),
+            busy: self.is_busy(),
+            ended: state == State::Ended && cause.is_none(),
+            stopped: cause.is_some(),
+            error: cause.map_or(0, Cause::number),
+            line: number(self.line),
+            lines: number(program.map_or(0, |p| p.records.len())),
+            program_line: record.map_or(0, |r| i32::try_from(r.line).unwrap_or(i32::MAX)),
+            x,
+            y,
+            z,
+            zero_x,
+            zero_y,
+            zero_z,
+            speed: self.speed,
+            joint_0,
+            joint_1,
+            joint_2,
+            joint_3,
+            joint_4,
+            joint_5,
+        }
+    }
+
+    /// Returns the true state of the simulated robot.
+    pub(crate) fn sim_results(&self, now: f64) -> SimResults {
+        let Some(link) = &self.simulated else { return SimResults::default() };
+        let robot = link.controller();
+        let [x, y, z] = robot.place(now);
+        let moves = i32::try_from(robot.moves().len()).unwrap_or(i32::MAX);
+        SimResults { x, y, z, moving: robot.is_moving(), moves }
+    }
+
+    /// Fills in what `robot.status` tells.
+    pub(crate) fn report(&self, report: &mut Report) {
+        report.state = match (self.cause(), self.driver.state()) {
+            _ if self.is_opening() => "connecting",
+            (Some(_), _) | (None, State::Stopped(_)) => "stopped",
+            (None, State::Closed) => "closed",
+            (None, State::Connected) => "connected",
+            (None, State::Ready) => "ready",
+            (None, State::Running) => "running",
+            (None, State::Paused) => "paused",
+            (None, State::Ended) => "ended",
+        };
+        report.zero = self.zero;
+        report.line = self.line;
+        let program = self.program.as_ref();
+        report.lines = program.map_or(0, |p| p.records.len());
+        report.file = program.map(|p| p.file.display().to_string()).unwrap_or_default();
+        report.warnings = program.map(|p| p.warnings.clone()).unwrap_or_default();
+        let record = program.and_then(|p| p.records.get(self.line));
+        report.command = record.map(|r| r.command.to_string()).unwrap_or_default();
+        let cause = self.cause().map(|cause| cause.with(self.line));
+        report.problem = match (cause, self.problem.as_str()) {
+            (Some(cause), "") => cause,
+            (_, problem) => problem.to_owned(),
+        };
+    }
+}
