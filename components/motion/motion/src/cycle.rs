@@ -28,8 +28,11 @@ impl State {
             jog_stop_immediate: g.jog_stop_immediate.get(),
             probe: g.probe_input.get(),
         };
-        for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
-            joint.read_pins(pins);
+        if self.module.is_some() {
+            self.read_module_pins();
+        }
+        for (n, (joint, own)) in self.joints.iter_mut().zip(&pins.joints).enumerate() {
+            joint.read_pins(own, pins.homing.get(n));
         }
         let locks = self.joints.iter_mut().map(|j| &mut j.lock).filter(|l| l.exists);
         for (lock, pins) in locks.zip(&pins.unlocks) {
