@@ -83,7 +83,7 @@ impl Session<'_> {
             (Command::Send(Request::Load { module, mut args }, note), Some((_, homing, _)))
                 if module == "motmod" =>
             {
-                let arg = format!("homing={homing}");
+                let arg = format!("homemod={homing}");
                 if !args.contains(&arg) {
                     args.push(arg);
                 }

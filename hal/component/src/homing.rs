@@ -1,7 +1,6 @@
 //! The service `homing`: a module homes the joints in the place of the motion controller.
 
 use crate::{
-    Touch, Uses,
     abi::{self, Host, HomingJoint, HomingSettings, Status, Use, homing_state},
     service::Found,
 };
@@ -96,12 +95,6 @@ impl HomingRef {
         let state = self.0.table.state;
         // SAFETY: this is the provider's function with its own context.
         HomingState(state.map_or(0, |state| unsafe { state(self.0.table.ctx, number(joint)) }))
-    }
-}
-
-impl Touch for HomingRef {
-    fn touch(&self, uses: &mut Uses) {
-        self.0.touch(uses);
     }
 }
 

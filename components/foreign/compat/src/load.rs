@@ -90,7 +90,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let kinematics = has_kinematics.then(|| Entries::read(handle)).transpose();
     let kinematics = kinematics.map_err(refuse(Status::EINVAL))?;
     let has_homing = prefix.is_empty() && homing::Entries::has_any(handle);
-    let homing = has_homing.then(|| homing::Entries::read(handle, &name)).transpose();
+    let homing = has_homing.then(|| homing::Entries::read(handle)).transpose();
     let homing = homing.map_err(refuse(Status::EINVAL))?;
     let loading = Loading::new(host, file, module.clone());
     let done = loading::within(&loading, || {

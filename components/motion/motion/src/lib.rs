@@ -84,6 +84,9 @@ The snapshot `motion.status` holds the state at the end of each cycle as a whole
 for each joint its position, velocity and switches. `halcmd snapshot motion.status` prints it, and
 programs read it from shared memory, without delaying motion.
 
+A homing module of the user that is loaded before `motmod` homes the joints in its place, and makes
+the pins for that.
+
 With kinematics of several types, such as `scarakins`, `motion.switchkins-type` says which one is in
 force.
 
@@ -200,7 +203,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
 fn homing_module(b: &mut Builder<'_>, setup: &Setup) -> Result<Option<HomingRef>, Error> {
     let period = setup.servo_period_ns as f64 * 1e-9;
     let found = b.homing(period, setup.joints, setup.extra_joints)?;
-    match (&found, b.arg_text("homing").filter(|name| !name.is_empty())) {
+    match (&found, b.arg_text("homemod").filter(|name| !name.is_empty())) {
         (None, Some(name)) => Err(Error::new(format!(
             "the module '{name}' offers no homing: it needs the functions of homing.h, each with \
              EXPORT_SYMBOL"

@@ -8,14 +8,21 @@ use crate::{
     dry_run,
     loading::{self, Loading, Refusal},
     module::Module,
-    running, system,
+    running,
+    second_copy::{FirstValue, Made},
+    system,
 };
 use core::{
     cell::UnsafeCell,
     ffi::{CStr, c_int, c_void},
-    sync::atomic::Ordering::Relaxed,
+    sync::atomic::{
+        AtomicPtr, AtomicU64,
+        Ordering::{Relaxed, Release},
+    },
 };
-use hal_component::abi::{Homing, Host, Record, ServiceSpec, Status, Str, host_flags, size};
+use hal_component::abi::{
+    ActionSpec, CallHost, Homing, Host, Record, ServiceSpec, Status, Str, host_flags, size,
+};
 use std::sync::Arc;
 
 /// Functions that motion needs, as LinuxCNC's motion controller does.
@@ -46,7 +53,10 @@ const NEEDED: [&CStr; 20] = [
 const MARK: &CStr = c"rtapi_info_joint_record";
 
 /// LinuxCNC's homing module that touches no record of a joint.
-const TOUCHES_NONE: &str = "homecomp";
+const TOUCHES_NONE: &[u8] = b"homecomp";
+
+const OTHER_RECORDS: &str = "it was compiled for joint records of another kind, such as those of a version of \
+                             LinuxCNC: its source includes homing.h, and Ferrule's halcompile compiles it";
 
 /// Number of the component whose pins a module creates as those of the motion controller.
 const MOTION: c_int = c_int::MAX;
@@ -69,20 +79,14 @@ impl Entries {
     /// Returns the homing functions of a file.
     ///
     /// # Errors
-    /// A function is missing, or the module was compiled for other records of joints.
-    pub(crate) fn read(handle: *mut c_void, name: &str) -> Result<Self, String> {
+    /// A function is missing; the error names it.
+    pub(crate) fn read(handle: *mut c_void) -> Result<Self, String> {
         if let Some(name) = NEEDED.iter().find(|name| !system::defines(handle, name)) {
             return Err(format!(
                 "it has homing without {}: motmod needs all functions of homing.h, each with \
                  EXPORT_SYMBOL",
                 name.to_string_lossy()
             ));
-        }
-        if !knows_joints(handle) && name != TOUCHES_NONE {
-            return Err("it was compiled for the joint records of LinuxCNC, which differ from \
-                        version to version: compile its source with Ferrule's halcompile; the \
-                        file includes homing.h"
-                .to_owned());
         }
         let sequence = c"do_homing_sequence";
         let has_sequence = system::defines(handle, sequence);
@@ -194,6 +198,9 @@ unsafe extern "C" fn open(
 impl Homer {
     fn open(&self, host: Host, period: f64, joints: [u32; 2]) -> Result<(), String> {
         let module = &self.module;
+        if !self.knows_joints && module.name.to_bytes() != TOUCHES_NONE {
+            return Err(OTHER_RECORDS.to_owned());
+        }
         if joints.iter().any(|n| usize::try_from(*n).is_ok_and(|n| n > JOINTS)) {
             return Err(format!("it has at most {JOINTS} joints"));
         }
@@ -216,7 +223,10 @@ impl Homer {
         if let Some(why) = loading.refusals.into_inner().into_iter().next() {
             return Err(why);
         }
-        if code == 0 { Ok(()) } else { Err(format!("homing_init fails ({code})")) }
+        if code != 0 {
+            return Err(format!("homing_init fails ({code})"));
+        }
+        leave_pins_later(&host, module, &loading.items.into_inner())
     }
 
     /// Clears the records and the locks.
@@ -226,4 +236,53 @@ impl Homer {
         let locks = &self.module.locks;
         [&locks.open, &locks.exists, &locks.wanted].into_iter().for_each(|l| l.store(0, Relaxed));
     }
+}
+
+/// Pointers of a module to pins that end with the motion controller, before the module does.
+struct Pins {
+    places: Vec<*const AtomicPtr<AtomicU64>>,
+    /// Cell of the module's own for all of them from then on.
+    spare: *mut AtomicU64,
+    /// Reference that keeps the memory of both alive.
+    _module: Arc<Module>,
+}
+
+/// Has the pointers to the pins lead to a cell of the module's own when the motion controller is unloaded: functs of the
+/// module may run on.
+fn leave_pins_later(host: &Host, module: &Arc<Module>, made: &[Made]) -> Result<(), String> {
+    /// # Safety
+    /// Called with any arguments.
+    const unsafe extern "C" fn nothing(_: *mut c_void, _: *const CallHost) -> Status {
+        Status::OK
+    }
+    /// # Safety
+    /// The engine calls this once, with a state made below.
+    unsafe extern "C" fn leave(state: *mut c_void) {
+        // SAFETY: made by `Box::into_raw` as `Pins`; freed once.
+        let pins = unsafe { Box::from_raw(state.cast::<Pins>()) };
+        for place in &pins.places {
+            // SAFETY: the module's memory for a pointer, which stays as long as the module.
+            let place = unsafe { &**place };
+            // Release pairs with each use by the module's code.
+            place.store(pins.spare, Release);
+        }
+    }
+    let place = |m: &Made| match m.from {
+        FirstValue::Pin(place) if m.status.is_ok() => Some(place),
+        FirstValue::Pin(_) | FirstValue::Param(_) => None,
+    };
+    let spare = module.take(8).ok_or("there is no memory left")?.cast();
+    let places = made.iter().filter_map(place).collect();
+    let pins = Pins { places, spare, _module: module.clone() };
+    let spec = ActionSpec {
+        size: size::<ActionSpec>(),
+        flags: 0,
+        run: Some(nothing),
+        state: Box::into_raw(Box::new(pins)).cast(),
+        free: Some(leave),
+    };
+    // SAFETY: the engine's function; ownership of the state passes with the call.
+    let status =
+        host.stop.map_or(Status::EINVAL, |stop| unsafe { stop(host.ctx, &raw const spec) });
+    if status.is_ok() { Ok(()) } else { Err("the engine refused it".to_owned()) }
 }

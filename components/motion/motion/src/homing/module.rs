@@ -374,3 +374,53 @@ fn settings(c: &HomeConfig) -> HomingSettings {
 
 /// Rounding of positions that change together, relative to their size and in units.
 const ROUNDING: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Joint at 10, measured at 9.5, whose motor reads 12.
+    const SENT: HomingJoint = HomingJoint {
+        pos_cmd: 10.0,
+        pos_fb: 9.5,
+        motor_offset: 2.4,
+        backlash_filt: 0.1,
+        motor_pos_fb: 12.0,
+        planner_pos: 10.0,
+        ..EMPTY
+    };
+
+    #[test]
+    fn a_renaming_leaves_the_motor_or_goes_to_its_feedback() {
+        for ([cmd, fb, offset, planner], expected) in [
+            ([0.0, 0.0, 0.0, 0.0], Some(Renaming::None)),
+            ([3.0, 3.0, -3.0, 3.0], Some(Renaming::Shift)),
+            ([-1e6, -1e6, 1e6, -1e6], Some(Renaming::Shift)),
+            // The command becomes the feedback with another offset.
+            ([-1.5, -1.0, 1.0, -1.5], Some(Renaming::ToFeedback)),
+            ([-1.0, -1.0, 1.0, -1.0], Some(Renaming::Shift)),
+            // Every part by itself, or by another distance.
+            ([3.0, 0.0, 0.0, 0.0], None),
+            ([0.0, 3.0, 0.0, 0.0], None),
+            ([0.0, 0.0, -3.0, 0.0], None),
+            ([0.0, 0.0, 0.0, 3.0], None),
+            ([3.0, 3.0, -3.0, 0.0], None),
+            ([3.0, 3.0, -2.9, 3.0], None),
+            ([3.0, 2.9, -3.0, 3.0], None),
+            ([-0.5, 0.0, 0.0, -0.5], None),
+            ([-1.5, -1.1, 1.0, -1.5], None),
+            ([3.0, f64::NAN, -3.0, 3.0], None),
+        ] {
+            let left = HomingJoint {
+                pos_cmd: SENT.pos_cmd + cmd,
+                pos_fb: SENT.pos_fb + fb,
+                motor_offset: SENT.motor_offset + offset,
+                planner_pos: SENT.planner_pos + planner,
+                ..SENT
+            };
+            assert_eq!(renaming(&SENT, &left), expected, "{cmd} {fb} {offset} {planner}");
+        }
+        let unmeasured = HomingJoint { pos_fb: f64::NAN, ..SENT };
+        assert_eq!(renaming(&unmeasured, &unmeasured), Some(Renaming::None));
+    }
+}
