@@ -108,6 +108,10 @@ impl State {
                     module.distrusted |= 1 << n;
                 }
                 self.stop_for(why.text());
+                if let Some(module) = &mut self.module {
+                    module.put(&self.joints, false);
+                    module.service.call(homing_call::UNHOME_OFF, number(n));
+                }
             }
         }
     }
