@@ -30,9 +30,8 @@ pub struct Homing {
     >,
     /// Sets the homing settings of a joint; with `update` only offset, position and sequence, which
     /// alone have changed.
-    pub configure: Option<
-        unsafe extern "C" fn(*const c_void, joint: u32, *const HomingSettings, update: u32),
-    >,
+    pub configure:
+        Option<unsafe extern "C" fn(*const c_void, joint: u32, *const HomingSettings, update: u32)>,
     /// Writes the record of a joint.
     pub put: Option<unsafe extern "C" fn(*const c_void, joint: u32, *const HomingJoint)>,
     /// Reads the record of a joint, as the module has left it.

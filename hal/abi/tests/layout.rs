@@ -15,11 +15,11 @@ macro_rules! layout {
 fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
         ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FieldSpec,
-        ForeignFile, ForeignLoader, FunctSpec, Homing, HomingJoint, HomingSettings, Host, Interlock, IoCommand, IoControl, IoOutcome,
-        IoStatus, ItemSpec, Kinematics, Library, List, Motion, MotionAnswer, MotionCommand,
-        Operator, OperatorCommand, OperatorView, Page, PortQueue, Ring, ServiceRef, ServiceSpec,
-        Slot, SnapshotRef, SnapshotSpec, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec,
-        Ticket, Use, WorkerSpec,
+        ForeignFile, ForeignLoader, FunctSpec, Homing, HomingJoint, HomingSettings, Host,
+        Interlock, IoCommand, IoControl, IoOutcome, IoStatus, ItemSpec, Kinematics, Library, List,
+        Motion, MotionAnswer, MotionCommand, Operator, OperatorCommand, OperatorView, Page,
+        PortQueue, Ring, ServiceRef, ServiceSpec, Slot, SnapshotRef, SnapshotSpec, Status, Str,
+        StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use, WorkerSpec,
     };
     let mut out = String::new();
     layout! { out,

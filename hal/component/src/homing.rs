@@ -1,7 +1,7 @@
 //! The service `homing`: a module homes the joints in the place of the motion controller.
 
 use crate::{
-    abi::{self, Host, HomingJoint, HomingSettings, Status, Use, homing_state},
+    abi::{self, HomingJoint, HomingSettings, Host, Status, Use, homing_state},
     service::Found,
 };
 

@@ -29,17 +29,8 @@ type OfAll = extern "C" fn() -> bool;
 type Init = extern "C" fn(c_int, c_double, c_int, c_int, *mut c_void) -> c_int;
 type Locks = extern "C" fn(extern "C" fn(c_int, c_int), extern "C" fn(c_int) -> c_int);
 type Unhome = extern "C" fn(c_int, c_uint);
-type Settings = extern "C" fn(
-    c_int,
-    c_double,
-    c_double,
-    c_double,
-    c_double,
-    c_double,
-    c_int,
-    c_int,
-    bool,
-);
+type Settings =
+    extern "C" fn(c_int, c_double, c_double, c_double, c_double, c_double, c_int, c_int, bool);
 type Update = extern "C" fn(c_int, c_double, c_double, c_int);
 
 /// Functions of a module, with the types of `homing.h`.
@@ -151,9 +142,8 @@ impl Homer {
             (e.index_wait, homing_state::INDEX_WAIT),
             (e.index_enable, homing_state::INDEX_ENABLE),
         ];
-        let bits = self.within(|| {
-            all.iter().filter(|(asks, _)| asks(n)).fold(0, |bits, (_, bit)| bits | bit)
-        });
+        let bits = self
+            .within(|| all.iter().filter(|(asks, _)| asks(n)).fold(0, |bits, (_, bit)| bits | bit));
         let wanted = self.module.locks.wanted.load(Relaxed);
         let unlock = wanted.checked_shr(joint).unwrap_or(0) & 1;
         bits.unwrap_or(0) | (unlock * homing_state::UNLOCK)

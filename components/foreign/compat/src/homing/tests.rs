@@ -19,13 +19,13 @@ macro_rules! places {
 fn the_record_is_that_of_the_header() {
     // SAFETY: a constant of `shim.c`.
     let in_c = unsafe { &ferrule_joint_layout };
-    let planner =
-        places!(PlannerRecord: pos_cmd max_vel max_acc enable curr_pos curr_vel active);
+    let planner = places!(PlannerRecord: pos_cmd max_vel max_acc enable curr_pos curr_vel active);
     let joint = places!(JointRecord: max_pos_limit min_pos_limit max_jog_limit min_jog_limit
         vel_limit acc_limit min_ferror max_ferror backlash pos_cmd vel_cmd acc_cmd backlash_corr
         backlash_filt backlash_vel motor_pos_cmd motor_pos_fb pos_fb ferror ferror_limit
         motor_offset free_tp kb_jjog_active wheel_jjog_active on_pos_limit on_neg_limit flag);
-    let in_rust: Vec<c_ulong> = [planner, joint, vec![0]].concat().iter().map(|n| *n as u64).collect();
+    let in_rust: Vec<c_ulong> =
+        [planner, joint, vec![0]].concat().iter().map(|n| *n as u64).collect();
     assert_eq!(in_rust, in_c);
 }
 

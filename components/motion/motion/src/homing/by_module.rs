@@ -206,8 +206,7 @@ impl State {
     pub(crate) fn unhome_by_module(&mut self, set: Joints) -> Result<(), Refusal> {
         let Some(module) = &mut self.module else { return Ok(()) };
         module.put(&self.joints, self.enabled);
-        let what =
-            if self.enabled { homing_call::UNHOME_FREE } else { homing_call::UNHOME_OFF };
+        let what = if self.enabled { homing_call::UNHOME_FREE } else { homing_call::UNHOME_OFF };
         each(set, |n| {
             module.service.call(what, n);
         });
@@ -227,9 +226,8 @@ impl State {
     /// Unhomes the joints with a volatile home, after the machine has gone off.
     pub(crate) fn unhome_volatile(&mut self) {
         let Some(module) = &mut self.module else { return };
-        let is_volatile = |n: &usize| {
-            self.joints.get(*n).is_some_and(|j| j.active && j.config.home.is_volatile)
-        };
+        let is_volatile =
+            |n: &usize| self.joints.get(*n).is_some_and(|j| j.active && j.config.home.is_volatile);
         let set = (0..self.joints.len()).filter(is_volatile).fold(0, |set, n| set | 1 << n);
         if set == 0 {
             return;

@@ -283,8 +283,8 @@ fn take_over(
     }
     let renaming = renaming(sent, left).ok_or(ModuleError::Inconsistent)?;
     let is_renamed = renaming != Renaming::None;
-    let is_other = is_new(left.target, sent.target)
-        || is_new(left.planner_velocity, sent.planner_velocity);
+    let is_other =
+        is_new(left.target, sent.target) || is_new(left.planner_velocity, sent.planner_velocity);
     let drives = is_on && (!was_on || is_other);
     if (is_renamed || drives) && !may {
         return Err(ModuleError::Unasked);
