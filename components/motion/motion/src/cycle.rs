@@ -5,7 +5,6 @@ use crate::{
     commands::command::Mode,
     commands::refusal::Refusal,
     jogger::TravelLimits,
-    joint,
     path::Parked,
     pins::Pins,
     state::{Inputs, State},
@@ -169,7 +168,7 @@ impl State {
             if joint.free.has_counted(pins.jog_counts) {
                 continue;
             }
-            let wheel = joint::wheel(pins);
+            let wheel = pins.wheel();
             let allowed = allowed && joint.active && joint.refuses_jog().is_none();
             let turned = allowed && joint.free.is_turned(&wheel);
             let limits = if turned { joint.jog_limits() } else { TravelLimits::default() };
@@ -213,8 +212,7 @@ impl State {
         match self.mode {
             Mode::Free => {
                 let mut joints = self.joints.iter().zip(&pins.joints);
-                joints
-                    .any(|(joint, pins)| joint.active && joint.free.is_turned(&joint::wheel(pins)))
+                joints.any(|(joint, pins)| joint.active && joint.free.is_turned(&pins.wheel()))
             }
             Mode::Teleop => {
                 let mut axes = self.axes.iter().zip(&pins.axes);

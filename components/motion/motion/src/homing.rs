@@ -1,6 +1,6 @@
 //! Homing: of one joint (`one_joint.rs`), of several in their sequence (`sequence.rs`), and of the machine (`control.rs`);
-//! why it failed (`error.rs`). Homing by a module of the user: of the machine (`by_module.rs`), and what passes between
-//! both (`module.rs`).
+//! why it failed (`error.rs`). Homing by a module of the user: of the machine (`by_module.rs`), what passes between
+//! both (`module.rs`), and its messages (`texts.rs`).
 
 pub(crate) mod by_module;
 pub(crate) mod control;
@@ -8,3 +8,4 @@ pub(crate) mod error;
 pub(crate) mod module;
 pub(crate) mod one_joint;
 pub(crate) mod sequence;
+mod texts;

@@ -6,7 +6,7 @@ use crate::{
     guards::step::{MotorCommand, StepGuard},
     guards::watch::JointWatch,
     homing::one_joint::Homing,
-    jogger::{By, Jogger, TravelLimits, WheelPins},
+    jogger::{By, Jogger, TravelLimits},
     lock::Lock,
     pins::{HomingPins, JointPins, Shown, packed},
     setup::is_zero,
@@ -76,13 +76,15 @@ impl Joint {
 
     /// Reads the pins, and computes the following error of the last command.
     pub(crate) fn read_pins(&mut self, pins: &JointPins, homing: Option<&HomingPins>) {
+        let [at_home, index_enable] =
+            homing.map_or([false; 2], |own| [own.home_sw_in.get(), own.index_enable.get()]);
         self.inputs = JointInputs {
             motor_pos_fb: pins.motor_pos_fb.get(),
             amp_fault: pins.amp_fault_in.get(),
             at_max: pins.pos_lim_sw_in.get(),
             at_min: pins.neg_lim_sw_in.get(),
-            at_home: homing.is_some_and(|pins| pins.home_sw_in.get()),
-            index_enable: homing.is_some_and(|pins| pins.index_enable.get()),
+            at_home,
+            index_enable,
         };
         self.measure();
     }
@@ -302,14 +304,16 @@ impl Joint {
         }
     }
 
-    /// Writes the pins. Returns whether a state of the joint has changed: more than its motion.
+    /// Writes the pins; `homing` are those of all joints, `n` is this one. Returns whether a state of the joint has changed: more than its motion.
     pub(crate) fn write_pins(
         &mut self,
         pins: &JointPins,
-        homing: Option<&HomingPins>,
+        (homing, n): (&[HomingPins], usize),
         enabled: bool,
     ) -> bool {
-        if let (Some(value), Some(pins)) = (self.homing.take_index_enable(), homing) {
+        if let Some(value) = self.homing.take_index_enable()
+            && let Some(pins) = homing.get(n)
+        {
             pins.index_enable.set(value);
         }
         pins.motor_pos_cmd.set(self.step_guard.last());
@@ -349,7 +353,7 @@ impl Joint {
             tp.max_vel.to_bits(),
         ]);
         if changed {
-            self.write_state(pins, homing, enabled);
+            self.write_state(pins, homing.get(n), enabled);
         }
         changed
     }
@@ -386,14 +390,3 @@ const SLACK: f64 = 1e-6;
 
 /// Rounding of a position that is no motion of a locked joint, in machine units.
 const LOCKED: f64 = 1e-9;
-
-/// Returns the jog-wheel pins of a joint.
-pub(crate) const fn wheel(pins: &JointPins) -> WheelPins {
-    WheelPins {
-        counts: pins.jog_counts,
-        enable: pins.jog_enable,
-        scale: pins.jog_scale,
-        vel_mode: pins.jog_vel_mode,
-        accel_fraction: pins.jog_accel_fraction,
-    }
-}

@@ -203,7 +203,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
 fn homing_module(b: &mut Builder<'_>, setup: &Setup) -> Result<Option<HomingRef>, Error> {
     let period = setup.servo_period_ns as f64 * 1e-9;
     let found = b.homing(period, setup.joints, setup.extra_joints)?;
-    match (&found, b.arg_text("homemod").filter(|name| !name.is_empty())) {
+    match (&found, b.arg_text("homemod")) {
         (None, Some(name)) => Err(Error::new(format!(
             "the module '{name}' offers no homing: it needs the functions of homing.h, each with \
              EXPORT_SYMBOL"

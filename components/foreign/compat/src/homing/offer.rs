@@ -239,7 +239,7 @@ impl Homer {
 }
 
 /// Pointers of a module to pins that end with the motion controller, before the module does.
-struct Pins {
+struct MotionPins {
     places: Vec<*const AtomicPtr<AtomicU64>>,
     /// Cell of the module's own for all of them from then on.
     spare: *mut AtomicU64,
@@ -258,8 +258,8 @@ fn leave_pins_later(host: &Host, module: &Arc<Module>, made: &[Made]) -> Result<
     /// # Safety
     /// The engine calls this once, with a state made below.
     unsafe extern "C" fn leave(state: *mut c_void) {
-        // SAFETY: made by `Box::into_raw` as `Pins`; freed once.
-        let pins = unsafe { Box::from_raw(state.cast::<Pins>()) };
+        // SAFETY: made by `Box::into_raw` as `MotionPins`; freed once.
+        let pins = unsafe { Box::from_raw(state.cast::<MotionPins>()) };
         for place in &pins.places {
             // SAFETY: the module's memory for a pointer, which stays as long as the module.
             let place = unsafe { &**place };
@@ -273,7 +273,7 @@ fn leave_pins_later(host: &Host, module: &Arc<Module>, made: &[Made]) -> Result<
     };
     let spare = module.take(8).ok_or("there is no memory left")?.cast();
     let places = made.iter().filter_map(place).collect();
-    let pins = Pins { places, spare, _module: module.clone() };
+    let pins = MotionPins { places, spare, _module: module.clone() };
     let spec = ActionSpec {
         size: size::<ActionSpec>(),
         flags: 0,

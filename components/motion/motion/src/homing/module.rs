@@ -1,11 +1,11 @@
-//! Realtime. What a homing module of a user is told of a joint, and what it may change.
+//! Realtime. Record of a joint for a homing module of a user, and the changes that the module may make to it.
 
 use crate::{
     commands::{
         command::Joints,
         config::{Encoder, HomeConfig},
     },
-    homing::one_joint::move_to,
+    homing::{one_joint::move_to, texts::Texts},
     jogger::By,
     joint::Joint,
     setup::MAX_JOINTS,
@@ -57,38 +57,8 @@ pub(crate) enum ModuleError {
     NotFinite,
     /// Positions and offset do not change together, or the velocity is below 0.
     Inconsistent,
-    /// It moves a joint without a command to home.
+    /// A joint moves without a command to home.
     Unasked,
-}
-
-/// Messages for the operator, with the name of the module, and `{}` for the joint.
-#[derive(Debug)]
-pub(crate) struct Texts {
-    pub(crate) not_finite: &'static str,
-    pub(crate) inconsistent: &'static str,
-    pub(crate) unasked: &'static str,
-    pub(crate) unfinished: &'static str,
-}
-
-impl Texts {
-    /// Makes the messages, which live as long as the process.
-    fn new(name: &str) -> Self {
-        let name = name.replace(['{', '}'], "");
-        let text = |what: &str| -> &'static str {
-            Box::leak(format!("joint {{}}: the homing module '{name}' {what}").into_boxed_str())
-        };
-        Self {
-            not_finite: text("wrote a number that is not finite; the machine is switched off"),
-            inconsistent: text(
-                "changed pos_cmd, pos_fb, motor_offset and curr_pos in a way that would make the joint \
-                 jump, or wrote a velocity below 0; the machine is switched off",
-            ),
-            unasked: text(
-                "moves or renames the joint without motion.home; the machine is switched off",
-            ),
-            unfinished: text("ended without homing it"),
-        }
-    }
 }
 
 impl ModuleError {

@@ -103,7 +103,7 @@ impl Homing {
     pub(crate) const fn code(&self) -> i32 {
         match self.step {
             Step::Idle => 0,
-            Step::Start => 1,
+            Step::Start | Step::Awaited | Step::Module => 1,
             Step::Unlock => 2,
             Step::Unlocking => 3,
             Step::Before(leg) => leg as i32,
@@ -115,7 +115,6 @@ impl Homing {
             Step::Final => 21,
             Step::Lock => 22,
             Step::Locking => 23,
-            Step::Awaited | Step::Module => 1,
         }
     }
 

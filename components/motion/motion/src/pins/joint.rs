@@ -1,6 +1,7 @@
 //! Pins of a joint.
 
 use super::pins;
+use crate::jogger::WheelPins;
 use hal_component::{In, Io, Out};
 
 pins! {
@@ -107,5 +108,18 @@ pins! {
         home_sw_in: In<bool> = false, "home-sw-in" was "home-sw-in";
         /// Index handshake: homing with home-use-index sets it, and the encoder clears it at its index.
         index_enable: Io<bool> = false, "index-enable" was "index-enable";
+    }
+}
+
+impl JointPins {
+    /// Returns the pins of the jog wheel.
+    pub(crate) const fn wheel(&self) -> WheelPins {
+        WheelPins {
+            counts: self.jog_counts,
+            enable: self.jog_enable,
+            scale: self.jog_scale,
+            vel_mode: self.jog_vel_mode,
+            accel_fraction: self.jog_accel_fraction,
+        }
     }
 }
