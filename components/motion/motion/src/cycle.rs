@@ -30,8 +30,9 @@ impl State {
         if self.module.is_some() {
             self.read_module_pins();
         }
-        for (n, (joint, own)) in self.joints.iter_mut().zip(&pins.joints).enumerate() {
-            joint.read_pins(own, pins.homing.get(n));
+        let mut homing = pins.homing.iter();
+        for (joint, own) in self.joints.iter_mut().zip(&pins.joints) {
+            joint.read_pins(own, homing.next());
         }
         let locks = self.joints.iter_mut().map(|j| &mut j.lock).filter(|l| l.exists);
         for (lock, pins) in locks.zip(&pins.unlocks) {
