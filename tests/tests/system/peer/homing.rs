@@ -1,7 +1,6 @@
 //! Homing modules of users in C: compiled by `halcompile`, loaded by ordinary scripts and INI files, used by `motmod`.
 //!
 //! `tests/homing` has the modules, a machine, and scripts with the output expected of them.
-#![expect(clippy::indexing_slicing, clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
     golden,
@@ -63,8 +62,7 @@ fn without_display(scratch: &Scratch) {
 fn positions(text: &str) -> BTreeMap<String, f64> {
     let rows = text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
     let pairs = rows.filter_map(|words| match words[..] {
-        [pin, value] => Some((pin.to_owned(), value.parse().ok()?)),
-        [_, _, _, value, pin, ..] => Some((pin.to_owned(), value.parse().ok()?)),
+        [pin, value] | [_, _, _, value, pin, ..] => Some((pin.to_owned(), value.parse().ok()?)),
         _ => None,
     });
     pairs.filter(|(pin, _)| pin.starts_with("joint.")).collect()
