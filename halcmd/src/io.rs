@@ -1,8 +1,11 @@
 //! Lines that start a program of LinuxCNC whose work a component does: `io`, `halui`, `milltask` and `linuxcncsvr`; lines
-//! that load `iocontrol` again after a start from an INI file; and the line that loads `motmod`, after which such a start
-//! loads `halui`.
+//! that load `iocontrol` again after a start from an INI file; and the line that loads `motmod`, which such a
+//! start tells of its homing module, and after which it loads `halui`.
 
-use crate::{Command, Error, Session, ini::Ini};
+use crate::{
+    Command, Error, Session,
+    ini::{Entry, Ini},
+};
 use hal_protocol::{At, Code, Finding, Request};
 
 /// The name of the component, and its other names.
@@ -43,7 +46,7 @@ impl Session<'_> {
             Command::Send(Request::Load { module, args }, _) => {
                 match NAMES.iter().find(|name| **name == module.as_str()) {
                     Some(name) => (*name, args.clone()),
-                    None => return Ok(Some(command)),
+                    None => return Ok(Some(self.with_homing(command))),
                 }
             }
             _ => return Ok(Some(command)),
@@ -71,6 +74,23 @@ impl Session<'_> {
         }
         let note = Some(format!("Realtime module '{OPERATOR}' loaded"));
         Ok(Some(Command::Send(Request::Load { module: OPERATOR.to_owned(), args }, note)))
+    }
+
+    /// Tells `motmod` of a machine which homing module it must find.
+    fn with_homing(&self, command: Command) -> Command {
+        let named = self.ini.filter(|_| self.is_machine).and_then(homing_module);
+        match (command, named) {
+            (Command::Send(Request::Load { module, mut args }, note), Some((_, homing, _)))
+                if module == "motmod" =>
+            {
+                let arg = format!("homemod={homing}");
+                if !args.contains(&arg) {
+                    args.push(arg);
+                }
+                Command::Send(Request::Load { module, args }, note)
+            }
+            (command, _) => command,
+        }
     }
 
     /// Returns whether a command loads `motmod`, for which `halui` waits.
@@ -131,6 +151,14 @@ impl Session<'_> {
         let (file, line) = self.place();
         At::new(file, line)
     }
+}
+
+/// Returns the homing module that an INI file names, with its arguments; `None` for that of `motmod` itself.
+pub(crate) fn homing_module(ini: &Ini) -> Option<(&Entry, String, Vec<String>)> {
+    let entry = ini.all("EMCMOT", "HOMEMOD").next()?;
+    let mut words = entry.value.split_whitespace().map(str::to_owned);
+    let module = words.next().filter(|module| module != "homemod")?;
+    Some((entry, module, words.collect()))
 }
 
 /// Returns the arguments of `halui` that an INI file states.

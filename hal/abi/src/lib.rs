@@ -17,6 +17,7 @@
 mod argument;
 mod cell;
 mod foreign;
+mod homing;
 mod host;
 mod motion;
 pub mod names;
@@ -36,6 +37,7 @@ mod worker;
 pub use argument::{ArgSpec, arg, arg_bounds};
 pub use cell::{Cell, Slot};
 pub use foreign::{ForeignFile, ForeignLoader, Load, edit};
+pub use homing::{Homing, HomingJoint, HomingSettings, homing_call, homing_flags, homing_state};
 pub use host::{ArgValue, CallHost, Host, ServiceRef, StreamRef, host_flags};
 pub use motion::{
     MOTION_TEXT, Motion, MotionAnswer, MotionCommand, motion_flags, motion_kind, motion_setting,

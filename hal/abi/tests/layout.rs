@@ -15,11 +15,11 @@ macro_rules! layout {
 fn table() -> Result<String, std::fmt::Error> {
     use hal_abi::{
         ActionSpec, ArgSpec, ArgValue, CallHost, Cell, CommandSpec, ComponentType, FieldSpec,
-        ForeignFile, ForeignLoader, FunctSpec, Host, Interlock, IoCommand, IoControl, IoOutcome,
-        IoStatus, ItemSpec, Kinematics, Library, List, Motion, MotionAnswer, MotionCommand,
-        Operator, OperatorCommand, OperatorView, Page, PortQueue, Ring, ServiceRef, ServiceSpec,
-        Slot, SnapshotRef, SnapshotSpec, Status, Str, StreamRef, StreamSpec, TaskSpec, ThreadSpec,
-        Ticket, Use, WorkerSpec,
+        ForeignFile, ForeignLoader, FunctSpec, Homing, HomingJoint, HomingSettings, Host,
+        Interlock, IoCommand, IoControl, IoOutcome, IoStatus, ItemSpec, Kinematics, Library, List,
+        Motion, MotionAnswer, MotionCommand, Operator, OperatorCommand, OperatorView, Page,
+        PortQueue, Ring, ServiceRef, ServiceSpec, Slot, SnapshotRef, SnapshotSpec, Status, Str,
+        StreamRef, StreamSpec, TaskSpec, ThreadSpec, Ticket, Use, WorkerSpec,
     };
     let mut out = String::new();
     layout! { out,
@@ -45,6 +45,9 @@ fn table() -> Result<String, std::fmt::Error> {
         ActionSpec { size flags run state free }
         ServiceSpec { size version name table state free uses n_uses }
         Kinematics { size joints kind joint_of ctx forward inverse types solutions switch worker_ctx }
+        Homing { size flags ctx name open configure put take call state }
+        HomingSettings { size flags sequence volatile_home offset home final_velocity search_velocity latch_velocity }
+        HomingJoint { size flags max_limit min_limit max_jog min_jog max_velocity max_acceleration min_ferror max_ferror backlash pos_cmd vel_cmd acc_cmd backlash_corr backlash_filt backlash_vel motor_pos_cmd motor_pos_fb pos_fb ferror ferror_limit motor_offset target planner_velocity planner_acceleration planner_pos planner_vel }
         Interlock { size flags ctx state }
         IoCommand { size kind tool pocket index changes values }
         IoControl { size flags ctx request result state }

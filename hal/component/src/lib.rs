@@ -40,6 +40,7 @@ mod call;
 mod channels;
 mod decl;
 mod exchange;
+mod homing;
 mod interlock;
 mod iocontrol;
 mod item;
@@ -75,6 +76,7 @@ pub use hal_abi::{
     MotionCommand, OperatorView, motion_flags, motion_kind, motion_setting, motion_source,
 };
 pub use hal_derive::{Component, Plain, Touch};
+pub use homing::{HomingRef, HomingState};
 pub use interlock::{Estop, Interlock, InterlockRef};
 pub use iocontrol::{IoControl, IoControlRef, IoRequest, IoResult, IoState};
 #[doc(hidden)]

@@ -2,7 +2,7 @@
 //! services.
 
 use crate::{
-    Builder, Error, Gives, Interlock, InterlockRef, IoControl, IoControlRef, Kinematics,
+    Builder, Error, Gives, HomingRef, Interlock, InterlockRef, IoControl, IoControlRef, Kinematics,
     KinematicsRef, Motion, MotionRef, Operator, OperatorRef, Receiver, Sender, StreamIn, StreamOut,
     Takes, Touch,
     abi::{self, ServiceRef, Status, Str, StreamSpec, host_flags},
@@ -143,6 +143,24 @@ impl Builder<'_> {
     /// The loaded interlock has another version.
     pub fn interlock(&mut self) -> Result<Option<InterlockRef>, Error> {
         Ok(self.bind()?.map(InterlockRef))
+    }
+
+    /// Returns the loaded homing module, if there is one, prepared for these joints; the last `extra`
+    /// are not moved by the kinematics. Its pins become those of this component.
+    ///
+    /// # Errors
+    /// It has another version, or cannot create its pins.
+    pub fn homing(
+        &mut self,
+        period: f64,
+        joints: usize,
+        extra: usize,
+    ) -> Result<Option<HomingRef>, Error> {
+        let Some(Found { table, .. }) = self.bind::<abi::Homing>()? else { return Ok(None) };
+        let [joints, extra] = [joints, extra].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+        let found = HomingRef(Found::without_uses(table));
+        check(found.open(self.host, period, joints, extra))?;
+        Ok(Some(found))
     }
 
     /// Returns the loaded motion controller, if there is one. It stays loaded as long as this

@@ -33,6 +33,7 @@ macro_rules! tables {
 }
 
 tables! {
+    Homing, "homing", 1;
     Interlock, "interlock", 1;
     IoControl, "iocontrol", 1;
     Kinematics, "kinematics", 1;
@@ -88,6 +89,13 @@ impl<F: Table, U> Found<F, U> {
         // SAFETY: guaranteed by the caller.
         let table = unsafe { F::read(table.cast()) }?;
         Some(Self { table, uses })
+    }
+}
+
+impl<F> Found<F, [Use; 0]> {
+    /// Returns a table whose functions access nothing that is declared.
+    pub(crate) const fn without_uses(table: F) -> Self {
+        Self { table, uses: [] }
     }
 }
 

@@ -23,6 +23,7 @@ const IN_MAIN: u8 = b'm';
 const IN_TYPE: u8 = b't';
 const IN_SWITCHABLE: u8 = b'a';
 const IN_SWITCH: u8 = b's';
+const IN_CALL: u8 = b'c';
 const IN_EXIT: u8 = b'e';
 const DONE: u8 = b'd';
 
@@ -37,6 +38,27 @@ pub(crate) fn dry_run_of(
     kinematics: Option<Entries>,
     exit: Option<Exit>,
 ) -> Result<(), String> {
+    in_a_copy("", |tell| perform(loading, (main, kinematics, exit), tell))
+}
+
+/// Runs one function of a component in a copy of this process, and discards the copy.
+///
+/// # Errors
+/// The function would have ended this process, or never returned; the error names it.
+pub(crate) fn of_call(
+    loading: &Loading,
+    name: &str,
+    code: impl FnOnce() -> c_int,
+) -> Result<(), String> {
+    in_a_copy(name, |tell| {
+        tell(IN_CALL);
+        running::within(&raw const *loading.module, code);
+    })
+}
+
+/// Runs code in a copy of this process, which reports its progress. `call` is the name of the function in it that is not
+/// an entry point of all modules.
+fn in_a_copy(call: &str, code: impl FnOnce(&dyn Fn(u8))) -> Result<(), String> {
     let mut ends: [RawFd; 2] = [-1; 2];
     // SAFETY: memory for two numbers.
     if unsafe { libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) } != 0 {
@@ -53,7 +75,7 @@ pub(crate) fn dry_run_of(
         return Ok(());
     }
     if copy == 0 {
-        perform(loading, (main, kinematics, exit), to.as_raw_fd());
+        be_the_copy(code, to.as_raw_fd());
     }
     drop(to);
     let (far, came_back) = follow(from);
@@ -69,6 +91,7 @@ pub(crate) fn dry_run_of(
         IN_TYPE => "kinematicsType",
         IN_SWITCHABLE => "kinematicsSwitchable",
         IN_SWITCH => "kinematicsSwitch",
+        IN_CALL => call,
         _ => "rtapi_app_main",
     };
     if far == DONE {
@@ -85,12 +108,8 @@ pub(crate) fn dry_run_of(
     Err(format!("{entry} ends the process, with status {code}"))
 }
 
-/// Runs setup and exit in the copy, with its output discarded.
-fn perform(
-    loading: &Loading,
-    (main, kinematics, exit): (Main, Option<Entries>, Option<Exit>),
-    to: RawFd,
-) -> ! {
+/// Runs code in the copy, with its output discarded.
+fn be_the_copy(code: impl FnOnce(&dyn Fn(u8)), to: RawFd) -> ! {
     let limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
     // SAFETY: disables core dumps of a process that may crash.
     unsafe { libc::setrlimit(libc::RLIMIT_CORE, &raw const limit) };
@@ -104,6 +123,18 @@ fn perform(
         // SAFETY: a byte of this function's.
         unsafe { libc::write(to, (&raw const far).cast(), 1) };
     };
+    code(&tell);
+    tell(DONE);
+    // SAFETY: ends the copy without running this process's exit handlers.
+    unsafe { libc::_exit(0) }
+}
+
+/// Runs setup and exit.
+fn perform(
+    loading: &Loading,
+    (main, kinematics, exit): (Main, Option<Entries>, Option<Exit>),
+    tell: &dyn Fn(u8),
+) {
     tell(IN_MAIN);
     let module = &raw const *loading.module;
     let done = set_up(&loading.module, main, kinematics, || tell(IN_TYPE));
@@ -121,9 +152,6 @@ fn perform(
             0
         });
     }
-    tell(DONE);
-    // SAFETY: ends the copy without running this process's exit handlers.
-    unsafe { libc::_exit(0) }
 }
 
 /// Follows the copy's progress. Returns the last step, and whether it was reported within the time limit.

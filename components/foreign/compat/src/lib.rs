@@ -13,6 +13,7 @@ mod docs;
 mod dry_run;
 mod elf;
 mod funct;
+mod homing;
 mod kinematics;
 mod load;
 mod loading;

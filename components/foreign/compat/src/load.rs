@@ -5,7 +5,7 @@ use crate::{
     docs::Docs,
     dry_run::dry_run_of,
     elf::Elf,
-    funct,
+    funct, homing,
     kinematics::{Entries, offer},
     loading::{self, Loading, Refusal},
     module::{self, Main, Module},
@@ -13,7 +13,7 @@ use crate::{
     second_copy::SecondCopy,
     system, trap,
 };
-use core::ffi::{CStr, c_int, c_void};
+use core::ffi::{c_int, c_void};
 use hal_component::abi::{
     ActionSpec, CallHost, ForeignFile, Host, Record, Status, Str, host_flags, level, size,
 };
@@ -89,6 +89,9 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let has_kinematics = prefix.is_empty() && Entries::has_any(handle);
     let kinematics = has_kinematics.then(|| Entries::read(handle)).transpose();
     let kinematics = kinematics.map_err(refuse(Status::EINVAL))?;
+    let has_homing = prefix.is_empty() && homing::Entries::has_any(handle);
+    let homing = has_homing.then(|| homing::Entries::read(handle)).transpose();
+    let homing = homing.map_err(refuse(Status::EINVAL))?;
     let loading = Loading::new(host, file, module.clone());
     let done = loading::within(&loading, || {
         prepared(&module, &path)?;
@@ -106,6 +109,9 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
         let further = module.further.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let first = SecondCopy::new(items.into_inner(), further, refusals.into_inner());
         offer::offer(&load, &module, entries, kind, first)?;
+    }
+    if let Some(entries) = homing {
+        homing::offer::offer(&host, &module, entries)?;
     }
     report_without_effect(&module, handle);
     hold_until_unload(&host, module)
@@ -170,19 +176,12 @@ fn find_providers(host: &Host, file: &ForeignFile, elf: &Elf) -> Result<(), Refu
     Ok(())
 }
 
-/// Parts that LinuxCNC's motion controller takes from another module, each with a symbol that such a module exports.
-const PARTS: [(&CStr, &str); 2] = [(c"do_homing", "homing"), (c"tpRunCycle", "trajectory planner")];
-
-/// Reports a module that replaces a part of LinuxCNC's motion controller, because ours takes none.
+/// Reports a planner module, because motion takes none.
 fn report_without_effect(module: &Module, handle: *mut c_void) {
-    for (symbol, part) in PARTS {
-        if !system::symbol(handle, symbol).is_null() {
-            let text = format!(
-                "this {part} module has no effect on motmod, which has its own {part}; only \
-                 LinuxCNC's motmod takes it"
-            );
-            module.say(level::ERR, &text);
-        }
+    if !system::symbol(handle, c"tpRunCycle").is_null() {
+        let text = "this trajectory planner module has no effect on motmod, which has its own \
+                    trajectory planner; only LinuxCNC's motmod takes it";
+        module.say(level::ERR, text);
     }
 }
 

@@ -11,7 +11,7 @@ use std::{
     path::PathBuf,
     sync::{
         Mutex, PoisonError,
-        atomic::{AtomicBool, Ordering::Relaxed},
+        atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
     },
 };
 
@@ -19,6 +19,19 @@ use std::{
 pub(crate) type Main = extern "C" fn() -> c_int;
 /// Type of `rtapi_app_exit`.
 pub(crate) type Exit = extern "C" fn();
+
+/// Locks of joints, a bit for each, for a homing module.
+#[derive(Debug, Default)]
+pub(crate) struct Locks {
+    /// Number of joints.
+    pub(crate) joints: AtomicU32,
+    /// Joints with a lock.
+    pub(crate) exists: AtomicU32,
+    /// Joints whose lock is open.
+    pub(crate) open: AtomicU32,
+    /// Joints whose lock the module wants open.
+    pub(crate) wanted: AtomicU32,
+}
 
 /// Loaded module.
 #[derive(Debug)]
@@ -40,6 +53,8 @@ pub(crate) struct Module {
     pub(crate) registers: Registers,
     pub(crate) ports: Ports,
     pub(crate) docs: Docs,
+    /// Locks of joints, if it is a homing module.
+    pub(crate) locks: Locks,
     /// Components that the module made with further calls of `hal_init`: their numbers and names.
     pub(crate) further: Mutex<Vec<(c_int, CString)>>,
     /// True once the module has called `hal_init`.
@@ -142,6 +157,7 @@ impl Module {
             registers: Registers::default(),
             ports: Ports::default(),
             docs: Docs::default(),
+            locks: Locks::default(),
             further: Mutex::default(),
             named: AtomicBool::new(false),
             made: AtomicBool::new(false),
@@ -171,6 +187,7 @@ impl Module {
             registers: Registers::default(),
             ports: Ports::default(),
             docs: Docs::default(),
+            locks: Locks::default(),
             further: Mutex::default(),
             named: AtomicBool::new(false),
             made: AtomicBool::new(false),
@@ -178,6 +195,11 @@ impl Module {
             quiet: AtomicBool::new(true),
             second_copy_file: Some(file),
         }
+    }
+
+    /// Returns the engine's functions for a file. Its texts have gone.
+    pub(crate) const fn file(&self) -> ForeignFile {
+        self.file
     }
 
     /// Returns the number of the component as a C int.

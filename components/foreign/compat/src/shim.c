@@ -3,6 +3,8 @@
  * Every function here is called ferrule_c_NAME; variadic.rs exports it as NAME. */
 #include <stdio.h>
 #include "hal.h"
+#include "motion.h"
+#include <stddef.h>
 
 /* The function that runs, as running.rs has it. */
 struct running {
@@ -184,3 +186,21 @@ int ferrule_c_hal_pin_new_port(int component, hal_pin_dir_t dir, hal_sint_t *pla
 {
     NAMED(ferrule_new_pin(component, HAL_PORT, dir, (void **)place, 0, name))
 }
+
+/* Layout of the records of joints, for a test of the loader: sizes, places of fields, and a zero. */
+#define IN_PLANNER(field) offsetof(simple_tp_t, field)
+#define IN_JOINT(field) offsetof(emcmot_joint_t, field)
+const unsigned long ferrule_joint_layout[] = {
+    sizeof(simple_tp_t),
+    IN_PLANNER(pos_cmd), IN_PLANNER(max_vel), IN_PLANNER(max_acc), IN_PLANNER(enable),
+    IN_PLANNER(curr_pos), IN_PLANNER(curr_vel), IN_PLANNER(active),
+    sizeof(emcmot_joint_t),
+    IN_JOINT(max_pos_limit), IN_JOINT(min_pos_limit), IN_JOINT(max_jog_limit),
+    IN_JOINT(min_jog_limit), IN_JOINT(vel_limit), IN_JOINT(acc_limit), IN_JOINT(min_ferror),
+    IN_JOINT(max_ferror), IN_JOINT(backlash), IN_JOINT(pos_cmd), IN_JOINT(vel_cmd),
+    IN_JOINT(acc_cmd), IN_JOINT(backlash_corr), IN_JOINT(backlash_filt), IN_JOINT(backlash_vel),
+    IN_JOINT(motor_pos_cmd), IN_JOINT(motor_pos_fb), IN_JOINT(pos_fb), IN_JOINT(ferror),
+    IN_JOINT(ferror_limit), IN_JOINT(motor_offset), IN_JOINT(free_tp), IN_JOINT(kb_jjog_active),
+    IN_JOINT(wheel_jjog_active), IN_JOINT(on_pos_limit), IN_JOINT(on_neg_limit), IN_JOINT(flag),
+    0,
+};

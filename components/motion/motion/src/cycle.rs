@@ -5,7 +5,6 @@ use crate::{
     commands::command::Mode,
     commands::refusal::Refusal,
     jogger::TravelLimits,
-    joint,
     path::Parked,
     pins::Pins,
     state::{Inputs, State},
@@ -28,8 +27,12 @@ impl State {
             jog_stop_immediate: g.jog_stop_immediate.get(),
             probe: g.probe_input.get(),
         };
-        for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
-            joint.read_pins(pins);
+        if self.module.is_some() {
+            self.read_module_pins();
+        }
+        let mut homing = pins.homing.iter();
+        for (joint, own) in self.joints.iter_mut().zip(&pins.joints) {
+            joint.read_pins(own, homing.next());
         }
         let locks = self.joints.iter_mut().map(|j| &mut j.lock).filter(|l| l.exists);
         for (lock, pins) in locks.zip(&pins.unlocks) {
@@ -166,7 +169,7 @@ impl State {
             if joint.free.has_counted(pins.jog_counts) {
                 continue;
             }
-            let wheel = joint::wheel(pins);
+            let wheel = pins.wheel();
             let allowed = allowed && joint.active && joint.refuses_jog().is_none();
             let turned = allowed && joint.free.is_turned(&wheel);
             let limits = if turned { joint.jog_limits() } else { TravelLimits::default() };
@@ -210,8 +213,7 @@ impl State {
         match self.mode {
             Mode::Free => {
                 let mut joints = self.joints.iter().zip(&pins.joints);
-                joints
-                    .any(|(joint, pins)| joint.active && joint.free.is_turned(&joint::wheel(pins)))
+                joints.any(|(joint, pins)| joint.active && joint.free.is_turned(&pins.wheel()))
             }
             Mode::Teleop => {
                 let mut axes = self.axes.iter().zip(&pins.axes);

@@ -6,7 +6,7 @@ use hal_component::{
 
 /// Defines a module that scripts can load and that does nothing.
 macro_rules! included {
-    ($(#[$of:meta])* $component:ident, $name:literal, $arg:literal, $what:literal, $other:literal, $shows:literal) => {
+    ($(#[$of:meta])* $component:ident, $name:literal, $arg:literal, $what:literal, $others:literal, $shows:literal) => {
         $(#[$of])*
         pub(crate) struct $component;
 
@@ -15,10 +15,9 @@ macro_rules! included {
             const DOC: &'static str = concat!(
                 $what,
                 ", which `motmod` has in itself: a name that scripts may load before it.\n\n\
-                 It has no pins and no functions, and nothing is missing without it. In LinuxCNC \
-                 another ",
-                $other,
-                " can be\nloaded in its place; here it cannot.\n\n\
+                 It has no pins and no functions, and nothing is missing without it. ",
+                $others,
+                "\n\n\
                  # Example\n\n```hal\nloadrt trivkins\nloadrt tpmod\nloadrt homemod\n\
                  loadrt motmod num_joints=1\ngetp ",
                 $shows,
@@ -38,11 +37,13 @@ macro_rules! included {
 }
 included! {
     /// Homing, as a module name that can be loaded.
-    Homemod, "homemod", "home_parms", "Homing", "homing", "joint.0.homing"
+    Homemod, "homemod", "home_parms", "Homing",
+    "A homing module of the user that is\nloaded in its place homes the joints.", "joint.0.homing"
 }
 included! {
     /// The trajectory planner, as a module name that can be loaded.
-    Tpmod, "tpmod", "tp_parms", "The trajectory planner", "planner", "motion.coord-mode"
+    Tpmod, "tpmod", "tp_parms", "The trajectory planner",
+    "In LinuxCNC another planner can be\nloaded in its place; here it cannot.", "motion.coord-mode"
 }
 
 #[cfg(test)]

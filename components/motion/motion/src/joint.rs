@@ -6,9 +6,9 @@ use crate::{
     guards::step::{MotorCommand, StepGuard},
     guards::watch::JointWatch,
     homing::one_joint::Homing,
-    jogger::{By, Jogger, TravelLimits, WheelPins},
+    jogger::{By, Jogger, TravelLimits},
     lock::Lock,
-    pins::{JointPins, Shown, packed},
+    pins::{HomingPins, JointPins, Shown, packed},
     setup::is_zero,
     simple_tp::SimpleTp,
 };
@@ -41,12 +41,12 @@ pub(crate) struct Joint {
     pub(crate) inputs: JointInputs,
     pub(crate) pos_cmd: f64,
     pub(crate) vel_cmd: f64,
-    acc_cmd: f64,
+    pub(crate) acc_cmd: f64,
     jerk_cmd: f64,
     pub(crate) pos_fb: f64,
     pub(crate) motor_offset: f64,
-    ferror: f64,
-    ferror_limit: f64,
+    pub(crate) ferror: f64,
+    pub(crate) ferror_limit: f64,
     /// Value of the pin f-errored: the following error exceeded its limit when measured, before the reaction reset it.
     pub(crate) was_ferrored: bool,
     /// True if the joint switched the machine off.
@@ -54,7 +54,7 @@ pub(crate) struct Joint {
     pub(crate) homing: Homing,
     pub(crate) free: Jogger,
     pub(crate) backlash: SimpleTp,
-    backlash_want: f64,
+    pub(crate) backlash_want: f64,
     /// Direction of the last movement, true if positive.
     forward: Option<bool>,
     /// Farthest position in that direction.
@@ -75,14 +75,16 @@ impl Joint {
     }
 
     /// Reads the pins, and computes the following error of the last command.
-    pub(crate) fn read_pins(&mut self, pins: &JointPins) {
+    pub(crate) fn read_pins(&mut self, pins: &JointPins, homing: Option<&HomingPins>) {
+        let [at_home, index_enable] =
+            homing.map_or([false; 2], |own| [own.home_sw_in.get(), own.index_enable.get()]);
         self.inputs = JointInputs {
             motor_pos_fb: pins.motor_pos_fb.get(),
             amp_fault: pins.amp_fault_in.get(),
             at_max: pins.pos_lim_sw_in.get(),
             at_min: pins.neg_lim_sw_in.get(),
-            at_home: pins.home_sw_in.get(),
-            index_enable: pins.index_enable.get(),
+            at_home,
+            index_enable,
         };
         self.measure();
     }
@@ -302,9 +304,16 @@ impl Joint {
         }
     }
 
-    /// Writes the pins. Returns whether a state of the joint has changed: more than its motion.
-    pub(crate) fn write_pins(&mut self, pins: &JointPins, enabled: bool) -> bool {
-        if let Some(value) = self.homing.take_index_enable() {
+    /// Writes the pins; `homing` are those of all joints, `n` is this one. Returns whether a state of the joint has changed: more than its motion.
+    pub(crate) fn write_pins(
+        &mut self,
+        pins: &JointPins,
+        (homing, n): (&[HomingPins], usize),
+        enabled: bool,
+    ) -> bool {
+        if let Some(value) = self.homing.take_index_enable()
+            && let Some(pins) = homing.get(n)
+        {
             pins.index_enable.set(value);
         }
         pins.motor_pos_cmd.set(self.step_guard.last());
@@ -344,12 +353,12 @@ impl Joint {
             tp.max_vel.to_bits(),
         ]);
         if changed {
-            self.write_state(pins, enabled);
+            self.write_state(pins, homing.get(n), enabled);
         }
         changed
     }
 
-    fn write_state(&self, pins: &JointPins, enabled: bool) {
+    fn write_state(&self, pins: &JointPins, homing: Option<&HomingPins>, enabled: bool) {
         let tp = &self.free.tp;
         pins.motor_offset.set(self.motor_offset);
         pins.backlash_corr.set(self.backlash_want);
@@ -363,9 +372,11 @@ impl Joint {
         pins.error.set(self.error);
         pins.f_errored.set(self.was_ferrored);
         pins.faulted.set(self.active && self.inputs.amp_fault);
-        pins.homed.set(self.homing.homed);
-        pins.homing.set(self.homing.is_under_way());
-        pins.home_state.set(self.homing.code());
+        if let Some(pins) = homing {
+            pins.homed.set(self.homing.homed);
+            pins.homing.set(self.homing.is_under_way());
+            pins.home_state.set(self.homing.code());
+        }
         pins.in_position.set(!tp.active);
         pins.pos_hard_limit.set(self.active && self.inputs.at_max);
         pins.neg_hard_limit.set(self.active && self.inputs.at_min);
@@ -379,14 +390,3 @@ const SLACK: f64 = 1e-6;
 
 /// Rounding of a position that is no motion of a locked joint, in machine units.
 const LOCKED: f64 = 1e-9;
-
-/// Returns the jog-wheel pins of a joint.
-pub(crate) const fn wheel(pins: &JointPins) -> WheelPins {
-    WheelPins {
-        counts: pins.jog_counts,
-        enable: pins.jog_enable,
-        scale: pins.jog_scale,
-        vel_mode: pins.jog_vel_mode,
-        accel_fraction: pins.jog_accel_fraction,
-    }
-}

@@ -33,7 +33,7 @@ use guards::{
     stops::{MAX_STOPS, Stops},
 };
 use hal_component::{
-    Builder, Component, Error,
+    Builder, Component, Error, HomingRef,
     abi::{ArgSpec, component_flags},
 };
 use path::{
@@ -83,6 +83,9 @@ what moved it. A max-velocity that is lowered in motion makes what moves brake.
 The snapshot `motion.status` holds the state at the end of each cycle as a whole: mode, pose, and
 for each joint its position, velocity and switches. `halcmd snapshot motion.status` prints it, and
 programs read it from shared memory, without delaying motion.
+
+A homing module of the user that is loaded before `motmod` homes the joints in its place, and makes
+the pins for that.
 
 With kinematics of several types, such as `scarakins`, `motion.switchkins-type` says which one is in
 force.
@@ -138,7 +141,8 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         return Err(Error::new("num_extrajoints needs kinematics with kinstype=b"));
     }
     let interlock = Interlock::bind(b)?;
-    let pins = Pins::make(b, &setup, kinematics.types())?;
+    let homing = homing_module(b, &setup)?;
+    let pins = Pins::make(b, &setup, kinematics.types(), homing.is_none())?;
     if setup.base_period_ns > 0 {
         if setup.base_fp {
             b.thread("base-thread", setup.base_period_ns)?;
@@ -157,7 +161,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     b.worker("motmod.planner", doc, worker::PERIOD_NS, worker::ITEMS, planner)?;
     let path = Path::new(hand.clone(), path_setup);
     let (to_reader, stops) = b.queue(MAX_STOPS);
-    let state = State::new(&setup, kinematics, path, b.messages(), Stops::new(to_reader));
+    let state = State::new(&setup, kinematics, homing, path, b.messages(), Stops::new(to_reader));
     let cache = ConfigCache::new(state.tables.clone());
     let interface = CommandInterface {
         to: to_handler,
@@ -177,7 +181,8 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     };
     b.offer_motion(service)?;
     interface.open(b)?;
-    commands::status::open(b, pins.clone(), state.last_jump.clone(), stops)?;
+    let last_jump = state.last_jump.clone();
+    commands::status::open(b, pins.clone(), status.reader(), last_jump, stops)?;
     let controller = Controller {
         from: from_handler,
         pins,
@@ -192,6 +197,19 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         state,
     };
     Ok((Handler::new(from_interface, to_controller), controller))
+}
+
+/// Returns the homing module that is loaded. It makes the pins for homing that it has.
+fn homing_module(b: &mut Builder<'_>, setup: &Setup) -> Result<Option<HomingRef>, Error> {
+    let period = setup.servo_period_ns as f64 * 1e-9;
+    let found = b.homing(period, setup.joints, setup.extra_joints)?;
+    match (&found, b.arg_text("homemod")) {
+        (None, Some(name)) => Err(Error::new(format!(
+            "the module '{name}' offers no homing: it needs the functions of homing.h, each with \
+             EXPORT_SYMBOL"
+        ))),
+        _ => Ok(found),
+    }
 }
 
 hal_component::export!(Motmod, included::Homemod, included::Tpmod);

@@ -9,7 +9,7 @@ mod spindle;
 
 pub(crate) use axis::AxisPins;
 pub(crate) use general::{GeneralPins, Traces, WatchPins};
-pub(crate) use joint::JointPins;
+pub(crate) use joint::{HomingPins, JointPins};
 pub(crate) use lists::{ExtraPins, Lists, UnlockPins};
 pub(crate) use shown::{Shown, packed};
 pub(crate) use spindle::SpindlePins;
@@ -86,6 +86,8 @@ pub(crate) struct Pins {
     pub(crate) watch: WatchPins,
     pub(crate) lists: Lists,
     pub(crate) joints: Vec<JointPins>,
+    /// Empty with a homing module of the user.
+    pub(crate) homing: Vec<HomingPins>,
     pub(crate) unlocks: Vec<UnlockPins>,
     pub(crate) extras: Vec<ExtraPins>,
     pub(crate) axes: Vec<AxisPins>,
@@ -94,11 +96,21 @@ pub(crate) struct Pins {
 }
 
 impl Pins {
-    pub(crate) fn make(b: &mut Builder<'_>, setup: &Setup, types: u32) -> Result<Self, Error> {
-        let (mut joints, mut unlocks, mut extras) = (Vec::new(), Vec::new(), Vec::new());
+    /// Creates all pins; those for homing only if the controller itself homes.
+    pub(crate) fn make(
+        b: &mut Builder<'_>,
+        setup: &Setup,
+        types: u32,
+        homes: bool,
+    ) -> Result<Self, Error> {
+        let (mut joints, mut homing) = (Vec::new(), Vec::new());
+        let (mut unlocks, mut extras) = (Vec::new(), Vec::new());
         for n in 0..setup.joints {
             let prefix = format!("joint.{n}.");
             joints.push(JointPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
+            if homes {
+                homing.push(HomingPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
+            }
             if setup.unlock_mask >> n & 1 == 1 {
                 unlocks.push(UnlockPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
             }
@@ -121,6 +133,7 @@ impl Pins {
             watch: WatchPins::make(b, "motion.", None)?,
             lists: Lists::make(b, setup)?,
             joints,
+            homing,
             unlocks,
             extras,
             axes,

@@ -46,6 +46,7 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
     &Arg::texts("names_aout", "Names for motion.aout-NAME instead of numbered analog outputs."),
     &Arg::int("num_misc_error", "Number of motion.misc-error-NN inputs, 0 to 64.").or("0"),
     &Arg::texts("names_misc_errors", "Names for motion.err-NAME instead of numbered inputs."),
+    &Arg::text("homemod", "Name of the homing module that must be loaded; a start from an INI file with HOMEMOD gives it."),
     &Arg::int("unlock_joints_mask", "Bit N gives joint N its unlock and is-unlocked pins.").or("0"),
 ];
 

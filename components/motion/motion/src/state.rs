@@ -10,7 +10,7 @@ use crate::{
     guards::last_jump::LastJump,
     guards::stops::Stops,
     guards::watch::WatchCounters,
-    homing::sequence::HomingSequence,
+    homing::{module::ModuleHoming, sequence::HomingSequence},
     jogger::TravelLimits,
     joint::Joint,
     path::{Parked, Path},
@@ -19,7 +19,7 @@ use crate::{
     spindle::Spindle,
     switch::Switch,
 };
-use hal_component::{KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle};
+use hal_component::{HomingRef, KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle};
 use hal_trajectory::Scales;
 use libm::fabs;
 use std::sync::Arc;
@@ -112,6 +112,8 @@ pub(crate) struct State {
     pub(crate) enable_ticket: Option<TicketHandle>,
     /// Joints that are being homed.
     pub(crate) homing: Option<HomingSequence>,
+    /// Homing module of the user, in the place of the controller's own homing.
+    pub(crate) module: Option<Box<ModuleHoming>>,
     /// Ticket that is done when all motion has ended.
     pub(crate) stop_ticket: Option<TicketHandle>,
     pub(crate) last_jump: Arc<LastJump>,
@@ -127,6 +129,7 @@ impl State {
     pub(crate) fn new(
         setup: &Setup,
         kinematics: KinematicsRef,
+        homing: Option<HomingRef>,
         path: Path,
         say: Messages,
         stops: Stops,
@@ -174,6 +177,7 @@ impl State {
             on_soft_limit: false,
             enable_ticket: None,
             homing: None,
+            module: homing.map(ModuleHoming::new).map(Box::new),
             stop_ticket: None,
             last_jump: Arc::default(),
             watch: WatchCounters::default(),

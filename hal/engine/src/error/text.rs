@@ -154,7 +154,8 @@ impl core::fmt::Display for Error {
             Self::Loading(e) => e.fmt(f),
             Self::System { what, why } => write!(f, "{what}: {why}"),
             Self::ServiceTaken { name, by } => {
-                write!(f, "{name} are loaded already, by component '{by}'")
+                let are = if name.ends_with('s') { "are" } else { "is" };
+                write!(f, "{name} {are} loaded already, by component '{by}'")
             }
             Self::NoService { name, version } => {
                 write!(f, "no {name} (version {version}) are loaded")

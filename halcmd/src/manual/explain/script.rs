@@ -106,10 +106,10 @@ pub(super) const ROWS: &[Explanation] = &[
     },
     Explanation {
         code: Code::NotSupported,
-        means: "Ferrule does not do this: other modules for homing or the trajectory planner.",
+        means: "Ferrule does not do this: another module for the trajectory planner.",
         matters: "halrun refuses the machine.",
-        remedy: "Take HOMEMOD and TPMOD out: homing and the trajectory planner are part of motmod.",
-        wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[EMCMOT]\nHOMEMOD = mine\n# <--\n\
+        remedy: "Take TPMOD out: the trajectory planner is part of motmod.",
+        wrong: "print ready\n--- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[TRAJ]\nTPMOD = mine\n# <--\n\
                 [HAL]\nHALFILE = m.hal\n",
         right: "net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
                 --- m.ini\n[EMCIO]\nCYCLE_TIME = 0.1\n[HAL]\nHALFILE = m.hal\n",

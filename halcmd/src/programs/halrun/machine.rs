@@ -4,7 +4,7 @@ use super::{environment::variables, folders::Folders, refused::operator_entry, s
 use crate::{
     Bytes, Error, Outcome, Session,
     ini::{Entry, Ini},
-    io::operator_args,
+    io::{homing_module, operator_args},
     session::tcl::tclsh::TclFile,
 };
 use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
@@ -98,11 +98,18 @@ impl MachineStart<'_, '_> {
         }
     }
 
-    /// Loads the components that every INI start has.
+    /// Loads the components that every INI start has, and the homing module that the INI file names.
     fn load(&mut self) {
         let module = "iocontrol".to_owned();
         let args = vec!["interlock=1".to_owned()];
         self.ask("EMCIO", Request::Load { module, args });
+        if let Some((entry, module, args)) = homing_module(self.ini) {
+            self.then(|session| {
+                session.stand_at(&entry.file, entry.line);
+                let result = session.ask(Request::Load { module, args });
+                session.outcome_of(result.map(|_| ()))
+            });
+        }
     }
 
     /// Has `halui` loaded as soon as `motmod` is, if the INI file names it.

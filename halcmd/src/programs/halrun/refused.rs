@@ -5,20 +5,19 @@ use crate::{
     ini::{Entry, Ini},
 };
 
-const BUILT_IN: &str = "homing and the trajectory planner are part of motmod: take the entry out";
+const BUILT_IN: &str = "the trajectory planner is part of motmod: take the entry out";
+/// The trajectory planner, as a module name.
+const PLANNER: &str = "tpmod";
 const BAR: &str = "write what it does into a subroutine and call that: O<name> CALL";
 const NO_LINE: &str = "write a line of MDI, or take the entry out";
 
 /// Returns an error for entries that an INI start does not support, before anything is created.
 pub(crate) fn refuse(ini: &Ini) -> Result<(), Error> {
-    for (section, name, usual) in [("EMCMOT", "HOMEMOD", "homemod"), ("TRAJ", "TPMOD", "tpmod")] {
-        for entry in ini.all(section, name) {
-            let module = entry.value.split_whitespace().next().unwrap_or(usual);
-            if module != usual {
-                let at = format!("{}:{}", entry.file, entry.line);
-                let what = format!("{at}: [{section}]{name} '{module}'").into();
-                return Err(Error::NotYet { what, instead: BUILT_IN });
-            }
+    for entry in ini.all("TRAJ", "TPMOD") {
+        let module = entry.value.split_whitespace().next().unwrap_or(PLANNER);
+        if module != PLANNER {
+            let what = format!("{}:{}: [TRAJ]TPMOD '{module}'", entry.file, entry.line).into();
+            return Err(Error::NotYet { what, instead: BUILT_IN });
         }
     }
     if operator_entry(ini).is_some() {
@@ -51,7 +50,6 @@ mod tests {
     #[test]
     fn what_cannot_be_done_is_refused_by_name() {
         for (text, want) in [
-            ("[EMCMOT]\nHOMEMOD = x y\n", "m.ini:2: [EMCMOT]HOMEMOD 'x' is not supported; "),
             ("[TRAJ]\nTPMOD = mine\n", "m.ini:2: [TRAJ]TPMOD 'mine' is not supported; "),
             ("[HAL]\nSTUCK_TIME = 5\n", "m.ini:2: [HAL]STUCK_TIME '5': it is a number and "),
             (
@@ -71,7 +69,7 @@ mod tests {
             "[HAL]\nTWOPASS = on\nHALFILE = a.tcl x y\nPOSTGUI_HALFILE = b.tcl\n",
             "[HALUI]\nMDI_COMMAND = a|b\n",
             "[EMCMOT]\nHOMEMOD = homemod\n[TRAJ]\nTPMOD = tpmod\n",
-            "[EMCMOT]\nHOMEMOD =\n",
+            "[EMCMOT]\nHOMEMOD = mine a=1\n[TRAJ]\nTPMOD =\n",
         ] {
             assert_eq!(refuse(&Ini::parse("m", good.as_bytes()).unwrap()), Ok(()), "{good}");
         }

@@ -64,7 +64,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("worker '*' has failed: threads stay stopped", WORKERS),
     ("pages go to programs: ask for them on the socket", WORKERS),
     ("insufficient memory", "the machine's memory is used up"),
-    ("* are loaded already, by component '*'", "two components offer the same service"),
+    ("* * loaded already, by component '*'", "two components offer the same service"),
     ("the engine's answer does not match the request", "never, or it is a defect"),
 ];
 const TCL: &str = "tests/tests/system/language/tcl.rs";

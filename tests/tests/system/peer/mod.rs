@@ -4,6 +4,7 @@ mod comp;
 mod compat;
 mod conformance;
 mod halshow;
+mod homing;
 mod kinematics;
 mod language;
 mod modules;

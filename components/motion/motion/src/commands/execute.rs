@@ -38,6 +38,7 @@ impl State {
                     self.sync("a joint was configured");
                     self.leave_world();
                 }
+                self.configure_module(n);
                 self.update_planning_fractions();
                 self.lower_limits();
             }

@@ -5,7 +5,7 @@ use crate::{
     guards::stops::Stop,
     pins::{JointPins, LETTERS, Pins},
 };
-use hal_component::{Builder, Call, Error, Receiver};
+use hal_component::{Builder, Call, Error, MotionStatus, Receiver, SnapshotReader};
 use std::sync::{Arc, Mutex, PoisonError};
 
 const DOC: &str = "\
@@ -18,12 +18,13 @@ time and its cause.";
 pub(crate) fn open(
     b: &mut Builder<'_>,
     pins: Pins,
+    status: SnapshotReader<MotionStatus>,
     last_jump: Arc<LastJump>,
     stops: Receiver<Stop>,
 ) -> Result<(), Error> {
     let stops = Mutex::new(stops);
     b.command("motion.status", DOC, &[], move |call| {
-        tell(&pins, &last_jump, call);
+        tell(&pins, status.get().as_ref(), &last_jump, call);
         let mut stops = stops.lock().unwrap_or_else(PoisonError::into_inner);
         read_stops(&mut stops).iter().for_each(|line| call.reply(line));
         Ok(())
@@ -42,7 +43,7 @@ fn read_stops(from: &mut Receiver<Stop>) -> Vec<String> {
         .collect()
 }
 
-fn tell(pins: &Pins, last_jump: &LastJump, call: &Call<'_>) {
+fn tell(pins: &Pins, status: Option<&MotionStatus>, last_jump: &LastJump, call: &Call<'_>) {
     let g = &pins.general;
     let mode = match (g.coord_mode.get(), g.teleop_mode.get()) {
         (true, _) => "coord",
@@ -65,14 +66,16 @@ fn tell(pins: &Pins, last_jump: &LastJump, call: &Call<'_>) {
         ));
     }
     for (n, joint) in pins.joints.iter().enumerate().filter(|(_, j)| j.active.get()) {
-        call.reply(&line(n, joint));
+        // A homing module may have no pin for it.
+        let homed = status.and_then(|s| s.joint_homed.get(n)).is_some_and(|homed| *homed);
+        call.reply(&line(n, joint, homed));
     }
     for (letter, axis) in LETTERS.iter().zip(&pins.axes).filter(|(_, a)| a.pos_cmd.get() != 0.0) {
         call.reply(&format!("axis {letter} position={:.6}", axis.pos_cmd.get()));
     }
 }
 
-fn line(n: usize, joint: &JointPins) -> String {
+fn line(n: usize, joint: &JointPins, homed: bool) -> String {
     format!(
         "joint {n} position={:.6} feedback={:.6} velocity={:.6} following-error={:.6} homed={} \
          in-position={} limit={} error={}",
@@ -80,7 +83,7 @@ fn line(n: usize, joint: &JointPins) -> String {
         joint.pos_fb.get(),
         joint.vel_cmd.get(),
         joint.f_error.get(),
-        bit(joint.homed.get()),
+        bit(homed),
         bit(joint.in_position.get()),
         match (joint.neg_hard_limit.get(), joint.pos_hard_limit.get()) {
             (true, true) => "both",

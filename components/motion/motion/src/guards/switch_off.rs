@@ -52,7 +52,7 @@ impl State {
                 joint.error = true;
                 cause.get_or_insert(why);
             };
-            if on_switch && !self.overriding && !joint.homing.is_under_way() {
+            if on_switch && !self.overriding && !joint.homing.has_limits() {
                 trip("joint {} on limit switch error", "joint on limit switch error");
             }
             if joint.inputs.amp_fault {
@@ -82,6 +82,7 @@ impl State {
             joint.homing.homed &= !joint.config.home.is_volatile;
             joint.track_feedback(cause);
         }
+        self.unhome_volatile();
         for axis in &mut self.axes {
             axis.teleop.reset(axis.teleop.tp.pos, cause);
         }

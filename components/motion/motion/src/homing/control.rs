@@ -15,10 +15,17 @@ impl State {
         if self.inputs.homing_inhibit {
             return Err(Refusal::new("homing denied by motion.homing-inhibit"));
         }
-        if self.homing.is_some() {
+        let is_asked = self.module.as_ref().is_some_and(|m| m.request.is_some());
+        if self.homing.is_some() || is_asked {
             return Err(Refusal::new("cannot home: homing is under way"));
         }
-        let set = with_partners(&self.joints, self.wanted(set)?);
+        let asked = self.wanted(set)?;
+        if self.module.is_some() {
+            self.set_mode(Mode::Free)?;
+            self.home_by_module(asked, set == Joints::MAX, ticket);
+            return Ok(());
+        }
+        let set = with_partners(&self.joints, asked);
         check(&self.joints, set)?;
         self.set_mode(Mode::Free)?;
         self.homing = Some(HomingSequence::begin(&mut self.joints, set, ticket));
@@ -27,6 +34,9 @@ impl State {
 
     /// Runs one cycle of all joints that are being homed.
     pub(crate) fn homing_cycle(&mut self, dt: f64) {
+        if self.module.is_some() {
+            return self.module_cycle(dt);
+        }
         let Some(sequence) = &mut self.homing else { return };
         match sequence.cycle(&mut self.joints, dt) {
             Progress::UnderWay => {}
@@ -46,6 +56,7 @@ impl State {
 
     /// Aborts homing, and brakes.
     pub(crate) fn end_homing(&mut self, why: &'static str) {
+        self.cancel_module(why);
         for joint in self.joints.iter_mut().filter(|j| j.homing.is_under_way()) {
             joint.homing.abort();
             joint.free.stop(why, None);
@@ -63,6 +74,7 @@ impl State {
         if self.enabled {
             self.set_mode(Mode::Free)?;
         }
+        self.unhome_by_module(set)?;
         for (n, joint) in self.joints.iter_mut().enumerate() {
             if has(set, n) {
                 joint.homing.homed = false;

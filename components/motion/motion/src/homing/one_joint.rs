@@ -62,6 +62,10 @@ enum Step {
     Lock,
     /// Waits for the lock to close.
     Locking,
+    /// Waits for a module to begin with the joint.
+    Awaited,
+    /// A module homes the joint.
+    Module,
 }
 
 /// Time for a lock to open or close, in seconds.
@@ -99,7 +103,7 @@ impl Homing {
     pub(crate) const fn code(&self) -> i32 {
         match self.step {
             Step::Idle => 0,
-            Step::Start => 1,
+            Step::Start | Step::Awaited | Step::Module => 1,
             Step::Unlock => 2,
             Step::Unlocking => 3,
             Step::Before(leg) => leg as i32,
@@ -126,6 +130,36 @@ impl Homing {
         }
         self.is_open = false;
         self.step = Step::Idle;
+    }
+
+    /// Returns whether limit switches are those of homing: not while a module has yet to begin.
+    pub(crate) fn has_limits(&self) -> bool {
+        !matches!(self.step, Step::Idle | Step::Awaited)
+    }
+
+    /// Returns whether a module homes the joint.
+    pub(crate) fn is_module_at_work(&self) -> bool {
+        matches!(self.step, Step::Module | Step::OnIndex)
+    }
+
+    /// Waits for a module to begin.
+    pub(crate) const fn await_module(&mut self) {
+        self.step = Step::Awaited;
+    }
+
+    /// Notes that a module homes the joint, and whether the index has come that it waits for.
+    pub(crate) const fn work_by_module(&mut self, is_at_index: bool) {
+        self.step = if is_at_index { Step::OnIndex } else { Step::Module };
+    }
+
+    /// Notes that no module homes the joint.
+    pub(crate) const fn leave_module(&mut self) {
+        self.step = Step::Idle;
+    }
+
+    /// Opens the lock, or lets it close, as a module wants it.
+    pub(crate) const fn open_lock(&mut self, is_open: bool) {
+        self.is_open = is_open;
     }
 
     /// Returns whether homing moves the joint, or is about to, so that its lock must be open.
@@ -167,7 +201,7 @@ pub(crate) fn cycle(joint: &mut Joint, dt: f64, may_finish: bool) -> Result<(), 
     let c = joint.config.home;
     let is_on = joint.inputs.at_home;
     match joint.homing.step {
-        Step::Idle => {}
+        Step::Idle | Step::Awaited | Step::Module => {}
         Step::Start => {
             if !joint.free.tp.active {
                 if c.is_shared && is_on {
@@ -311,7 +345,8 @@ fn has_rested(joint: &mut Joint, dt: f64) -> bool {
     joint.homing.rest >= REST
 }
 
-const fn is_at_limit(joint: &Joint) -> bool {
+/// Returns whether a joint is at a limit switch that counts during homing.
+pub(crate) const fn is_at_limit(joint: &Joint) -> bool {
     (joint.inputs.at_max || joint.inputs.at_min) && !joint.config.home.ignore_limits
 }
 
@@ -340,7 +375,7 @@ fn final_move(joint: &mut Joint) {
 }
 
 /// Moves to a target. HOME and the switch may lie beyond the limits, which apply only once the joint is homed.
-fn move_to(joint: &mut Joint, target: f64, speed: f64) {
+pub(crate) fn move_to(joint: &mut Joint, target: f64, speed: f64) {
     let limits = TravelLimits {
         min: f64::NEG_INFINITY,
         max: f64::INFINITY,

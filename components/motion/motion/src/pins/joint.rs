@@ -1,6 +1,7 @@
 //! Pins of a joint.
 
 use super::pins;
+use crate::jogger::WheelPins;
 use hal_component::{In, Io, Out};
 
 pins! {
@@ -63,14 +64,6 @@ pins! {
         f_errored: Out<bool> = false, "f-errored" was "f-errored";
         /// TRUE while amp-fault-in is TRUE.
         faulted: Out<bool> = false, "faulted" was "faulted";
-        /// TRUE when the joint's position is known.
-        homed: Out<bool> = false, "homed" was "homed";
-        /// TRUE while the joint is being homed.
-        homing: Out<bool> = false, "homing" was "homing";
-        /// Step of homing; 0 while the joint is not being homed.
-        home_state: Out<i32> = 0, "home-state" was "home-state";
-        /// TRUE from the home switch, for homing with home-search-vel.
-        home_sw_in: In<bool> = false, "home-sw-in" was "home-sw-in";
         /// TRUE while the joint's own planner is at rest.
         in_position: Out<bool> = false, "in-position" was "in-position";
         /// TRUE from the limit switch at the positive end: switches the machine off unless the
@@ -82,8 +75,6 @@ pins! {
         pos_hard_limit: Out<bool> = false, "pos-hard-limit" was "pos-hard-limit";
         /// TRUE while neg-lim-sw-in of an active joint is TRUE.
         neg_hard_limit: Out<bool> = false, "neg-hard-limit" was "neg-hard-limit";
-        /// Index handshake: homing with home-use-index sets it, and the encoder clears it at its index.
-        index_enable: Io<bool> = false, "index-enable" was "index-enable";
         /// Counts of a jog wheel; only differences matter, and the count may wrap.
         jog_counts: In<i32> = 0, "jog-counts" was "jog-counts";
         /// TRUE lets jog-counts move the joint, in free mode.
@@ -101,5 +92,34 @@ pins! {
         kb_jog_active: Out<bool> = false, "kb-jog-active" was "kb-jog-active";
         /// TRUE while the jog wheel moves the joint.
         wheel_jog_active: Out<bool> = false, "wheel-jog-active" was "wheel-jog-active";
+    }
+}
+
+pins! {
+    /// Pins of one joint for homing. With a homing module of the user, the module makes those that it has.
+    HomingPins {
+        /// TRUE when the joint's position is known.
+        homed: Out<bool> = false, "homed" was "homed";
+        /// TRUE while the joint is being homed.
+        homing: Out<bool> = false, "homing" was "homing";
+        /// Step of homing; 0 while the joint is not being homed.
+        home_state: Out<i32> = 0, "home-state" was "home-state";
+        /// TRUE from the home switch, for homing with home-search-vel.
+        home_sw_in: In<bool> = false, "home-sw-in" was "home-sw-in";
+        /// Index handshake: homing with home-use-index sets it, and the encoder clears it at its index.
+        index_enable: Io<bool> = false, "index-enable" was "index-enable";
+    }
+}
+
+impl JointPins {
+    /// Returns the pins of the jog wheel.
+    pub(crate) const fn wheel(&self) -> WheelPins {
+        WheelPins {
+            counts: self.jog_counts,
+            enable: self.jog_enable,
+            scale: self.jog_scale,
+            vel_mode: self.jog_vel_mode,
+            accel_fraction: self.jog_accel_fraction,
+        }
     }
 }
