@@ -1,5 +1,7 @@
 // The frame of a part, and the tool in it.
 
+import { about, ofRollPitchYaw, transposed, turned } from "./view/rotation.js";
+
 /** The frame of a part: its zero in machine coordinates, and its rotation about Z in radians. */
 export class Frame {
   constructor(zero = [0, 0, 0], angle = 0) {
@@ -9,8 +11,34 @@ export class Frame {
 
   /** Returns a point of the machine in the part's coordinates. */
   part([px, py, pz]) {
-    const [x, y, z] = [px - this.zero[0], py - this.zero[1], pz - this.zero[2]];
+    return this.vector([px - this.zero[0], py - this.zero[1], pz - this.zero[2]]);
+  }
+
+  /** Returns a direction of the machine in the part's coordinates. */
+  vector([x, y, z]) {
     return [x * this.cos + y * this.sin, y * this.cos - x * this.sin, z];
+  }
+
+  /** Rotation as nine numbers, row by row: its columns are the part's axes. */
+  get turn() {
+    return about(2, this.angle);
+  }
+}
+
+/** The frame of a part that is turned anyhow: X Y Z of its zero, and roll, pitch and yaw in degrees. */
+export class FreeFrame extends Frame {
+  constructor([x, y, z, a, b, c]) {
+    super([x, y, z]);
+    this.free = ofRollPitchYaw(a, b, c);
+    this.back = transposed(this.free);
+  }
+
+  vector(v) {
+    return turned(this.back, v);
+  }
+
+  get turn() {
+    return this.free;
   }
 }
 

@@ -6,6 +6,7 @@ import {
 } from "../../vendor/three.module.min.js";
 
 const TRAIL = 4000;
+const UP = new Vector3(0, 0, 1);
 
 /** Lights for bodies. */
 export function lights() {
@@ -42,8 +43,10 @@ export class Tool {
     this.node.add(cone);
   }
 
-  move(point) {
+  /** Puts the tip to a point; the tool points along an axis, or is upright. */
+  move(point, axis = null) {
     this.node.position.copy(point);
+    this.node.quaternion.setFromUnitVectors(UP, axis ? new Vector3(...axis) : UP);
   }
 }
 

@@ -5,6 +5,8 @@ import { word } from "./raster.js";
 
 const MAGIC = "FERPATH1";
 const HEADER_BYTES = 64;
+/** Bits of points that have further axes and joints. */
+const [FURTHER, JOINTS] = [1 << 8, 1 << 9];
 /** Kind of rapid moves; cuts have higher ones. */
 export const RAPID = 1;
 /** Rapids show what is behind them. */
@@ -42,8 +44,12 @@ export class Path {
     this.kinds = part(Uint8Array, n);
     /** Letters of the axes beside X Y Z that move. */
     this.others = [..."ABCUVW"].filter((_, bit) => (flags >> (bit + 2)) & 1).join("");
+    at = 4 * Math.ceil(at / 4);
+    /** A B C U V W of each point, where any of them moves, and six joints, where an arm's are chosen. */
+    this.further = flags & FURTHER ? part(Float32Array, 6 * n) : null;
+    this.joints = flags & JOINTS ? part(Float32Array, 6 * n) : null;
     const changes = [];
-    for (at = 4 * Math.ceil(at / 4); at + 16 <= buffer.byteLength; at += 16) {
+    for (; at + 16 <= buffer.byteLength; at += 16) {
       changes.push({ first: view.getUint32(at, true), offset: [f32(at + 4), f32(at + 8), f32(at + 12)] });
     }
     this.lengths = toolLengths(this, changes);
@@ -108,15 +114,23 @@ function toolLengths({ tools, count }, changes) {
 }
 
 /** Returns the time in minutes at which each point is reached, without accelerations. */
-function times({ points, count, feeds }, rapid) {
+function times({ points, count, feeds, further }, rapid) {
   const all = new Float64Array(count);
   for (let i = 1; i < count; i++) {
     const p = 3 * i;
     const [x, y, z] = [points[p] - points[p - 3], points[p + 1] - points[p - 2], points[p + 2] - points[p - 1]];
     // Math.hypot takes ten times as long.
-    all[i] = all[i - 1] + Math.sqrt(x * x + y * y + z * z) / (feeds[i] > 0 ? feeds[i] : rapid);
+    const long = Math.sqrt(x * x + y * y + z * z);
+    all[i] = all[i - 1] + (long === 0 && further ? turn(further, i) : long) / (feeds[i] > 0 ? feeds[i] : rapid);
   }
   return all;
+}
+
+/** Returns how far the axes beside X Y Z go to a point: the feed is theirs where no other moves. */
+function turn(further, i) {
+  let sum = 0;
+  for (let k = 6 * i; k < 6 * i + 6; k++) sum += (further[k] - further[k - 6]) ** 2;
+  return Math.sqrt(sum);
 }
 
 /** Returns the lines of a path for a raster: rapids have their colour, cuts that of their feed or tool. */

@@ -2,9 +2,9 @@
 
 import { el, enable, field as labelled, mark, setText, show } from "../dom.js";
 import { getJson } from "../http.js";
-import { frameOf } from "../frame.js";
 import { Dexels, boxOf } from "./dexels.js";
-import { Carver, Player } from "./player.js";
+import { Carver, Player, Poser, tipOf } from "./player.js";
+import { INTERPRETER } from "../operator/states.js";
 import { Crashes, Cutter, StockPicture } from "./stock.js";
 
 /** Margin around a program's cuts, and the diameter of a tool that the table has none for, in millimetres. */
@@ -21,10 +21,11 @@ const SHAPES = ["table", "flat", "ball"];
 const BALL = /ball|spher|esf[eé]r|bola/i;
 
 /**
- * Makes the controls of stock and simulation. `place` puts the drawn machine to a point of the machine, or back to where it
- * is with null; `whyNot` returns why nothing is carved, or an empty text.
+ * Makes the controls of stock and simulation. `place` puts the drawn machine to a pose of the tool, or back to where it is
+ * with null; `kinematics` reads those of the machine, `frame` returns that of the part; `whyNot` returns why nothing is carved,
+ * or an empty text.
  */
-export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
+export function simulationPart(ctx, { host, view, colours, place, kinematics, frame: frameNow, whyNot }) {
   const { info, store, t, prefs, signal } = ctx;
   const mm = ctx.mm.read(1);
   const banner = el("p", { class: "simulated", role: "status", hidden: true });
@@ -37,7 +38,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   const speed = el("select", { id: "sim-speed", "aria-label": t("sim.speed") },
     ...SPEEDS.map((s) => el("option", { value: s, selected: s === "10" }, t(s === "max" ? "sim.speed.max" : "sim.speed.times", s))));
   const carve = el("button", { type: "button", id: "stock-live", onclick: () => choose({ isLive: !prefs.get("stock").isLive }) }, t("stock.live"));
-  const fresh = el("button", { type: "button", id: "stock-new", onclick: renew }, t("stock.new"));
+  const fresh = el("button", { type: "button", id: "stock-new", onclick: () => reread().then(renew) }, t("stock.new"));
   const choices = fields(ctx, mm, choose);
   const node = el("div", { class: "simulation" },
     el("div", { class: "row tabs", role: "group", "aria-label": t("sim") }, begin, pause, end, speed),
@@ -49,6 +50,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   let sim = null;
   let live = null;
   let asked = null;
+  let machine = null;
   const cutter = new Cutter(colours.ghost);
   const crashes = new Crashes(colours.crash);
   cutter.node.visible = false;
@@ -62,9 +64,9 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   /** Returns a tool: its diameter is that of the table, or the one that the operator states. */
   function toolOf(number) {
     const { diameter, shape } = prefs.get("stock");
-    const row = table.find((tool) => tool.number === number);
+    const row = [...(path?.cutters ?? []), ...table].find((tool) => tool.number === number);
     const isKnown = row?.diameter > 0;
-    const isBall = shape === "table" ? BALL.test(row?.comment ?? "") : shape === "ball";
+    const isBall = shape === "table" ? row?.is_ball ?? BALL.test(row?.comment ?? "") : shape === "ball";
     return { number, radius: (isKnown ? row.diameter : diameter ?? DIAMETER_MM * mm) / 2, isBall, isKnown };
   }
 
@@ -77,11 +79,27 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     };
   }
 
+  /** Returns what tells the direction of the tool along the path; null where it is upright by the machine's axes. */
+  function poser() {
+    return machine && path ? new Poser(path, (...place) => machine.toolAt(...place), store.get("motion").pose) : null;
+  }
+
+  /** Reads the kinematics as they are now. */
+  async function reread() {
+    machine = await kinematics();
+  }
+
+  /** Returns the tip and the direction of the tool that the machine reports. */
+  function reported(motion) {
+    return machine?.reported(motion) ?? { tip: tipOf(motion), axis: null };
+  }
+
   /** Returns new stock with its picture; null where nothing is carved. */
   function block() {
     if (!path || path.count < 2 || whyNot(path)) return null;
-    const frame = frameOf(store.get("task"));
-    const box = boxOf(path, frame, tools(), MARGIN_MM * mm);
+    const frame = frameNow();
+    const way = poser();
+    const box = boxOf(path, frame, tools(), MARGIN_MM * mm, way ? (at, as) => way.pose(way.place(at, as)) : undefined);
     choices.propose(box);
     const typed = prefs.get("stock").box;
     const ends = [0, 1].map((side) => [0, 1, 2].map((axis) => typed[side][axis] ?? box?.[side][axis]));
@@ -104,7 +122,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     drop(live);
     live = prefs.get("stock").isLive ? block() : null;
     if (live) {
-      live.carver = new Carver(live.field, live.frame);
+      live.carver = new Carver(live.field, live.frame, reported);
       view.live.add(live.picture.node);
     }
     draw();
@@ -114,6 +132,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     asked?.abort();
     asked = new AbortController();
     table = await getJson("/tools", { signal: asked.signal });
+    await reread();
   }
 
   async function start() {
@@ -122,7 +141,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
       await readTools();
       const stock = block();
       const times = path.timeline(60 * (info.max_linear_velocity ?? 100));
-      const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null });
+      const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null, poser: poser() });
       sim = { player, stock, state: "playing", pose: store.get("motion").pose, last: performance.now() };
     } catch (error) {
       if (error.name !== "AbortError") setText(figures, path?.count > 1 ? error.message : t("view.empty"));
@@ -184,8 +203,9 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     enable(fresh, Boolean(live));
     cutter.node.visible = state === "playing" || state === "paused";
     if (cutter.node.visible) {
-      cutter.move(sim.player.tip, sim.player.tool);
-      place(sim.player.tip);
+      const { tip, pose } = sim.player;
+      cutter.move(tip, sim.player.tool, pose?.axis);
+      place(pose ?? { tip });
     }
     if (live) live.picture.node.visible = !sim;
     const shown = sim?.stock ?? (sim ? null : live);
@@ -243,8 +263,8 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   function cut(part) {
     if (!live) return;
     const task = store.get("task");
-    // What happens without a connection, and without a program, is left out.
-    if (part === "link" || !task.interpreter) live.carver.lose();
+    // What happens without a connection is left out; so is what happens without a program, where the machine has a task.
+    if (part === "link" || task.interpreter === INTERPRETER.idle) live.carver.lose();
     else if (part === "motion") live.carver.report(store.get("motion"), toolOf(task.tool ?? 0));
   }
 
