@@ -204,7 +204,8 @@ fn the_page_knows_where_tools_are_and_point() {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page/kinematics.mjs");
     let mut node = Command::new("node");
     let mut node = node.arg(script).stdin(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    node.stdin.take().unwrap().write_all(json!(cases).to_string().as_bytes()).unwrap();
+    // A script that fails before it has read everything tells why.
+    drop(node.stdin.take().unwrap().write_all(json!(cases).to_string().as_bytes()));
     let done = node.wait_with_output().unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
 }

@@ -9,14 +9,19 @@ export class Frame {
     [this.cos, this.sin] = [Math.cos(angle), Math.sin(angle)];
   }
 
-  /** Returns a point of the machine in the part's coordinates. */
-  part([px, py, pz]) {
-    return this.vector([px - this.zero[0], py - this.zero[1], pz - this.zero[2]]);
+  /** Returns a point of the machine in the part's coordinates, in `out`. */
+  part(point, out = [0, 0, 0]) {
+    for (let i = 0; i < 3; i++) out[i] = point[i] - this.zero[i];
+    return this.vector(out, out);
   }
 
-  /** Returns a direction of the machine in the part's coordinates. */
-  vector([x, y, z]) {
-    return [x * this.cos + y * this.sin, y * this.cos - x * this.sin, z];
+  /** Returns a direction of the machine in the part's coordinates, in `out`. */
+  vector(v, out = [0, 0, 0]) {
+    const [x, y] = [v[0], v[1]];
+    out[0] = x * this.cos + y * this.sin;
+    out[1] = y * this.cos - x * this.sin;
+    out[2] = v[2];
+    return out;
   }
 
   /** Rotation as nine numbers, row by row: its columns are the part's axes. */
@@ -33,8 +38,9 @@ export class FreeFrame extends Frame {
     this.back = transposed(this.free);
   }
 
-  vector(v) {
-    return turned(this.back, v);
+  vector(v, out = [0, 0, 0]) {
+    turned(this.back, v).forEach((x, i) => { out[i] = x; });
+    return out;
   }
 
   get turn() {

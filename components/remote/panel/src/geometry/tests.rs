@@ -85,7 +85,7 @@ fn offsets_of_the_tool_and_further_axes_are_told() {
     assert_eq!(of("across.ngc", program, 0.05).changes().len(), 2);
     // B moves: bit 1 of A B C U V W, from bit 2 on.
     let turns = of("turns.ngc", "G21 G90 F100\nG1 X1\nB3\nM2\n", 0.0).bytes();
-    assert_eq!(u32::from_le_bytes(word(&turns, 12)), 1 | 1 << 3);
+    assert_eq!(u32::from_le_bytes(word(&turns, 12)), 1 | 1 << 3 | 1 << 8);
 }
 
 #[test]

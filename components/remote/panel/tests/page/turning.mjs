@@ -118,9 +118,35 @@ function turns(step, { about = 0, lift = 0 } = {}) {
   near(leans.pose.axis[1], 0.5, 1e-12);
   near(leans.pose.axis[2], Math.cos(Math.PI / 6), 1e-12);
   assert.ok(leans.stock.removed > 1.1 * down.stock.removed);
+  // Its links have no length: it is nowhere near.
   assert.equal(puma.jointsAt(leans.pose, [0, 0, 0, 0, 0, 0]), null);
   const box = boxOf(leans.path, new Frame(), () => flat(8), 0, (i, as) => leans.poser.pose(leans.poser.place(i, as)));
   near(box[0][2], -10 - 4 * Math.sin(Math.PI / 6), 1e-6);
+}
+
+// Arms without a closed form are searched from where they were, straight wrists included.
+{
+  const links = { "A-0": 0, "A-1": 0, "A-2": 450, "A-3": 0, "A-4": 0, "A-5": 0, "D-0": 0, "D-1": 0, "D-2": 0, "D-3": 450, "D-4": 0, "D-5": 85 };
+  [0, -1, 0, 1, -1, 1].forEach((quarter, i) => { links[`ALPHA-${i}`] = (quarter * Math.PI) / 2; });
+  const own = kinematicsOf(records("genserkins", links));
+  const puma = kinematicsOf(records("pumakins", { A2: 400, A3: 50, D3: 100, D4: 400, D6: 100 }));
+  for (const machine of [own, puma]) {
+    for (let n = 0; n < 200; n++) {
+      const angle = (k) => 120 * Math.sin(n * (k + 1.37)) + (k === 2 ? 70 : 0);
+      const joints = [0, 1, 2, 3, 4, 5].map((k) => (k === 4 ? 60 + 0.3 * angle(k) : angle(k)));
+      const last = joints.map((v, k) => v + 6 * Math.cos(n * (k + 2)));
+      const { origin, turn } = machine.kind.tip(machine.values, joints);
+      const found = machine.kind.joints(machine.values, { origin, turn }, last);
+      assert.ok(found, `${machine.name} ${n}`);
+      const back = machine.kind.tip(machine.values, found);
+      back.origin.forEach((v, i) => near(v, origin[i], 1e-5));
+      back.turn.forEach((v, i) => near(v, turn[i], 1e-7));
+    }
+    const { origin, turn } = machine.kind.tip(machine.values, [10, -30, 100, 20, 0, 5]);
+    const straight = machine.kind.joints(machine.values, { origin: [...origin], turn }, [11, -31, 101, 19, 1, 6]);
+    assert.ok(straight && Math.abs(straight[1] + 30) < 1e-3);
+    assert.equal(machine.kind.joints(machine.values, { origin: [5000, 0, 0], turn }, [11, -31, 101, 19, 1, 6]), null);
+  }
 }
 
 // Joints that a path has decide where the tool is, and no other joints are drawn.

@@ -2,7 +2,7 @@
 //
 // Angles are in degrees outside, in radians inside. `p` has the values of the pins and parameters of armkins.
 
-import { IDENTITY, RADIANS, about, frame, inverse, pointOf, then, times, transposed, turned } from "./rotation.js";
+import { IDENTITY, RADIANS, about, frame, inverse, pointOf, joined, times, transposed, turned } from "./rotation.js";
 
 const { PI } = Math;
 /** Sine, or share of the arm's size, below which a joint is not determined and stays. */
@@ -24,14 +24,14 @@ export function links(p, joints) {
   modelled(p, joints).forEach((angle, i) => {
     const [alpha, a, d] = rows[i];
     const turn = about(2, angle);
-    at = then(at, { origin: turned(turn, [a, 0, d]), turn: times(turn, about(0, alpha)) });
+    at = joined(at, { origin: turned(turn, [a, 0, d]), turn: times(turn, about(0, alpha)) });
     all.push(at);
   });
   return all;
 }
 
 /** Returns the frame of the tool's tip at these joints. */
-export const tipOf = (p, joints) => then(links(p, joints).at(-1), framed(p, "tool"));
+export const tipOf = (p, joints) => joined(links(p, joints).at(-1), framed(p, "tool"));
 
 /** Returns the joints that bring the tip to a frame: with the arm and elbow of `last` if that is possible, as along a path. */
 export function jointsAlong(p, tip, last) {
@@ -41,7 +41,7 @@ export function jointsAlong(p, tip, last) {
 
 /** Returns the joints that bring the tip to a frame, of these solutions the nearest to `last`; null out of reach. */
 export function jointsOf(p, tip, last, among = p.config >= 0 ? [p.config] : [0, 1, 2, 3, 4, 5, 6, 7]) {
-  const flange = then(then(framed(p, "frame"), tip), inverse(framed(p, "tool")));
+  const flange = joined(joined(framed(p, "frame"), tip), inverse(framed(p, "tool")));
   let [best, least] = [null, Infinity];
   for (const configuration of among) {
     const joints = solve(p, flange, configuration, last);

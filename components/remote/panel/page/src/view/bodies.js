@@ -151,6 +151,11 @@ export class Rods {
     this.node = new Group();
   }
 
+  /** Takes over other lengths. */
+  become(kinematics) {
+    this.kinematics = kinematics;
+  }
+
   move(point, joints) {
     const parts = this.kinematics.parts(joints ?? [], point);
     while (this.rods.length < parts.length) {

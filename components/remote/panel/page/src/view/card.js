@@ -87,6 +87,8 @@ export function viewCard(ctx) {
   function place(pose) {
     tool.node.visible = !pose;
     const own = state.kinematics;
+    // It begins where the machine is.
+    if (state.joints.length === 0) state.joints = [...(store.get("motion").joint_feedback ?? [])];
     const joints = pose && own ? own.jointsAt(pose, state.joints) : null;
     // Joints for a place are known where they are the axes, and from the kinematics of some machines.
     if (machine) machine.node.visible = !pose || !own || joints !== null;
@@ -97,7 +99,7 @@ export function viewCard(ctx) {
       return;
     }
     delete host.dataset.joints;
-    state.joints = [...(store.get("motion").joint_feedback ?? [])];
+    state.joints = [];
     state.pose = "";
     store.notify();
   }

@@ -245,30 +245,36 @@ function span(ax, ay, cy, reach) {
 
 /**
  * Returns the box that a program's cuts need, wider by the tools and a margin; null for a program without cuts. `pose` returns
- * the tip and the direction of the tool at a point of the path, with the tool that is there at another point.
+ * the tip and the direction of the tool at a point of the path, with the tool that is there at another point; without it tools
+ * are upright.
  */
-export function boxOf(path, frame, tools, margin, pose = (at, as) => ({ tip: path.tip(at, as), axis: null })) {
+export function boxOf(path, frame, tools, margin, pose = null) {
   const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
   let isCut = false;
-  for (let i = 1; i < path.count; i++) {
-    if (path.kinds[i] <= RAPID) continue;
-    const { radius, isBall } = tools(path.tools[i]);
-    const begins = path.kinds[i - 1] <= RAPID;
-    for (const at of begins ? [i - 1, i] : [i]) {
-      const { tip, axis } = pose(at, i);
-      const point = frame.part(tip);
-      if (!point.every(Number.isFinite)) continue;
-      for (const side of [0, 1]) {
-        low[side] = Math.min(low[side], point[side] - radius);
-        high[side] = Math.max(high[side], point[side] + radius);
-      }
-      // A cut begins where the move before has ended, above the stock mostly: the height of its end counts.
-      if (at === i) {
-        low[2] = Math.min(low[2], point[2] - (axis ? deeper(frame.vector(axis)[2], radius, isBall) : 0));
-        high[2] = Math.max(high[2], point[2]);
-        isCut = true;
-      }
-    }
+  // One point for all: a long program has millions.
+  const point = [0, 0, 0];
+  const add = (at, as, { radius, isBall }) => {
+    const posed = pose ? pose(at, as) : null;
+    frame.part(posed ? posed.tip : path.tip(at, as, point), point);
+    const [x, y, z] = point;
+    if (!Number.isFinite(x + y + z)) return;
+    if (x - radius < low[0]) low[0] = x - radius;
+    if (x + radius > high[0]) high[0] = x + radius;
+    if (y - radius < low[1]) low[1] = y - radius;
+    if (y + radius > high[1]) high[1] = y + radius;
+    // A cut begins where the move before has ended, above the stock mostly: the height of its end counts.
+    if (at !== as) return;
+    const bottom = posed?.axis ? z - deeper(frame.vector(posed.axis)[2], radius, isBall) : z;
+    if (bottom < low[2]) low[2] = bottom;
+    if (z > high[2]) high[2] = z;
+    isCut = true;
+  };
+  const { count, kinds, tools: numbers } = path;
+  for (let i = 1; i < count; i++) {
+    if (kinds[i] <= RAPID) continue;
+    const tool = tools(numbers[i]);
+    if (kinds[i - 1] <= RAPID) add(i - 1, i, tool);
+    add(i, i, tool);
   }
   if (!isCut) return null;
   // The zero of a part is its upper side as a rule.

@@ -4,6 +4,7 @@ import { Vector3 } from "../../vendor/three.module.min.js";
 import { jointsAlong, links, tipOf } from "./arm.js";
 import { FIVE_AXIS, onPart } from "./five_axis.js";
 import { IDENTITY, RADIANS, about, frame, ofRollPitchYaw, times, turned, upward } from "./rotation.js";
+import { searchJoints } from "./search.js";
 
 /**
  * Kinematics with a picture: the parameters they need, and what they return for joints and the tip of the tool. Those that
@@ -12,10 +13,22 @@ import { IDENTITY, RADIANS, about, frame, ofRollPitchYaw, times, turned, upward 
 const KINDS = {
   lineardeltakins: { reach: (p) => [[-p.R, -p.R, 0], [p.R, p.R, p.L * 2]], parts: delta, isUpright: true, joints: deltaJoints },
   scarakins: { reach: (p) => round(p.D2 + p.D4, p.D1 + Math.max(0, p.D3)), parts: scara, isUpright: true, joints: scaraJoints },
-  genserkins: { reach: (p) => ball(sum(p, /^(A|D)-/)), parts: (p, joints) => points(chain(serialLinks(p), joints)), tip: (p, joints) => chain(serialLinks(p), joints).at(-1) },
-  pumakins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: (p, joints) => points(chain(pumaLinks(p), joints)), tip: (p, joints) => chain(pumaLinks(p), joints).at(-1) },
+  genserkins: serial(serialLinks, /^(A|D)-/),
+  pumakins: serial(pumaLinks, /^[AD]\d/),
   armkins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: arm, tip: tipOf, joints: jointsAlong },
 };
+
+/** Arms as chains of links, whose joints for a pose are searched. */
+function serial(rows, lengths) {
+  const tip = (p, joints) => chain(rows(p), joints).at(-1);
+  return {
+    reach: (p) => ball(sum(p, lengths)),
+    parts: (p, joints) => points(chain(rows(p), joints)),
+    tip,
+    joints: (p, goal, last) => searchJoints((joints) => tip(p, joints), goal, last),
+  };
+}
+
 /** Names of pins and parameters that tell kinematics. */
 export const PATTERNS = ["*kins.*", "*_trsrn.*", "kinstype.is-*"];
 

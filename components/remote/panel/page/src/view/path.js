@@ -56,12 +56,12 @@ export class Path {
     this.lengthAt = 0;
   }
 
-  /** Returns the tip of the tool at a point; with `as`, that of the tool which is there at another point. */
-  tip(i, as = i) {
+  /** Returns the tip of the tool at a point, in `out`; with `as`, that of the tool which is there at another point. */
+  tip(i, as = i, out = [0, 0, 0]) {
     const { points, origin } = this;
-    const at = [points[3 * i] + origin[0], points[3 * i + 1] + origin[1], points[3 * i + 2] + origin[2]];
-    const offset = this.offset(as);
-    return offset ? [at[0] - offset[0], at[1] - offset[1], at[2] - offset[2]] : at;
+    const offset = this.lengths.length > 0 ? this.offset(as) : null;
+    for (let axis = 0; axis < 3; axis++) out[axis] = points[3 * i + axis] + origin[axis] - (offset ? offset[axis] : 0);
+    return out;
   }
 
   /** Returns how far the tip is from the point that the path has; null where both are the same. */

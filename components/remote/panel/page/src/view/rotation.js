@@ -45,7 +45,7 @@ export const frame = (x, y, z, a, b, c) => ({ origin: [x, y, z], turn: ofRollPit
 export const pointOf = ({ origin, turn }, point) => turned(turn, point).map((v, i) => v + origin[i]);
 
 /** Returns a frame given in another, relative to the other's reference. */
-export const then = (outer, inner) => ({ origin: pointOf(outer, inner.origin), turn: times(outer.turn, inner.turn) });
+export const joined = (outer, inner) => ({ origin: pointOf(outer, inner.origin), turn: times(outer.turn, inner.turn) });
 
 /** Returns the reference of a frame relative to it. */
 export function inverse({ origin, turn }) {

@@ -99,7 +99,7 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     if (!path || path.count < 2 || whyNot(path)) return null;
     const frame = frameNow();
     const way = poser();
-    const box = boxOf(path, frame, tools(), MARGIN_MM * mm, way ? (at, as) => way.pose(way.place(at, as)) : undefined);
+    const box = boxOf(path, frame, tools(), MARGIN_MM * mm, way && ((at, as) => way.pose(way.place(at, as))));
     choices.propose(box);
     const typed = prefs.get("stock").box;
     const ends = [0, 1].map((side) => [0, 1, 2].map((axis) => typed[side][axis] ?? box?.[side][axis]));
