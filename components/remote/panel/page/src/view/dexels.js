@@ -18,6 +18,8 @@ const THIN = 1e-3;
 const MAX_PIECES = 64;
 /** Cosine of the angle between a tool and the upright, from which on it is upright. */
 const UPRIGHT = 1 - 1e-12;
+/** Points of a path between two looks at the time, without and with kinematics. */
+const [LOOK, POSE_LOOK] = [65_536, 2048];
 /** Work of a cell that a tilted tool passes, in cells of an upright one. */
 const TILTED_WORK = 4;
 
@@ -248,14 +250,55 @@ function span(ax, ay, cy, reach) {
  * the tip and the direction of the tool at a point of the path, with the tool that is there at another point; without it tools
  * are upright.
  */
-export function boxOf(path, frame, tools, margin, pose = null) {
-  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-  let isCut = false;
-  // One point for all: a long program has millions.
-  const point = [0, 0, 0];
-  const add = (at, as, { radius, isBall }) => {
-    const posed = pose ? pose(at, as) : null;
-    frame.part(posed ? posed.tip : path.tip(at, as, point), point);
+export function boxOf(...program) {
+  const box = new Box(...program);
+  while (!box.isDone) box.look();
+  return box.found;
+}
+
+/** Returns the box of a program as `boxOf` does, but in parts: in between, `rest` may let others work. */
+export async function boxInParts(rest, ...program) {
+  const box = new Box(...program);
+  while (!box.isDone) {
+    box.look();
+    await rest();
+  }
+  return box.found;
+}
+
+/** The box of a program's cuts, as far as it has been looked at. */
+class Box {
+  constructor(path, frame, tools, margin, pose = null) {
+    Object.assign(this, { path, frame, tools, margin, pose });
+    this.low = [Infinity, Infinity, Infinity];
+    this.high = [-Infinity, -Infinity, -Infinity];
+    this.isCut = false;
+    this.next = 1;
+    // One point for all: a long program has millions.
+    this.point = [0, 0, 0];
+  }
+
+  get isDone() {
+    return this.next >= this.path.count;
+  }
+
+  /** Looks at the next points. */
+  look() {
+    const { kinds, tools: numbers, count } = this.path;
+    const end = Math.min(count, this.next + (this.pose ? POSE_LOOK : LOOK));
+    for (let i = this.next; i < end; i++) {
+      if (kinds[i] <= RAPID) continue;
+      const tool = this.tools(numbers[i]);
+      if (kinds[i - 1] <= RAPID) this.add(i - 1, i, tool);
+      this.add(i, i, tool);
+    }
+    this.next = end;
+  }
+
+  add(at, as, { radius, isBall }) {
+    const { frame, low, high, point } = this;
+    const posed = this.pose ? this.pose(at, as) : null;
+    frame.part(posed ? posed.tip : this.path.tip(at, as, point), point);
     const [x, y, z] = point;
     if (!Number.isFinite(x + y + z)) return;
     if (x - radius < low[0]) low[0] = x - radius;
@@ -267,19 +310,16 @@ export function boxOf(path, frame, tools, margin, pose = null) {
     const bottom = posed?.axis ? z - deeper(frame.vector(posed.axis)[2], radius, isBall) : z;
     if (bottom < low[2]) low[2] = bottom;
     if (z > high[2]) high[2] = z;
-    isCut = true;
-  };
-  const { count, kinds, tools: numbers } = path;
-  for (let i = 1; i < count; i++) {
-    if (kinds[i] <= RAPID) continue;
-    const tool = tools(numbers[i]);
-    if (kinds[i - 1] <= RAPID) add(i - 1, i, tool);
-    add(i, i, tool);
+    this.isCut = true;
   }
-  if (!isCut) return null;
-  // The zero of a part is its upper side as a rule.
-  const top = low[2] < 0 ? 0 : high[2];
-  return [[low[0] - margin, low[1] - margin, low[2] - margin], [high[0] + margin, high[1] + margin, Math.max(top, low[2])]];
+
+  get found() {
+    const { low, high, margin } = this;
+    if (!this.isCut) return null;
+    // The zero of a part is its upper side as a rule.
+    const top = low[2] < 0 ? 0 : high[2];
+    return [[low[0] - margin, low[1] - margin, low[2] - margin], [high[0] + margin, high[1] + margin, Math.max(top, low[2])]];
+  }
 }
 
 /** Returns how far a tool that leans reaches below its tip: with an edge of its end, or with its ball. */

@@ -1,8 +1,8 @@
 // Stock in the picture: carved by the machine while it cuts, and by a simulation, in which the machine does not move.
 
 import { el, enable, field as labelled, mark, setText, show } from "../dom.js";
-import { getJson } from "../http.js";
-import { Dexels, boxOf } from "./dexels.js";
+import { getJson, pause } from "../http.js";
+import { Dexels, boxInParts } from "./dexels.js";
 import { Carver, Player, Poser, tipOf } from "./player.js";
 import { INTERPRETER } from "../operator/states.js";
 import { Crashes, Cutter, StockPicture } from "./stock.js";
@@ -51,6 +51,8 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   let live = null;
   let asked = null;
   let machine = null;
+  // Numbers of the latest start and of the latest stock: what is late is dropped.
+  let [starts, renewals] = [0, 0];
   const cutter = new Cutter(colours.ghost);
   const crashes = new Crashes(colours.crash);
   cutter.node.visible = false;
@@ -95,11 +97,11 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   }
 
   /** Returns new stock with its picture; null where nothing is carved. */
-  function block() {
+  async function block() {
     if (!path || path.count < 2 || whyNot(path)) return null;
     const frame = frameNow();
     const way = poser();
-    const box = boxOf(path, frame, tools(), MARGIN_MM * mm, way && ((at, as) => way.pose(way.place(at, as))));
+    const box = await boxInParts(rests(), path, frame, tools(), MARGIN_MM * mm, way && ((at, as) => way.pose(way.place(at, as))));
     choices.propose(box);
     const typed = prefs.get("stock").box;
     const ends = [0, 1].map((side) => [0, 1, 2].map((axis) => typed[side][axis] ?? box?.[side][axis]));
@@ -118,9 +120,19 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   }
 
   /** Puts new stock in place of what the machine has carved. */
-  function renew() {
+  async function renew() {
+    renewals += 1;
+    const mine = renewals;
     drop(live);
-    live = prefs.get("stock").isLive ? block() : null;
+    live = null;
+    draw();
+    if (!prefs.get("stock").isLive) return;
+    const stock = await block();
+    if (mine !== renewals) {
+      drop(stock);
+      return;
+    }
+    live = stock;
     if (live) {
       live.carver = new Carver(live.field, live.frame, reported);
       view.live.add(live.picture.node);
@@ -137,13 +149,20 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
 
   async function start() {
     stop();
+    const mine = starts;
+    let stock = null;
     try {
       await readTools();
-      const stock = block();
+      stock = await block();
+      if (mine !== starts) {
+        drop(stock);
+        return;
+      }
       const times = path.timeline(60 * (info.max_linear_velocity ?? 100));
       const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null, poser: poser() });
       sim = { player, stock, state: "playing", pose: store.get("motion").pose, last: performance.now() };
     } catch (error) {
+      drop(stock);
       if (error.name !== "AbortError") setText(figures, path?.count > 1 ? error.message : t("view.empty"));
       return;
     }
@@ -161,6 +180,7 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
 
   /** Ends a simulation: the picture is that of the machine again. */
   function stop(why = "") {
+    starts += 1;
     asked?.abort();
     if (!sim) return;
     cancelAnimationFrame(sim.frame);
@@ -289,6 +309,16 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
       await readTools().catch(() => {});
       if (path === next) renew();
     },
+  };
+}
+
+/** Returns a function that lets the page answer when a part has taken its time. */
+function rests() {
+  let begun = performance.now();
+  return async () => {
+    if (performance.now() - begun < SLICE_MS) return;
+    await pause(0);
+    begun = performance.now();
   };
 }
 
