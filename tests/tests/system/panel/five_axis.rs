@@ -25,13 +25,14 @@ net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in
 /// Returns a machine of five axes, A and C beside X Y Z.
 fn machine(kinematics: &str) -> Printer {
     let mut ini = format!(
-        "[EMCMOT]\nSERVO_PERIOD = 1000000\n[HAL]\nHALFILE = machine.hal\n[KINS]\nJOINTS = 5\n\
+        "[EMCMOT]\nSERVO_PERIOD = 1000000\n[TASK]\nCYCLE_TIME = 0.010\n[HAL]\nHALFILE = machine.hal\n[KINS]\nJOINTS = 5\n\
          KINEMATICS = {kinematics}\n[TRAJ]\nCOORDINATES = X Y Z A C\nLINEAR_UNITS = mm\n\
          MAX_LINEAR_VELOCITY = 100\n[REMOTE]\nLEASE_TIMEOUT = 60\n"
     );
     for (joint, letter) in ["X", "Y", "Z", "A", "C"].into_iter().enumerate() {
         let kind = if joint < 3 { "LINEAR" } else { "ANGULAR" };
-        let limits = "MIN_LIMIT = -400\nMAX_LIMIT = 400\nMAX_VELOCITY = 100\nMAX_ACCELERATION = 800\n";
+        let limits =
+            "MIN_LIMIT = -400\nMAX_LIMIT = 400\nMAX_VELOCITY = 100\nMAX_ACCELERATION = 800\n";
         ini += &format!(
             "[AXIS_{letter}]\n{limits}[JOINT_{joint}]\nTYPE = {kind}\n{limits}FERROR = 1000\n\
              MIN_FERROR = 1000\nHOME = 0\n"
@@ -68,7 +69,9 @@ fn a_table_that_tilts_lets_the_tool_lean_in_the_part() {
     open(&fixture, "leans.ngc", LEANS);
     b.until(LOADED);
     // A box around both: the program's own begins at the tip of the tool.
-    for (name, value) in [("x-0", -40), ("y-0", -40), ("z-0", -20), ("x-1", 60), ("y-1", 40), ("z-1", 0)] {
+    for (name, value) in
+        [("x-0", -40), ("y-0", -40), ("z-0", -20), ("x-1", 60), ("y-1", 40), ("z-1", 0)]
+    {
         b.run(&format!(
             "const input = document.querySelector('#stock-{name}'); input.value = '{value}'; \
              input.dispatchEvent(new Event('change'))"

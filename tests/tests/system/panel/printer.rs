@@ -66,17 +66,22 @@ impl Printer {
         Self::listening(scratch, machine, panel)
     }
 
-    /// Starts a machine of `configs` that has no INI file, by its script on the virtual clock at this pace, and a panel of an
-    /// integrator with these options.
-    pub(super) fn of_script(name: &str, pace: &str, options: &[&str]) -> Self {
+    /// Starts a machine of `configs` that has no INI file, by its script, on a virtual clock that stands until it is run, and a
+    /// panel of an integrator with these programs and options.
+    pub(super) fn of_script(name: &str, programs: &[&str], options: &[&str]) -> Self {
         let scratch = Scratch::copy_of(&root().join("configs").join(name));
         fs::create_dir(scratch.path().join("programs")).unwrap();
+        for program in programs {
+            scratch.write(&format!("programs/{program}"), scratch.read(program));
+        }
         let script = format!("{name}.hal");
         let mut command = scratch.command(&[], "halrun");
-        let machine = scratch.start(command.args(["--virtual", "--pace", pace, &script]));
+        let machine = scratch.start(command.args(["--virtual", "--hold", &script]));
         until("the machine runs", || {
-            scratch.halcmd(&["getp motion.motion-enabled"]).status == Some(0)
+            scratch.halcmd(&["getp", "motion.motion-enabled"]).status == Some(0)
         });
+        // Before its first cycle a machine has no state.
+        scratch.told("run 10ms");
         let panel = panel(&scratch, "integrator", options);
         Self::listening(scratch, machine, panel)
     }

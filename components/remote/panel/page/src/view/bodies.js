@@ -24,10 +24,10 @@ function box(material, x, y, z) {
 /** Makes a cylinder that can be laid between two points. */
 function rod(material, radius) {
   const mesh = new Mesh(new CylinderGeometry(radius, radius, 1, 10), material);
-  mesh.join = (from, to) => {
+  mesh.join = (from, to, share = 1) => {
     const way = to.clone().sub(from);
     mesh.position.copy(from).addScaledVector(way, 0.5);
-    mesh.scale.set(1, Math.max(way.length(), 1e-6), 1);
+    mesh.scale.set(share, Math.max(way.length(), 1e-6), share);
     mesh.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), way.clone().normalize());
   };
   return mesh;

@@ -29,6 +29,8 @@ function serial(rows, lengths) {
   };
 }
 
+/** Width of a tool, in that of a link. */
+const TOOL_SHARE = 0.3;
 /** Names of pins and parameters that tell kinematics. */
 export const PATTERNS = ["*kins.*", "*_trsrn.*", "kinstype.is-*"];
 
@@ -185,7 +187,8 @@ function arm(p, joints, tip) {
   // A link goes along its joint's axis, and then across it.
   const along = all.slice(0, -1).map(({ origin, turn }, i) => upward(turn).map((v, k) => origin[k] + (i === 5 ? p.D6 : [p.D1, 0, 0, p.D4, 0][i]) * v));
   const bends = all.flatMap(({ origin }, i) => (i < 6 ? [origin, along[i]] : [origin]));
-  return pairs([...bends.map((v) => new Vector3(...v)), tip]);
+  const flange = new Vector3(...all.at(-1).origin);
+  return [...pairs(bends.map((v) => new Vector3(...v))), ...pairs([flange, tip]).map((part) => [...part, TOOL_SHARE])];
 }
 
 /** Returns the frames of links from the base; each joint turns about its own axis. The last is that of the tool. */

@@ -285,8 +285,14 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     const task = store.get("task");
     // What happens without a connection is left out; so is what happens without a program, where the machine has a task.
     if (part === "link" || task.interpreter === INTERPRETER.idle) live.carver.lose();
-    else if (part === "motion") live.carver.report(store.get("motion"), toolOf(task.tool ?? 0));
+    else if (part === "motion") {
+      live.carver.report(store.get("motion"), toolOf(task.tool ?? loneTool()));
+      host.dataset.reported = String(store.get("motion").time_ns);
+    }
   }
+
+  /** Returns the tool of a machine without a task: the first of the path. */
+  const loneTool = () => path?.tools.find((number) => number > 0) ?? 0;
 
   store.report(cut, signal);
   signal.addEventListener("abort", () => {
