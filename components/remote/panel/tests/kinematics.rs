@@ -60,7 +60,7 @@ impl Rig {
         pose
     }
 
-    /// Returns what the page is told, with these samples.
+    /// Returns what the page gets, with these samples.
     fn case(&self, kind: u32, samples: Vec<Value>) -> Value {
         json!({ "name": self.name, "type": kind, "values": self.values, "samples": samples })
     }

@@ -5,6 +5,8 @@ import { word } from "./raster.js";
 
 const MAGIC = "FERPATH1";
 const HEADER_BYTES = 64;
+/** Points whose times are found at once. */
+const TIMES = 131_072;
 /** Bits of points that have further axes and joints. */
 const [FURTHER, JOINTS] = [1 << 8, 1 << 9];
 /** Kind of rapid moves; cuts have higher ones. */
@@ -76,7 +78,22 @@ export class Path {
 
   /** Returns the time in minutes at which each point is reached; `rapid` is the feed of rapids. */
   timeline(rapid) {
-    this.times ??= times(this, rapid);
+    if (!this.times) {
+      const all = new Float64Array(this.count);
+      addTimes(this, rapid, all, 1, this.count);
+      this.times = all;
+    }
+    return this.times;
+  }
+
+  /** Returns the same as `timeline`, but found in parts: in between, `rest` may let others work. */
+  async timelineInParts(rapid, rest) {
+    const all = this.times ?? new Float64Array(this.count);
+    for (let first = 1; first < this.count && !this.times; first += TIMES) {
+      addTimes(this, rapid, all, first, Math.min(this.count, first + TIMES));
+      await rest();
+    }
+    this.times ??= all;
     return this.times;
   }
 
@@ -113,17 +130,15 @@ function toolLengths({ tools, count }, changes) {
   return runs;
 }
 
-/** Returns the time in minutes at which each point is reached, without accelerations. */
-function times({ points, count, feeds, further }, rapid) {
-  const all = new Float64Array(count);
-  for (let i = 1; i < count; i++) {
+/** Finds the times in minutes at which some points are reached, without accelerations. */
+function addTimes({ points, feeds, further }, rapid, all, first, end) {
+  for (let i = first; i < end; i++) {
     const p = 3 * i;
     const [x, y, z] = [points[p] - points[p - 3], points[p + 1] - points[p - 2], points[p + 2] - points[p - 1]];
     // Math.hypot takes ten times as long.
     const long = Math.sqrt(x * x + y * y + z * z);
     all[i] = all[i - 1] + (long === 0 && further ? turn(further, i) : long) / (feeds[i] > 0 ? feeds[i] : rapid);
   }
-  return all;
 }
 
 /** Returns how far the axes beside X Y Z go to a point: the feed is theirs where no other moves. */

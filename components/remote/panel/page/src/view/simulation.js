@@ -10,7 +10,7 @@ import { Crashes, Cutter, StockPicture } from "./stock.js";
 /** Margin around a program's cuts, and the diameter of a tool that the table has none for, in millimetres. */
 const [MARGIN_MM, DIAMETER_MM] = [2, 6];
 /** Time of one picture for cutting, and work between two looks at the clock. */
-const [SLICE_MS, SLICE_CELLS] = [15, 20_000];
+const [SLICE_MS, SLICE_CELLS] = [15, 4000];
 /** Longest step of the clock: a page that was hidden does not leap. */
 const STEP_MS = 200;
 /** Distance of a machine that has moved, in millimetres. */
@@ -154,11 +154,11 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     try {
       await readTools();
       stock = await block();
+      const times = await path?.timelineInParts(60 * (info.max_linear_velocity ?? 100), rests());
       if (mine !== starts) {
         drop(stock);
         return;
       }
-      const times = path.timeline(60 * (info.max_linear_velocity ?? 100));
       const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null, poser: poser() });
       sim = { player, stock, state: "playing", pose: store.get("motion").pose, last: performance.now() };
     } catch (error) {

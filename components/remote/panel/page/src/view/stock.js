@@ -59,11 +59,11 @@ export class StockPicture {
     const from = first <= 1 ? 0 : first;
     const to = last >= field.ny - 2 ? field.ny + 1 : last + 2;
     for (let j = from; j <= to; j++) for (let i = 0; i < width; i++) this.vertex(i, j);
-    this.positions.needsUpdate = true;
-    this.shades.needsUpdate = true;
+    for (const values of [this.positions, this.shades]) renew(values, 3 * width * from, 3 * width * (to + 1));
     if (field.split.size > 0 || this.blocks.visible) {
-      for (let j = Math.max(0, from - 1); j <= Math.min(to, field.ny); j++) this.row(j);
-      this.faces.needsUpdate = true;
+      const [begin, end] = [Math.max(0, from - 1), Math.min(to, field.ny)];
+      for (let j = begin; j <= end; j++) this.row(j);
+      renew(this.faces, 6 * (width - 1) * begin, 6 * (width - 1) * (end + 1));
       this.drawBlocks();
     }
     field.settled();
@@ -126,6 +126,12 @@ export class StockPicture {
     this.blocks.geometry.dispose();
     this.mesh.material.dispose();
   }
+}
+
+/** Gives the graphics processor a part of what it has. */
+function renew(values, from, to) {
+  values.addUpdateRange(from, to - from);
+  values.needsUpdate = true;
 }
 
 /** The tool of a simulation in its own size, with another colour than that of the machine. */
