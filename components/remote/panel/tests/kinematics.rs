@@ -1,5 +1,5 @@
 //! Kinematics of the page against those of the machine: tips, directions of tools, joints of arms.
-#![expect(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use hal_arm::Arm;
 use hal_bench::{Bench, Random};

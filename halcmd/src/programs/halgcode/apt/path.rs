@@ -104,8 +104,6 @@ fn cutters(events: &[apt::Event]) -> (Vec<Cutter>, Vec<usize>) {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
-
     use super::*;
     use std::fs;
 

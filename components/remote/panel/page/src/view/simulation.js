@@ -11,6 +11,8 @@ import { Crashes, Cutter, StockPicture } from "./stock.js";
 const [MARGIN_MM, DIAMETER_MM] = [2, 6];
 /** Time of one picture for cutting, and work between two looks at the clock. */
 const [SLICE_MS, SLICE_CELLS] = [15, 4000];
+/** Time between two pictures of a simulation that is as fast as possible. */
+const PICTURE_MS = 100;
 /** Longest step of the clock: a page that was hidden does not leap. */
 const STEP_MS = 200;
 /** Distance of a machine that has moved, in millimetres. */
@@ -174,7 +176,7 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     if (!sim || sim.state === "done") return;
     sim.state = state;
     sim.last = performance.now();
-    if (state === "playing") sim.frame = requestAnimationFrame(tick);
+    if (state === "playing") again();
     draw();
   }
 
@@ -184,6 +186,7 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     asked?.abort();
     if (!sim) return;
     cancelAnimationFrame(sim.frame);
+    clearTimeout(sim.timer);
     drop(sim.stock);
     sim = null;
     place(null);
@@ -203,13 +206,23 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     if (player.isDone) {
       sim.state = "done";
       place(null);
-    } else sim.frame = requestAnimationFrame(tick);
-    draw();
+    } else again();
+    // As fast as possible, cutting does not wait for pictures: without a graphics processor they take longer than it.
+    if (player.isDone || speed.value !== "max" || now - sim.drawn > PICTURE_MS) draw();
+  }
+
+  /** Cuts on with the next picture, or, as fast as possible, when the page has answered. */
+  function again() {
+    cancelAnimationFrame(sim.frame);
+    clearTimeout(sim.timer);
+    if (speed.value === "max") sim.timer = setTimeout(tick, 0);
+    else sim.frame = requestAnimationFrame(tick);
   }
 
   /** Shows what is known, in picture and words. */
   function draw() {
     const state = sim?.state ?? "";
+    if (sim) sim.drawn = performance.now();
     if (sim) host.dataset.simulation = state;
     else delete host.dataset.simulation;
     show(banner, Boolean(sim));
@@ -297,6 +310,7 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   store.report(cut, signal);
   signal.addEventListener("abort", () => {
     cancelAnimationFrame(sim?.frame);
+    clearTimeout(sim?.timer);
     asked?.abort();
   });
   draw();
