@@ -17,7 +17,7 @@
 //! | `apt`, `apt/` | `apt`: cutter-location files for a robot arm: its cell from an INI file, the report, the files written |
 
 mod align;
-mod apt;
+pub mod apt;
 mod canon;
 mod check;
 mod clock;

@@ -1,5 +1,9 @@
 //! Geometry of a program: the points of its path, as `API.md` lays them out.
 
+mod cutter;
+
+pub(crate) use cutter::{Cut, is_cutter};
+
 use hal_gcode::{Call, Interpreter, axis::Position, canon::Unit};
 use hal_job::{
     Files, Machine, World,
@@ -29,6 +33,8 @@ struct Point {
     kind: u8,
     /// Place of the tool's offset among those of the geometry.
     offset: u32,
+    /// Place of A B C U V W among those of the geometry.
+    further: u32,
 }
 
 /// The points of a program.
@@ -42,8 +48,12 @@ pub(crate) struct Geometry {
     whole: bool,
     /// Offsets of the tool at the points, one after the other; no two neighbours are equal.
     offsets: Vec<[f64; 3]>,
+    /// A B C U V W at the points, one after the other; no two neighbours are equal.
+    further: Vec<[f64; 6]>,
     /// A bit for each of A B C U V W that moves.
     others: u32,
+    /// Joints of an arm at each point, where they are chosen.
+    joints: Vec<[f64; 6]>,
     /// Reason why the program was not read to its end, and its line.
     pub(crate) error: Option<(u32, String)>,
 }
@@ -67,8 +77,16 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
     let begin = others(way.at);
     let (mut unit, mut feed) = (it.state.frame.unit, it.state.modal.feed);
     let mut tool = u16::try_from(it.state.tool.number).unwrap_or(0);
+    // Angles have no unit of length; U V W are lengths as X Y Z are.
+    let units = [1.0, 1.0, 1.0, scale, scale, scale];
+    let turned = |p: Position| {
+        let mut all = others(p);
+        all.iter_mut().zip(units).for_each(|(v, unit)| *v *= unit);
+        all
+    };
     let offset = geometry.offset(place(way.tool()));
-    geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset });
+    let further = geometry.further(turned(way.at));
+    geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset, further });
     let (begun, mut out) = (Instant::now(), Vec::new());
     for n in 0_u32.. {
         let answers = Answers { probe_trips: true, functions: None };
@@ -96,7 +114,9 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
                     geometry.others |= u32::from((from - to).abs() > 1e-9) << bit;
                 }
                 let offset = geometry.offset(offset);
-                geometry.add(Point { at: place(at), line: issued.line, feed, tool, kind, offset });
+                let further = geometry.further(turned(at));
+                let line = issued.line;
+                geometry.add(Point { at: place(at), line, feed, tool, kind, offset, further });
             });
         }
         match going {
@@ -129,10 +149,12 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
 impl Geometry {
     /// Returns the place of the offset of a point that follows all others.
     fn offset(&mut self, offset: [f64; 3]) -> u32 {
-        if self.offsets.last() != Some(&offset) {
-            self.offsets.push(offset);
-        }
-        u32::try_from(self.offsets.len() - 1).unwrap_or(u32::MAX)
+        place_of(&mut self.offsets, offset)
+    }
+
+    /// Returns the place of the further axes of a point that follows all others.
+    fn further(&mut self, further: [f64; 6]) -> u32 {
+        place_of(&mut self.further, further)
     }
 
     fn keep(&mut self, point: Point) {
@@ -142,7 +164,8 @@ impl Geometry {
     /// Adds a point; leaves out those that the line between their neighbours passes.
     fn add(&mut self, point: Point) {
         let same = |other: &Point| {
-            (other.kind, other.tool, other.offset) == (point.kind, point.tool, point.offset)
+            (other.kind, other.tool, other.offset, other.further)
+                == (point.kind, point.tool, point.offset, point.further)
                 && other.feed == point.feed
         };
         let passes = |from: [f64; 3]| {
@@ -198,7 +221,12 @@ impl Geometry {
         let mut out = Vec::with_capacity(64 + 23 * self.points.len());
         out.extend_from_slice(b"FERPATH1");
         out.extend_from_slice(&count.to_le_bytes());
-        let flags = u32::from(self.whole) | u32::from(self.reduced) << 1 | self.others << 2;
+        let (moves, has_joints) = (self.others != 0, self.joints.len() == self.points.len());
+        let flags = u32::from(self.whole)
+            | u32::from(self.reduced) << 1
+            | self.others << 2
+            | u32::from(moves) << 8
+            | u32::from(has_joints) << 9;
         out.extend_from_slice(&flags.to_le_bytes());
         out.extend(origin.into_iter().flat_map(f64::to_le_bytes));
         out.extend(near(low).into_iter().chain(near(high)).flat_map(f32::to_le_bytes));
@@ -208,8 +236,20 @@ impl Geometry {
         out.extend(self.points.iter().flat_map(|p| p.tool.to_le_bytes()));
         out.extend(self.points.iter().map(|p| p.kind));
         let changes = self.changes();
-        if !changes.is_empty() {
+        if moves || has_joints || !changes.is_empty() {
             out.resize(out.len().next_multiple_of(4), 0);
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "pictures need no more")]
+        let mut write = |numbers: &[f64; 6]| {
+            out.extend(numbers.iter().flat_map(|v| (*v as f32).to_le_bytes()));
+        };
+        if moves {
+            for point in &self.points {
+                write(self.further.get(point.further as usize).unwrap_or(&[0.0; 6]));
+            }
+        }
+        if has_joints {
+            self.joints.iter().for_each(&mut write);
         }
         for (first, offset) in changes {
             out.extend_from_slice(&first.to_le_bytes());
@@ -234,7 +274,15 @@ impl Geometry {
     }
 }
 
-/// Returns the places of the axes that a path does not have.
+/// Returns the place of a value in a list whose last may be equal to it.
+fn place_of<T: PartialEq>(list: &mut Vec<T>, value: T) -> u32 {
+    if list.last() != Some(&value) {
+        list.push(value);
+    }
+    u32::try_from(list.len() - 1).unwrap_or(u32::MAX)
+}
+
+/// Returns the places of the axes beside X, Y and Z.
 const fn others(p: Position) -> [f64; 6] {
     [p.a, p.b, p.c, p.u, p.v, p.w]
 }

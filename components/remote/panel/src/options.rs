@@ -23,6 +23,9 @@ pub struct Options {
     /// Folder of programs; without it, `[DISPLAY]PROGRAM_PREFIX`.
     #[arg(long)]
     pub programs: Option<PathBuf>,
+    /// Cell of a robot arm, as `halgcode apt -i` reads it: cutter-location files (.apt, .cl) are shown in it.
+    #[arg(long)]
+    pub cell: Option<PathBuf>,
     /// File for the address with the one-time token; without it, `panel-INSTANCE.url` beside the instance's socket.
     #[arg(long)]
     pub address_file: Option<PathBuf>,

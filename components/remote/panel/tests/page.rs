@@ -156,6 +156,16 @@ fn stock_that_tools_cut() {
     run_script("stock.mjs");
 }
 
+#[test]
+fn stock_that_tilted_tools_cut() {
+    run_script("tilted.mjs");
+}
+
+#[test]
+fn stock_that_tools_cut_while_they_turn() {
+    run_script("turning.mjs");
+}
+
 /// Returns the texts in quotes that follow one of these beginnings in the page's sources.
 fn quoted_after(beginnings: &[&str]) -> BTreeSet<String> {
     let sources: Vec<_> =

@@ -1,8 +1,11 @@
 //! `halgcode apt`: a cutter-location file, judged for a robot arm and written for its controllers.
 
 mod cell;
+mod path;
 mod report;
 mod write;
+
+pub use path::{ArmPath, ArmStep, Cutter, path};
 
 use super::views::Views;
 use crate::{

@@ -1,4 +1,4 @@
-//! Figures of the page: its first picture, and the path of a program of a million lines while somebody works.
+//! Figures of the page: its first picture, and the path of a program of a million lines and its simulation while somebody works.
 
 use super::fixture::Fixture;
 use hal_tests::browser::DESKTOP;
@@ -47,6 +47,18 @@ fn a_path_of_a_million_lines() {
     fixture.picture("million");
     println!(
         "{points} points are complete after {complete} ms; the longest wait of an input was {longest} ms"
+    );
+    b.run(
+        "window.waits = [0]; window.begun = performance.now(); \
+         document.querySelector('#sim-speed').value = 'max'; document.querySelector('#sim-start').click()",
+    );
+    b.until("document.querySelector('.view').dataset.simulation === 'done'");
+    let took = b.run("return Math.round(performance.now() - window.begun)");
+    let longest = b.run("return Math.round(Math.max(...window.waits))");
+    fixture.picture("million-simulated");
+    println!(
+        "simulated as fast as possible in {took} ms; the longest wait of an input was {longest} ms: {}",
+        b.text("#sim-figures")
     );
     let number = |value: &serde_json::Value| value.as_str().unwrap().parse::<u32>().unwrap();
     assert!(LINES - 10 < number(&points), "{points} points");

@@ -26,9 +26,14 @@ impl Fixture {
 
     /// Starts another machine of `configs` and its panel, and opens the page. `None` where there is no browser.
     pub(super) fn of(machine: &str, screen: Screen) -> Option<Self> {
+        Self::with(screen, || Printer::of(machine, "integrator"))
+    }
+
+    /// Opens the page of a machine and its panel. `None` where there is no browser.
+    pub(super) fn with(screen: Screen, machine: impl FnOnce() -> Printer) -> Option<Self> {
         // First, because without it nothing else is of use.
         Browser::is_there().then_some(())?;
-        let printer = Printer::of(machine, "integrator");
+        let printer = machine();
         let browser = Browser::open(&printer.scratch, screen);
         browser.go(&printer.address());
         browser.until("document.querySelector('#machine-state')?.textContent");

@@ -10,9 +10,11 @@
 
 mod accounts;
 mod align;
+mod arm;
 mod cuts;
 mod display;
 mod figures;
+mod five_axis;
 mod fixture;
 mod garbage;
 mod integrator;

@@ -56,6 +56,36 @@ impl Printer {
         Self::begin("printer", role, clock, entries)
     }
 
+    /// Starts the machine of these files, of which one is `machine.ini`, on the real clock, and a panel of an integrator.
+    pub(super) fn made(files: &[(&str, &str)]) -> Self {
+        let scratch = Scratch::new("made");
+        files.iter().for_each(|(name, text)| scratch.write(name, text));
+        fs::create_dir(scratch.path().join("programs")).unwrap();
+        let machine = machine(&scratch, &["--simulate"]);
+        let panel = panel(&scratch, "integrator", &[]);
+        Self::listening(scratch, machine, panel)
+    }
+
+    /// Starts a machine of `configs` that has no INI file, by its script, on a virtual clock that stands until it is run, and a
+    /// panel of an integrator with these programs and options.
+    pub(super) fn of_script(name: &str, programs: &[&str], options: &[&str]) -> Self {
+        let scratch = Scratch::copy_of(&root().join("configs").join(name));
+        fs::create_dir(scratch.path().join("programs")).unwrap();
+        for program in programs {
+            scratch.write(&format!("programs/{program}"), scratch.read(program));
+        }
+        let script = format!("{name}.hal");
+        let mut command = scratch.command(&[], "halrun");
+        let machine = scratch.start(command.args(["--virtual", "--hold", &script]));
+        until("the machine runs", || {
+            scratch.halcmd(&["getp", "motion.motion-enabled"]).status == Some(0)
+        });
+        // Before its first cycle a machine has no state.
+        scratch.told("run 10ms");
+        let panel = panel(&scratch, "integrator", options);
+        Self::listening(scratch, machine, panel)
+    }
+
     fn begin(name: &str, role: &str, clock: &[&str], entries: &str) -> Self {
         let scratch = Scratch::copy_of(&root().join("configs").join(name));
         let mut ini = scratch.read(&format!("{name}.ini"));
@@ -68,6 +98,10 @@ impl Printer {
         fs::create_dir(scratch.path().join("programs")).unwrap();
         let machine = machine(&scratch, clock);
         let panel = panel(&scratch, role, &[]);
+        Self::listening(scratch, machine, panel)
+    }
+
+    fn listening(scratch: Scratch, machine: Running, panel: Running) -> Self {
         let mut printer = Self { panel, machine, scratch, port: 0 };
         printer.port = printer.listens();
         printer
@@ -261,7 +295,10 @@ fn machine(scratch: &Scratch, clock: &[&str]) -> Running {
 
 fn panel(scratch: &Scratch, role: &str, options: &[&str]) -> Running {
     let mut command = scratch.command(&[], "halpanel");
-    command.args(["--listen", "127.0.0.1:0", "--ini-file", INI, "--role", role]);
+    command.args(["--listen", "127.0.0.1:0", "--role", role]);
+    if scratch.path().join(INI).exists() {
+        command.args(["--ini-file", INI]);
+    }
     command.args(["--programs", "programs", "--address-file", "address", "--audit", "audit"]);
     command.args(options);
     scratch.start(&mut command)

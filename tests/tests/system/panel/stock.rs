@@ -31,10 +31,10 @@ M2
 const SLOT: f64 = 2.0 * (50.0 * 5.0 + PI * 2.5 * 2.5);
 
 /// True when the picture has the path of the program, and can simulate it.
-const LOADED: &str = "Number(document.querySelector('.view').dataset.points) > 0 && !document.querySelector('#sim-start').disabled";
+pub(super) const LOADED: &str = "Number(document.querySelector('.view').dataset.points) > 0 && !document.querySelector('#sim-start').disabled";
 
 /// Returns a number that the picture has.
-fn number(fixture: &Fixture, name: &str) -> f64 {
+pub(super) fn number(fixture: &Fixture, name: &str) -> f64 {
     let value =
         fixture.browser.run(&format!("return document.querySelector('.view').dataset.{name}"));
     value.as_str().unwrap_or_else(|| panic!("{name} is {value}")).parse().unwrap()
@@ -50,7 +50,7 @@ fn listen(fixture: &Fixture) {
 }
 
 /// Presses Simulate, and waits for the end.
-fn simulate(fixture: &Fixture, speed: &str) {
+pub(super) fn simulate(fixture: &Fixture, speed: &str) {
     let b = &fixture.browser;
     b.run(&format!("document.querySelector('#sim-speed').value = '{speed}'"));
     b.run("document.querySelector('#sim-start').click()");

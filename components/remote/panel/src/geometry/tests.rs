@@ -1,6 +1,6 @@
 //! Geometry of small programs.
 
-use super::{Geometry, distance, read};
+use super::{Cut, Geometry, distance, is_cutter, read};
 
 /// Returns the geometry of a program.
 fn of(name: &str, text: &str, tolerance: f64) -> Geometry {
@@ -85,5 +85,63 @@ fn offsets_of_the_tool_and_further_axes_are_told() {
     assert_eq!(of("across.ngc", program, 0.05).changes().len(), 2);
     // B moves: bit 1 of A B C U V W, from bit 2 on.
     let turns = of("turns.ngc", "G21 G90 F100\nG1 X1\nB3\nM2\n", 0.0).bytes();
-    assert_eq!(u32::from_le_bytes(word(&turns, 12)), 1 | 1 << 3);
+    assert_eq!(u32::from_le_bytes(word(&turns, 12)), 1 | 1 << 3 | 1 << 8);
+}
+
+#[test]
+fn further_axes_and_joints_follow_the_kinds() {
+    let bytes = of("five.ngc", "G21 G90 F100\nG1 X1\nB3 U2\nC-5\nM2\n", 0.0).bytes();
+    let n = 4;
+    assert_eq!(u32::from_le_bytes(word(&bytes, 8)), n);
+    // B, C and U move, and all six follow.
+    let flags = u32::from_le_bytes(word(&bytes, 12));
+    assert_eq!(flags, 1 | (0b00_1110 << 2) | 1 << 8);
+    let first = (64 + 23 * n as usize).next_multiple_of(4);
+    assert_eq!(bytes.len(), first + 24 * n as usize);
+    let of_point = |point: usize| {
+        [0, 1, 2, 3, 4, 5].map(|k| f32::from_le_bytes(word(&bytes, first + 24 * point + 4 * k)))
+    };
+    assert_eq!(of_point(1), [0.0; 6]);
+    assert_eq!(of_point(2), [0.0, 3.0, 0.0, 2.0, 0.0, 0.0]);
+    assert_eq!(of_point(3), [0.0, 3.0, -5.0, 2.0, 0.0, 0.0]);
+    // Points between which an axis turns are not left out.
+    let turns = "G21 G90 F100\nG1 X1\nX2 B1\nX3 B2\nX4 B5\nM2\n";
+    assert_eq!(of("turns.ngc", turns, 0.5).points.len(), 5);
+}
+
+#[test]
+fn a_cutter_location_file_has_the_joints_of_its_arm() {
+    let folder = std::env::temp_dir().join(format!("panel-cutter-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (cell, file) = (folder.join("cell.conf"), folder.join("part.apt"));
+    std::fs::write(&cell, "[ARM]\nMODEL = rx90\n[PART]\nFRAME = 500 -100 -100 0 0 30\n").unwrap();
+    let text = "CUTTER/6,3\nFROM/0,0,100\nFEDRAT/600,MMPM\nGOTO/20,20,0\nFINI\n";
+    std::fs::write(&file, text).unwrap();
+    assert!(is_cutter("a.APT") && is_cutter("b.c.cl") && !is_cutter("a.ngc") && !is_cutter("apt"));
+    assert!(Cut::read(None, &file, false).unwrap_err().contains("--cell"));
+    let cut = Cut::read(Some(&cell), &file, false).unwrap();
+    let inch = Cut::read(Some(&cell), &file, true).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(serde_json::json!(cut.cutters)[0]["diameter"], 6.0);
+    assert_eq!(serde_json::json!(cut.cutters)[0]["is_ball"], true);
+    assert_eq!(cut.frame[5].round(), 30.0);
+    assert!((inch.frame[0] * 25.4 - cut.frame[0]).abs() < 1e-9);
+    let (bytes, n) = (cut.geometry.bytes(), cut.geometry.points.len());
+    assert_eq!(u32::from_le_bytes(word(&bytes, 12)), 1 | 0b111 << 2 | 0b11 << 8);
+    let first = (64 + 23 * n).next_multiple_of(4);
+    assert_eq!(bytes.len(), first + 48 * n);
+    let joints = |point: usize| {
+        [0, 1, 2, 3, 4, 5]
+            .map(|k| f64::from(f32::from_le_bytes(word(&bytes, first + 24 * (n + point) + 4 * k))))
+    };
+    // The joints bring the tip to each point.
+    let arm = hal_arm::Arm::RX90;
+    for (n, point) in cut.geometry.points.iter().enumerate() {
+        let tip = arm.flange(&joints(n)).origin;
+        assert!((tip - hal_arm::rotation::Vector::from(point.at)).norm() < 1e-3, "{point:?}");
+    }
+    // 600 mm/min on the way down; the approach and the retract are rapid.
+    let kinds: Vec<u8> = cut.geometry.points.iter().map(|p| p.kind).collect();
+    assert!(kinds.contains(&2) && kinds.last() == Some(&1), "{kinds:?}");
+    assert!(cut.geometry.points.iter().all(|p| p.kind != 2 || (p.feed - 600.0).abs() < 0.1));
 }

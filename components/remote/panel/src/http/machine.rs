@@ -22,6 +22,10 @@ use tokio::task::block_in_place;
 const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
 /// Header with the reason why a program was not read to its end.
 const ERROR: HeaderName = HeaderName::from_static("x-ferrule-error");
+/// Header with the frame of the part: X Y Z, roll, pitch and yaw.
+const FRAME: HeaderName = HeaderName::from_static("x-ferrule-frame");
+/// Header with the cutters that a cutter-location file names.
+const CUTTERS: HeaderName = HeaderName::from_static("x-ferrule-cutters");
 
 impl Panel {
     /// Reads the files of the machine.
@@ -98,19 +102,29 @@ pub(crate) async fn path(
     };
     let reading = panel.reading.lock().await;
     let read = block_in_place(|| {
+        if geometry::is_cutter(&name) {
+            let cut = geometry::Cut::read(panel.options.cell.as_deref(), &file, panel.is_inch)?;
+            return Ok((cut.geometry.bytes(), None, Some(cut)));
+        }
         let read = geometry::read(panel.options.ini_file.as_deref(), &file, tolerance);
-        read.map(|geometry| (geometry.bytes(), geometry.error))
+        read.map(|geometry| (geometry.bytes(), geometry.error, None))
     });
     drop(reading);
-    let (bytes, error) = read.map_err(|e| Error::new(Code::Refused, e))?;
+    let (bytes, error, cut) = read.map_err(|e: String| Error::new(Code::Refused, e))?;
     let mut response = bytes.into_response();
     let kind = HeaderValue::from_static("application/octet-stream");
     response.headers_mut().insert(header::CONTENT_TYPE, kind);
-    if let Some((line, text)) = error {
-        let text = encoded(&format!("{line} {text}"));
-        if let Ok(value) = HeaderValue::from_str(&text) {
-            response.headers_mut().insert(ERROR, value);
+    let mut add = |name: HeaderName, text: &str| {
+        if let Ok(value) = HeaderValue::from_str(&encoded(text)) {
+            response.headers_mut().insert(name, value);
         }
+    };
+    if let Some((line, text)) = error {
+        add(ERROR, &format!("{line} {text}"));
+    }
+    if let Some(cut) = cut {
+        add(FRAME, &json!(cut.frame).to_string());
+        add(CUTTERS, &json!(cut.cutters).to_string());
     }
     Ok(response)
 }

@@ -5,6 +5,7 @@ import assert from "node:assert/strict";
 const { Frame } = await import("../../page/src/frame.js");
 const { CRASHED, CUT, Dexels, MAX_CELLS, boxOf } = await import("../../page/src/view/dexels.js");
 const { Path } = await import("../../page/src/view/path.js");
+const { bytes } = await import("./bytes.mjs");
 const { Carver, Player } = await import("../../page/src/view/player.js");
 
 const flat = (diameter) => ({ radius: diameter / 2, isBall: false });
@@ -107,27 +108,6 @@ for (const [low, high] of [[[0, 0, 0], [0, 1, 1]], [[0, 0, 0], [1, NaN, 1]], [[0
   assert.throws(() => new Dexels(low, high), RangeError);
 }
 
-/** Returns the bytes of a path as the server sends them. */
-function bytes(points, { flags = 1, changes = [] } = {}) {
-  const n = points.length;
-  const end = 64 + 23 * n;
-  const view = new DataView(new ArrayBuffer(changes.length > 0 ? 4 * Math.ceil(end / 4) + 16 * changes.length : end));
-  [..."FERPATH1"].forEach((c, i) => view.setUint8(i, c.charCodeAt(0)));
-  view.setUint32(8, n, true);
-  view.setUint32(12, flags, true);
-  points.forEach(({ at, kind, tool = 1, feed = 600 }, i) => {
-    at.forEach((v, axis) => view.setFloat32(64 + 12 * i + 4 * axis, v, true));
-    view.setFloat32(64 + 16 * n + 4 * i, kind === 1 ? 0 : feed, true);
-    view.setUint16(64 + 20 * n + 2 * i, tool, true);
-    view.setUint8(64 + 22 * n + i, kind);
-  });
-  changes.forEach(([first, ...offset], i) => {
-    const place = 4 * Math.ceil(end / 4) + 16 * i;
-    view.setUint32(place, first, true);
-    offset.forEach((v, axis) => view.setFloat32(place + 4 + 4 * axis, v, true));
-  });
-  return view.buffer;
-}
 const path = (points, more) => new Path(bytes(points, more));
 const way = (...all) => all.map(([kind, ...at]) => ({ kind, at }));
 

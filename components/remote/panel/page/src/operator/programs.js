@@ -6,6 +6,8 @@ import { getJson, programPath, request } from "../http.js";
 import { editProgram } from "./editor.js";
 import { Listing, Program } from "./listing.js";
 
+/** Names of cutter-location files: no task runs them, they are shown. */
+const CUTTER = /\.(apt|cl|cls|aptsource)$/i;
 /** Number of the program text that was read last: a program that is stored again has another one. */
 let version = 0;
 
@@ -13,7 +15,7 @@ let version = 0;
 export function programsCard(ctx) {
   const { store, t, signal } = ctx;
   const list = el("ul", { class: "files", "aria-label": t("programs") });
-  const input = el("input", { type: "file", id: "upload", class: "unseen", multiple: true, accept: ".ngc,.nc,.gcode,.tap,.txt,.cnc" });
+  const input = el("input", { type: "file", id: "upload", class: "unseen", multiple: true, accept: ".ngc,.nc,.gcode,.tap,.txt,.cnc,.apt,.cl,.cls,.aptsource" });
   const name = el("h3", { class: "file" }, t("program.none"));
   const note = el("p", { class: "note", role: "status" });
   const listing = new Listing(t, (line) => {
@@ -25,6 +27,8 @@ export function programsCard(ctx) {
   let loading = null;
   // A page that was built again reads it again.
   let opened;
+  // A file that is shown until the task opens another.
+  let shown = null;
 
   async function refresh() {
     try {
@@ -36,11 +40,25 @@ export function programsCard(ctx) {
   }
 
   function item(file) {
-    const open = el("button", { type: "button", class: "plain", onclick: () => ctx.run("open", { program: file.name }) }, file.name);
+    const button = el("button", { type: "button", class: "plain", onclick: () => open(file.name) }, file.name);
     const remove = el("button", { type: "button", class: "small", "aria-label": `${t("program.delete")} ${file.name}`, onclick: () => removeFile(file.name) }, "✕");
     const change = el("button", { type: "button", class: "small edit", "aria-label": `${t("program.edit")} ${file.name}`, onclick: () => edit(file.name), disabled: ctx.session.role === "viewer" }, "✎");
-    return el("li", { class: "row spread" }, open, el("span", { class: "note" }, bytes(file.bytes)), change, remove);
+    return el("li", { class: "row spread" }, button, el("span", { class: "note" }, bytes(file.bytes)), change, remove);
   }
+
+  /** Opens a program in the task; a cutter-location file is shown, and played over the stock. */
+  function open(file) {
+    shown = null;
+    if (!CUTTER.test(file)) {
+      ctx.run("open", { program: file });
+      return;
+    }
+    shown = { file, beside: inTask() };
+    setText(note, t("program.cutter", file));
+    load(file);
+  }
+
+  const inTask = () => (store.get("task").file ?? "").split("/").at(-1) || null;
 
   async function edit(file) {
     const name = await editProgram(ctx, file);
@@ -58,6 +76,7 @@ export function programsCard(ctx) {
     if (!(await ask(`${t("program.delete")} ${file}?`, [], { confirm: t("program.delete"), cancel: t("cancel") }))) return;
     try {
       await request("DELETE", programPath(file));
+      if (shown?.file === file) shown = null;
     } catch (error) {
       ctx.fail(error);
     }
@@ -88,7 +107,7 @@ export function programsCard(ctx) {
     // After a page was built again, its other cards have read the program already.
     const isKnown = opened === undefined && store.get("program").name === file;
     opened = file;
-    if (!isKnown) store.replace("program", { name: file, lines: 0, version: ++version });
+    if (!isKnown) store.replace("program", { name: file, lines: 0, version: ++version, isShown: shown !== null });
     setText(name, file ?? t("program.none"));
     listing.open(null);
     if (!file) return;
@@ -104,7 +123,9 @@ export function programsCard(ctx) {
 
   store.listen(() => {
     const [motion, task] = [store.get("motion"), store.get("task")];
-    const file = (task.file ?? "").split("/").at(-1) || null;
+    // What runs is what is seen.
+    if (shown && (shown.beside !== inTask() || task.interpreter)) shown = null;
+    const file = shown?.file ?? inTask();
     if (file !== opened) load(file);
     listing.mark(task.interpreter ? motion.line || task.line || 0 : 0);
     for (const control of [input, fresh]) enable(control, ctx.session.role !== "viewer");

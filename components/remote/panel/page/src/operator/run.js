@@ -37,10 +37,12 @@ export function runCard(ctx) {
     const isPaused = task.interpreter === INTERPRETER.paused || task.stepping === true;
     const isRunning = !isIdle && task.mode === MODE_AUTO;
     const may = ctx.mayMove() && task.state === 2;
-    enable(start, may && isIdle && Boolean(task.file));
+    // The task's program is not that of a file which is only shown.
+    const hasProgram = Boolean(task.file) && !program.isShown;
+    enable(start, may && isIdle && hasProgram);
     enable(pause, isRunning && !isPaused);
     enable(resume, may && isPaused);
-    enable(step, may && Boolean(task.file) && (isIdle || isPaused));
+    enable(step, may && hasProgram && (isIdle || isPaused));
     enable(stop, !isIdle || motion.in_position === false);
     show(pause, !isPaused);
     show(resume, isPaused);

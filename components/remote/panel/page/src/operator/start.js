@@ -74,7 +74,7 @@ export function startPart(ctx) {
     known = task.file;
     if (program.chosen && document.activeElement !== line && program.chosen !== chosen) line.value = String(program.chosen);
     chosen = program.chosen;
-    enable(propose, may && Boolean(task.file));
+    enable(propose, may && Boolean(task.file) && !program.isShown);
     enable(recover, may);
     enable(confirm, may && token !== null);
     show(shown, shown.children.length > 0);

@@ -6,6 +6,7 @@ import {
 } from "../../vendor/three.module.min.js";
 
 const TRAIL = 4000;
+const UP = new Vector3(0, 0, 1);
 
 /** Lights for bodies. */
 export function lights() {
@@ -23,10 +24,10 @@ function box(material, x, y, z) {
 /** Makes a cylinder that can be laid between two points. */
 function rod(material, radius) {
   const mesh = new Mesh(new CylinderGeometry(radius, radius, 1, 10), material);
-  mesh.join = (from, to) => {
+  mesh.join = (from, to, share = 1) => {
     const way = to.clone().sub(from);
     mesh.position.copy(from).addScaledVector(way, 0.5);
-    mesh.scale.set(1, Math.max(way.length(), 1e-6), 1);
+    mesh.scale.set(share, Math.max(way.length(), 1e-6), share);
     mesh.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), way.clone().normalize());
   };
   return mesh;
@@ -42,8 +43,10 @@ export class Tool {
     this.node.add(cone);
   }
 
-  move(point) {
+  /** Puts the tip to a point; the tool points along an axis, or is upright. */
+  move(point, axis = null) {
     this.node.position.copy(point);
+    this.node.quaternion.setFromUnitVectors(UP, axis ? new Vector3(...axis) : UP);
   }
 }
 
@@ -146,6 +149,11 @@ export class Rods {
     this.radius = size / 90;
     this.rods = [];
     this.node = new Group();
+  }
+
+  /** Takes over other lengths. */
+  become(kinematics) {
+    this.kinematics = kinematics;
   }
 
   move(point, joints) {

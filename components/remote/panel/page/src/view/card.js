@@ -2,18 +2,18 @@
 
 import { card, el, setText } from "../dom.js";
 import { AXES } from "../format.js";
-import { frameOf, workPose } from "../frame.js";
+import { FreeFrame, frameOf, workPose } from "../frame.js";
 import { asMachine, robotOf } from "../robot/state.js";
 import { getJson, listPath, programPath, request } from "../http.js";
 import { Vector3 } from "../../vendor/three.module.min.js";
 import { Gantry, Lathe, Rods, Tool, Trail, lights } from "./bodies.js";
-import { kinematicsOf } from "./kinematics.js";
+import { PATTERNS, kinematicsOf } from "./kinematics.js";
 import { Path } from "./path.js";
 import { simulationPart } from "./simulation.js";
 import { View } from "./view.js";
 
-/** Cosine of the angle between a tool and the upright, from which on it points down. */
-const DOWN = -0.9999;
+/** Distance, in millimetres, up to which the cell of a file and the machine have the same arm and tool. */
+const SAME_CELL_MM = 0.1;
 /** Colours of stock that is uncut, cut, and cut by a rapid move, and of the tool of a simulation. */
 const STOCK = { stock: 0xa9845a, cut: 0xe6cfa0, crash: 0xff2a2a, ghost: 0xa974ff };
 const COLOURS = {
@@ -49,34 +49,58 @@ export function viewCard(ctx) {
     colourBy,
   );
 
-  const state = { version: undefined, path: null, zeros: "", pose: "", kinematics: null };
+  const state = { version: undefined, path: null, zeros: "", pose: "", kinematics: null, joints: [] };
   let [low, high] = travel(info);
   let machine = null;
   let tool = new Tool(1, colours.tool);
   const trail = new Trail(colours.trail);
   view.live.add(...lights(), trail.node);
   if (low) view.setLimits(low, high);
-  const simulation = simulationPart(ctx, { host, view, colours, place, whyNot: (path) => whyNoStock(path, state.kinematics, ctx) });
+  const simulation = simulationPart(ctx, {
+    host, view, colours, place, kinematics, frame: () => state.path?.frame ?? frameOf(store.get("task")),
+    whyNot: (path) => whyNoStock(path, state.kinematics, ctx),
+  });
   box.append(simulation.node);
   build(null);
-  // Arms and deltas say by their pins what they are.
-  Promise.all(["pins", "params"].map((kind) => getJson(listPath(kind, ["*kins.*", "robot.*"]), { signal }))).then(([pins, params]) => {
-    const kinematics = kinematicsOf([...pins, ...params]);
-    if (!kinematics) return;
-    if (!low) view.setReach(...kinematics.reach);
-    [low, high] = low ? [low, high] : kinematics.reach;
-    build(kinematics);
-  }).catch(() => {
-    // The picture then has the tool alone.
+  // Arms, deltas and machines that tilt say by their pins what they are.
+  kinematics().then((found) => {
+    if (!found) return;
+    if (found.hasParts && !low) view.setReach(...found.reach);
+    if (found.hasParts) [low, high] = low ? [low, high] : found.reach;
+    build(found);
+    if (state.path) simulation.setPath(state.path);
   });
 
+  /** Reads the kinematics anew: the tool may be another, or the type. Without an answer the picture has the tool alone. */
+  async function kinematics() {
+    try {
+      const [pins, params] = await Promise.all(["pins", "params"].map((kind) => getJson(listPath(kind, PATTERNS), { signal })));
+      const found = kinematicsOf([...pins, ...params], info);
+      if (found && state.kinematics) machine?.become?.(found);
+      if (found) state.kinematics = found;
+    } catch {
+      // It stays what it was.
+    }
+    return state.kinematics;
+  }
+
   /** Draws the machine where a simulation has the tool; with null, where it is. */
-  function place(point) {
-    tool.node.visible = !point;
-    // Joints for a place are known where they are the axes.
-    if (machine) machine.node.visible = !point || !state.kinematics;
-    if (point && !state.kinematics) machine?.move(new Vector3(...point));
-    if (point) return;
+  function place(pose) {
+    tool.node.visible = !pose;
+    const own = state.kinematics;
+    // It begins where the machine is.
+    if (state.joints.length === 0) state.joints = [...(store.get("motion").joint_feedback ?? [])];
+    const joints = pose && own ? own.jointsAt(pose, state.joints) : null;
+    // Joints for a place are known where they are the axes, and from the kinematics of some machines.
+    if (machine) machine.node.visible = !pose || !own || joints !== null;
+    if (joints) state.joints = joints;
+    if (pose && machine?.node.visible) machine.move(new Vector3(...pose.tip), joints);
+    if (pose) {
+      host.dataset.joints = joints ? joints.map((v) => v.toFixed(3)).join(" ") : "";
+      return;
+    }
+    delete host.dataset.joints;
+    state.joints = [];
     state.pose = "";
     store.notify();
   }
@@ -87,13 +111,13 @@ export function viewCard(ctx) {
     view.live.remove(tool.node);
     if (machine) view.live.remove(machine.node);
     tool = new Tool(size / 25, colours.tool);
-    if (kinematics) machine = new Rods(kinematics, size, colours);
+    if (kinematics?.hasParts) machine = new Rods(kinematics, size, colours);
+    else if (kinematics) machine = null;
     else machine = low ? bodyOf(info, new Vector3(...low), new Vector3(...high), colours) : null;
     view.live.add(tool.node);
     if (machine) view.live.add(machine.node);
     state.pose = "";
     store.notify();
-    if (kinematics && state.path) simulation.setPath(state.path);
   }
 
   let loading = null;
@@ -114,6 +138,10 @@ export function viewCard(ctx) {
       const response = await request("GET", programPath(file, "/path"), { signal: mine });
       const path = new Path(await response.arrayBuffer());
       state.path = path;
+      const told = (name) => JSON.parse(decodeURIComponent(response.headers.get(name) ?? "null"));
+      const placed = told("X-Ferrule-Frame");
+      path.frame = placed && new FreeFrame(placed);
+      path.cutters = told("X-Ferrule-Cutters") ?? [];
       const rapid = 60 * (info.max_linear_velocity ?? 100);
       store.merge("program", { share: (line) => path.share(line, rapid) });
       host.addEventListener("complete", () => {
@@ -154,9 +182,12 @@ export function viewCard(ctx) {
     const pose = motion.pose.join();
     if (pose === state.pose || simulation.isShown()) return;
     state.pose = pose;
-    const point = new Vector3(motion.pose[0], motion.pose[1], motion.pose[2]);
-    // The controlled point is the tip: the tool is longer than the machine's own point by its offset.
-    tool.move(point);
+    const tip = state.kinematics?.reported(motion);
+    // The controlled point is the tip: the tool is longer than the machine's own point by its offset. That of an arm whose
+    // joints are axes is where its joints bring it.
+    const offset = (i) => motion.tool_offset?.[i] ?? 0;
+    const point = new Vector3(...(tip?.isForward ? tip.tip.map((v, i) => v + offset(i)) : motion.pose.slice(0, 3)));
+    tool.move(point, tip?.axis);
     trail.add(point);
     machine?.move(point, motion.joint_feedback);
     const work = workPose(motion, task);
@@ -201,17 +232,21 @@ function zero(task) {
   return { point: frame.zero, angle: frame.angle, isCurrent: true };
 }
 
-/**
- * Returns why a program's stock is not carved, or an empty text. The path has no direction of the tool: where no other axes
- * move, an arm's tool stays as the machine's pose has it.
- */
-function whyNoStock(path, kinematics, { info, store, t }) {
-  if (path.others) return t("stock.others", [...path.others].join(" "));
+/** Returns why a program's stock is not carved, or an empty text. */
+function whyNoStock(path, kinematics, { info, t, mm, units }) {
   if (isLathe(info)) return t("stock.turned");
-  if (!kinematics || kinematics.isUpright) return "";
-  // Roll, pitch and yaw.
-  const [a, b] = (store.get("motion").pose ?? []).slice(3).map((angle) => (angle * Math.PI) / 180);
-  return Math.cos(a) * Math.cos(b) < DOWN ? "" : t("stock.arm", kinematics.name);
+  if (kinematics && !kinematics.isKnown) return t("stock.plane", kinematics.name);
+  const apart = cellApart(path, kinematics);
+  if (apart > SAME_CELL_MM * mm.read(1)) return t("stock.cell", units().text(apart), units().unit("x"));
+  // Where other axes take the part or the tool is known from the kinematics alone.
+  return path.others && !kinematics ? t("stock.others", [...path.others].join(" ")) : "";
+}
+
+/** Returns how far the machine's kinematics bring the tip from where a path with joints has it; 0 for others. */
+function cellApart(path, kinematics) {
+  if (!path.joints || !kinematics?.hasTip) return 0;
+  const { tip } = kinematics.toolAt([0, 0, 0], [], [...path.joints.slice(0, 6)]);
+  return Math.hypot(...path.tip(0).map((v, i) => v - tip[i]));
 }
 
 /** Returns the size of a path in words, and whether it leaves the travel. */

@@ -1,33 +1,126 @@
-// Where the parts of machines are that have other kinematics than a joint for each axis.
+// Where the parts of machines are that have other kinematics than a joint for each axis, and where their tool is and points.
 
-import { Euler, Matrix4, Vector3 } from "../../vendor/three.module.min.js";
-
-const RADIANS = Math.PI / 180;
+import { Vector3 } from "../../vendor/three.module.min.js";
+import { jointsAlong, links, tipOf } from "./arm.js";
+import { FIVE_AXIS, onPart } from "./five_axis.js";
+import { IDENTITY, RADIANS, about, frame, ofRollPitchYaw, times, turned, upward } from "./rotation.js";
+import { searchJoints } from "./search.js";
 
 /**
  * Kinematics with a picture: the parameters they need, and what they return for joints and the tip of the tool. Those that
- * are upright turn the tool about Z alone.
+ * are upright turn the tool about Z alone. `tip` returns the frame of the tip at these joints, `joints` those for a frame.
  */
 const KINDS = {
-  lineardeltakins: { reach: (p) => [[-p.R, -p.R, 0], [p.R, p.R, p.L * 2]], parts: delta, isUpright: true },
-  scarakins: { reach: (p) => round(p.D2 + p.D4, p.D1 + Math.max(0, p.D3)), parts: scara, isUpright: true },
-  genserkins: { reach: (p) => ball(sum(p, /^(A|D)-/)), parts: (p, joints) => chain(serialLinks(p), joints) },
-  pumakins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: (p, joints) => chain(pumaLinks(p), joints) },
-  armkins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: arm },
+  lineardeltakins: { reach: (p) => [[-p.R, -p.R, 0], [p.R, p.R, p.L * 2]], parts: delta, isUpright: true, joints: deltaJoints },
+  scarakins: { reach: (p) => round(p.D2 + p.D4, p.D1 + Math.max(0, p.D3)), parts: scara, isUpright: true, joints: scaraJoints },
+  genserkins: serial(serialLinks, /^(A|D)-/),
+  pumakins: serial(pumaLinks, /^[AD]\d/),
+  armkins: { reach: (p) => ball(sum(p, /^[AD]\d/)), parts: arm, tip: tipOf, joints: jointsAlong },
   // Its work volume is near its base.
-  robot: { reach: (p) => ball(0.65 * sum(p, /^[AD]\d/)), parts: arm },
+  robot: { reach: (p) => ball(0.65 * sum(p, /^[AD]\d/)), parts: arm, tip: tipOf },
 };
 
-/** Returns the kinematics that the names of pins and parameters tell, with their values; null for others. */
-export function kinematicsOf(records) {
-  for (const [name, kind] of Object.entries(KINDS)) {
+/** Arms as chains of links, whose joints for a pose are searched. */
+function serial(rows, lengths) {
+  const tip = (p, joints) => chain(rows(p), joints).at(-1);
+  return {
+    reach: (p) => ball(sum(p, lengths)),
+    parts: (p, joints) => points(chain(rows(p), joints)),
+    tip,
+    joints: (p, goal, last) => searchJoints((joints) => tip(p, joints), goal, last),
+  };
+}
+
+/** Width of a tool, in that of a link. */
+const TOOL_SHARE = 0.3;
+/** Names of pins and parameters that tell kinematics. */
+export const PATTERNS = ["*kins.*", "*_trsrn.*", "kinstype.is-*", "robot.*"];
+
+/** Returns the kinematics that the names of pins and parameters tell, with their values; null for others. `info` is that of the machine. */
+export function kinematicsOf(records, info = {}) {
+  const value = (r) => Number(Object.values(r.value)[0]);
+  for (const [name, kind] of [...Object.entries(KINDS), ...Object.entries(FIVE_AXIS)]) {
     const own = records.filter((r) => r.name.startsWith(`${name}.`));
     if (own.length === 0) continue;
-    const values = Object.fromEntries(own.map((r) => [r.name.slice(name.length + 1), Number(Object.values(r.value)[0])]));
-    return { name, isUpright: kind.isUpright === true, reach: kind.reach(values), parts: (joints, tip) => kind.parts(values, joints, tip) };
+    const values = Object.fromEntries(own.map((r) => [r.name.slice(name.length + 1), value(r)]));
+    const type = records.find((r) => /^kinstype\.is-\d$/.test(r.name) && value(r) === 1)?.name.at(-1);
+    return new Kinematics(name, kind, values, type, info.kinematics ?? "");
   }
   return null;
 }
+
+/** Kinematics of a machine as their pins have them. */
+class Kinematics {
+  constructor(name, kind, values, type, given) {
+    Object.assign(this, { name, kind, values });
+    this.isUpright = kind.isUpright === true;
+    this.isFiveAxis = Boolean(kind.of);
+    const own = given.includes("identityfirst") ? 1 : kind.own ?? 0;
+    /** True where axes are joints: a pose is then not that of the tip. */
+    this.isJoints = type !== undefined && Number(type) !== own;
+    /** False where X Y Z are along the tool. */
+    this.isKnown = !(kind.plane !== undefined && kind.plane === Number(type));
+    const letters = /coordinates=(\S+)/i.exec(given)?.[1] ?? kind.letters ?? "";
+    /** Letter of each joint. */
+    this.letters = letters.toUpperCase();
+  }
+
+  get hasParts() {
+    return Boolean(this.kind.parts);
+  }
+
+  get hasTip() {
+    return Boolean(this.kind.tip);
+  }
+
+  get reach() {
+    return this.kind.reach(this.values);
+  }
+
+  parts(joints, tip) {
+    return this.kind.parts(this.values, joints, tip);
+  }
+
+  /** Returns tip and direction of the tool, null upright, for a point less the tool's offset and the nine letters of its pose. */
+  toolAt(point, letters, joints = null) {
+    const { kind, values } = this;
+    if (joints && kind.tip) return toolOf(kind.tip(values, joints));
+    if (this.isUpright) return { tip: point, axis: null };
+    if (this.isFiveAxis) {
+      const { axis, tip } = onPart(kind, values, letters);
+      if (!this.isJoints) return { tip: point, axis };
+      // The offset is along Z, whatever the axes are.
+      const offset = point.map((v, i) => letters[i] - v);
+      return { tip: tip(letters.slice(0, 3)).map((v, i) => v - offset[i]), axis };
+    }
+    if (this.isJoints) return toolOf(kind.tip(values, letters));
+    return { tip: point, axis: upward(ofRollPitchYaw(...letters.slice(3, 6))).map((v) => -v) };
+  }
+
+  /** Returns tip and direction of the tool as the machine reports its joints; null where they do not tell. */
+  reported(motion) {
+    const { kind, values } = this;
+    const joints = motion.joint_feedback;
+    if (!joints || this.isUpright) return null;
+    if (kind.tip) return { ...toolOf(kind.tip(values, joints)), isForward: true };
+    const letters = [..."XYZABCUVW"].map((letter) => joints[this.letters.indexOf(letter)] ?? 0);
+    const { axis, tip } = onPart(kind, values, letters);
+    return { tip: tip(letters.slice(0, 3)).map((v, i) => v - (motion.tool_offset?.[i] ?? 0)), axis };
+  }
+
+  /** Returns the joints of a pose that is played, the nearest to others; null where they are not known or out of reach. */
+  jointsAt({ letters, joints }, last) {
+    if (joints) return joints;
+    const { kind, values } = this;
+    if (this.isJoints) return letters;
+    if (!kind.joints) return null;
+    const [x, y, z, a, b, c] = letters;
+    return kind.joints(values, this.isUpright ? frame(x, y, z, 0, 0, c) : frame(x, y, z, a, b, c), last);
+  }
+}
+
+/** Returns the tip and the direction of a tool in a frame whose Z points out of the arm. */
+const toolOf = ({ origin, turn }) => ({ tip: origin, axis: upward(turn).map((v) => -v) });
 
 const sum = (p, names) => Object.entries(p).reduce((all, [name, value]) => all + (names.test(name) ? Math.abs(value) : 0), 0);
 const round = (r, height) => [[-r, -r, 0], [r, r, height]];
@@ -41,6 +134,26 @@ function delta({ R, L }, joints, tip) {
     const carriage = foot.clone().setZ(joints[i]);
     return [[foot, foot.clone().setZ(high)], [carriage, tip]];
   });
+}
+
+/** Returns the joints of a delta: how high the carriages are. */
+function deltaJoints({ R, L }, { origin: [x, y, z] }) {
+  const heights = [0, 1, 2].map((i) => (90 + 120 * i) * RADIANS).map((a) => {
+    const square = L * L - (x - R * Math.cos(a)) ** 2 - (y - R * Math.sin(a)) ** 2;
+    return z + Math.sqrt(square);
+  });
+  return heights.every(Number.isFinite) ? heights : null;
+}
+
+/** Returns the joints of a scara; its elbow stays on the side where it is. */
+function scaraJoints({ D1, D2, D3, D4, D5, D6 }, { origin: [x, y, z], turn }, last) {
+  const yaw = Math.atan2(turn[3], turn[0]);
+  const [wx, wy] = [x - D6 * Math.cos(yaw), y - D6 * Math.sin(yaw)];
+  const cosine = (wx * wx + wy * wy - D2 * D2 - D4 * D4) / (2 * D2 * D4);
+  if (!(Math.abs(cosine) <= 1)) return null;
+  const elbow = Math.acos(cosine) * (last[1] < 0 ? -1 : 1);
+  const first = Math.atan2(wy, wx) - Math.atan2(D4 * Math.sin(elbow), D2 + D4 * Math.cos(elbow));
+  return [first / RADIANS, elbow / RADIANS, D1 + D3 - D5 - z, (yaw - first - elbow) / RADIANS];
 }
 
 /** A column, two links that turn about upright axes, a spindle down to the tool. */
@@ -70,36 +183,31 @@ function pumaLinks({ A2, A3, D3, D4, D6 }) {
   return rows.map(([a, alpha, d]) => ({ a, alpha, d }));
 }
 
-/** An arm of armkins, or of robot, which has no frame: joints with directions and offsets, with a tool. */
+/** An arm of armkins, or of robot, which has no frame and no tool. */
 function arm(p, joints, tip) {
-  const quarter = Math.PI / 2;
-  const frame = new Matrix4().makeRotationFromEuler(new Euler(...["a", "b", "c"].map((k) => (p[`frame.${k}`] ?? 0) * RADIANS), "ZYX"));
-  frame.setPosition(p["frame.x"] ?? 0, p["frame.y"] ?? 0, p["frame.z"] ?? 0);
-  const at = frame.invert();
-  const points = [new Vector3().setFromMatrixPosition(at)];
-  const links = [[p.A1, p.D1, -quarter], [p.A2, 0, 0], [p.A3, 0, quarter], [0, p.D4, -quarter], [0, 0, quarter], [0, p.D6, 0]];
-  links.forEach(([a, d, alpha], i) => {
-    const angle = (p[`offset-${i}`] + p[`sign-${i}`] * (joints[i] ?? 0)) * RADIANS;
-    at.multiply(new Matrix4().makeRotationZ(angle));
-    points.push(new Vector3(0, 0, d).applyMatrix4(at));
-    at.multiply(new Matrix4().makeTranslation(a, 0, d));
-    points.push(new Vector3().setFromMatrixPosition(at));
-    at.multiply(new Matrix4().makeRotationX(alpha));
-  });
-  return pairs([...points, tip]);
+  const all = links(p, joints);
+  // A link goes along its joint's axis, and then across it.
+  const along = all.slice(0, -1).map(({ origin, turn }, i) => upward(turn).map((v, k) => origin[k] + (i === 5 ? p.D6 : [p.D1, 0, 0, p.D4, 0][i]) * v));
+  const bends = all.flatMap(({ origin }, i) => (i < 6 ? [origin, along[i]] : [origin]));
+  const flange = new Vector3(...all.at(-1).origin);
+  return [...pairs(bends.map((v) => new Vector3(...v))), ...pairs([flange, tip]).map((part) => [...part, TOOL_SHARE])];
 }
 
-/** Follows links from the base; each joint turns about its own axis. */
-function chain(links, joints) {
-  const at = new Matrix4();
-  const points = [new Vector3().setFromMatrixPosition(at)];
-  links.forEach(({ a, alpha, d }, i) => {
-    at.multiply(new Matrix4().makeRotationX(alpha));
-    at.multiply(new Matrix4().makeTranslation(a, 0, 0));
-    points.push(new Vector3().setFromMatrixPosition(at));
-    at.multiply(new Matrix4().makeRotationZ((joints[i] ?? 0) * RADIANS));
-    at.multiply(new Matrix4().makeTranslation(0, 0, d));
-    points.push(new Vector3().setFromMatrixPosition(at));
+/** Returns the frames of links from the base; each joint turns about its own axis. The last is that of the tool. */
+function chain(all, joints) {
+  let at = { origin: [0, 0, 0], turn: IDENTITY };
+  const frames = [at];
+  const go = (turn, way) => {
+    const wide = times(at.turn, turn);
+    at = { origin: turned(wide, way).map((v, i) => v + at.origin[i]), turn: wide };
+  };
+  all.forEach(({ a, alpha, d }, i) => {
+    go(about(0, alpha), [a, 0, 0]);
+    frames.push(at);
+    go(about(2, (joints[i] ?? 0) * RADIANS), [0, 0, d]);
+    frames.push(at);
   });
-  return pairs(points);
+  return frames;
 }
+
+const points = (frames) => pairs(frames.map(({ origin }) => new Vector3(...origin)));

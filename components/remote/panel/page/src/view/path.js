@@ -5,6 +5,10 @@ import { word } from "./raster.js";
 
 const MAGIC = "FERPATH1";
 const HEADER_BYTES = 64;
+/** Points whose times are found at once. */
+const TIMES = 131_072;
+/** Bits of points that have further axes and joints. */
+const [FURTHER, JOINTS] = [1 << 8, 1 << 9];
 /** Kind of rapid moves; cuts have higher ones. */
 export const RAPID = 1;
 /** Rapids show what is behind them. */
@@ -42,20 +46,24 @@ export class Path {
     this.kinds = part(Uint8Array, n);
     /** Letters of the axes beside X Y Z that move. */
     this.others = [..."ABCUVW"].filter((_, bit) => (flags >> (bit + 2)) & 1).join("");
+    at = 4 * Math.ceil(at / 4);
+    /** A B C U V W of each point, where any of them moves, and six joints, where an arm's are chosen. */
+    this.further = flags & FURTHER ? part(Float32Array, 6 * n) : null;
+    this.joints = flags & JOINTS ? part(Float32Array, 6 * n) : null;
     const changes = [];
-    for (at = 4 * Math.ceil(at / 4); at + 16 <= buffer.byteLength; at += 16) {
+    for (; at + 16 <= buffer.byteLength; at += 16) {
       changes.push({ first: view.getUint32(at, true), offset: [f32(at + 4), f32(at + 8), f32(at + 12)] });
     }
     this.lengths = toolLengths(this, changes);
     this.lengthAt = 0;
   }
 
-  /** Returns the tip of the tool at a point; with `as`, that of the tool which is there at another point. */
-  tip(i, as = i) {
+  /** Returns the tip of the tool at a point, in `out`; with `as`, that of the tool which is there at another point. */
+  tip(i, as = i, out = [0, 0, 0]) {
     const { points, origin } = this;
-    const at = [points[3 * i] + origin[0], points[3 * i + 1] + origin[1], points[3 * i + 2] + origin[2]];
-    const offset = this.offset(as);
-    return offset ? [at[0] - offset[0], at[1] - offset[1], at[2] - offset[2]] : at;
+    const offset = this.lengths.length > 0 ? this.offset(as) : null;
+    for (let axis = 0; axis < 3; axis++) out[axis] = points[3 * i + axis] + origin[axis] - (offset ? offset[axis] : 0);
+    return out;
   }
 
   /** Returns how far the tip is from the point that the path has; null where both are the same. */
@@ -70,7 +78,22 @@ export class Path {
 
   /** Returns the time in minutes at which each point is reached; `rapid` is the feed of rapids. */
   timeline(rapid) {
-    this.times ??= times(this, rapid);
+    if (!this.times) {
+      const all = new Float64Array(this.count);
+      addTimes(this, rapid, all, 1, this.count);
+      this.times = all;
+    }
+    return this.times;
+  }
+
+  /** Returns the same as `timeline`, but found in parts: in between, `rest` may let others work. */
+  async timelineInParts(rapid, rest) {
+    const all = this.times ?? new Float64Array(this.count);
+    for (let first = 1; first < this.count && !this.times; first += TIMES) {
+      addTimes(this, rapid, all, first, Math.min(this.count, first + TIMES));
+      await rest();
+    }
+    this.times ??= all;
     return this.times;
   }
 
@@ -107,16 +130,22 @@ function toolLengths({ tools, count }, changes) {
   return runs;
 }
 
-/** Returns the time in minutes at which each point is reached, without accelerations. */
-function times({ points, count, feeds }, rapid) {
-  const all = new Float64Array(count);
-  for (let i = 1; i < count; i++) {
+/** Finds the times in minutes at which some points are reached, without accelerations. */
+function addTimes({ points, feeds, further }, rapid, all, first, end) {
+  for (let i = first; i < end; i++) {
     const p = 3 * i;
     const [x, y, z] = [points[p] - points[p - 3], points[p + 1] - points[p - 2], points[p + 2] - points[p - 1]];
     // Math.hypot takes ten times as long.
-    all[i] = all[i - 1] + Math.sqrt(x * x + y * y + z * z) / (feeds[i] > 0 ? feeds[i] : rapid);
+    const long = Math.sqrt(x * x + y * y + z * z);
+    all[i] = all[i - 1] + (long === 0 && further ? turn(further, i) : long) / (feeds[i] > 0 ? feeds[i] : rapid);
   }
-  return all;
+}
+
+/** Returns how far the axes beside X Y Z go to a point: the feed is theirs where no other moves. */
+function turn(further, i) {
+  let sum = 0;
+  for (let k = 6 * i; k < 6 * i + 6; k++) sum += (further[k] - further[k - 6]) ** 2;
+  return Math.sqrt(sum);
 }
 
 /** Returns the lines of a path for a raster: rapids have their colour, cuts that of their feed or tool. */

@@ -1,16 +1,18 @@
 // Stock in the picture: carved by the machine while it cuts, and by a simulation, in which the machine does not move.
 
 import { el, enable, field as labelled, mark, setText, show } from "../dom.js";
-import { getJson } from "../http.js";
-import { frameOf } from "../frame.js";
-import { Dexels, boxOf } from "./dexels.js";
-import { Carver, Player } from "./player.js";
+import { getJson, pause } from "../http.js";
+import { Dexels, boxInParts } from "./dexels.js";
+import { Carver, Player, Poser, tipOf } from "./player.js";
+import { INTERPRETER } from "../operator/states.js";
 import { Crashes, Cutter, StockPicture } from "./stock.js";
 
 /** Margin around a program's cuts, and the diameter of a tool that the table has none for, in millimetres. */
 const [MARGIN_MM, DIAMETER_MM] = [2, 6];
 /** Time of one picture for cutting, and work between two looks at the clock. */
-const [SLICE_MS, SLICE_CELLS] = [15, 20_000];
+const [SLICE_MS, SLICE_CELLS] = [15, 4000];
+/** Time between two pictures of a simulation that is as fast as possible. */
+const PICTURE_MS = 100;
 /** Longest step of the clock: a page that was hidden does not leap. */
 const STEP_MS = 200;
 /** Distance of a machine that has moved, in millimetres. */
@@ -21,10 +23,11 @@ const SHAPES = ["table", "flat", "ball"];
 const BALL = /ball|spher|esf[eé]r|bola/i;
 
 /**
- * Makes the controls of stock and simulation. `place` puts the drawn machine to a point of the machine, or back to where it
- * is with null; `whyNot` returns why nothing is carved, or an empty text.
+ * Makes the controls of stock and simulation. `place` puts the drawn machine to a pose of the tool, or back to where it is
+ * with null; `kinematics` reads those of the machine, `frame` returns that of the part; `whyNot` returns why nothing is carved,
+ * or an empty text.
  */
-export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
+export function simulationPart(ctx, { host, view, colours, place, kinematics, frame: frameNow, whyNot }) {
   const { info, store, t, prefs, signal } = ctx;
   const mm = ctx.mm.read(1);
   const banner = el("p", { class: "simulated", role: "status", hidden: true });
@@ -37,7 +40,7 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   const speed = el("select", { id: "sim-speed", "aria-label": t("sim.speed") },
     ...SPEEDS.map((s) => el("option", { value: s, selected: s === "10" }, t(s === "max" ? "sim.speed.max" : "sim.speed.times", s))));
   const carve = el("button", { type: "button", id: "stock-live", onclick: () => choose({ isLive: !prefs.get("stock").isLive }) }, t("stock.live"));
-  const fresh = el("button", { type: "button", id: "stock-new", onclick: renew }, t("stock.new"));
+  const fresh = el("button", { type: "button", id: "stock-new", onclick: () => reread().then(renew) }, t("stock.new"));
   const choices = fields(ctx, mm, choose);
   const node = el("div", { class: "simulation" },
     el("div", { class: "row tabs", role: "group", "aria-label": t("sim") }, begin, pause, end, speed),
@@ -49,6 +52,9 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   let sim = null;
   let live = null;
   let asked = null;
+  let machine = null;
+  // Numbers of the latest start and of the latest stock: what is late is dropped.
+  let [starts, renewals] = [0, 0];
   const cutter = new Cutter(colours.ghost);
   const crashes = new Crashes(colours.crash);
   cutter.node.visible = false;
@@ -62,9 +68,9 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   /** Returns a tool: its diameter is that of the table, or the one that the operator states. */
   function toolOf(number) {
     const { diameter, shape } = prefs.get("stock");
-    const row = table.find((tool) => tool.number === number);
+    const row = [...(path?.cutters ?? []), ...table].find((tool) => tool.number === number);
     const isKnown = row?.diameter > 0;
-    const isBall = shape === "table" ? BALL.test(row?.comment ?? "") : shape === "ball";
+    const isBall = shape === "table" ? row?.is_ball ?? BALL.test(row?.comment ?? "") : shape === "ball";
     return { number, radius: (isKnown ? row.diameter : diameter ?? DIAMETER_MM * mm) / 2, isBall, isKnown };
   }
 
@@ -77,11 +83,27 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     };
   }
 
+  /** Returns what tells the direction of the tool along the path; null where it is upright by the machine's axes. */
+  function poser() {
+    return machine && path ? new Poser(path, (...place) => machine.toolAt(...place), store.get("motion").pose) : null;
+  }
+
+  /** Reads the kinematics as they are now. */
+  async function reread() {
+    machine = await kinematics();
+  }
+
+  /** Returns the tip and the direction of the tool that the machine reports. */
+  function reported(motion) {
+    return machine?.reported(motion) ?? { tip: tipOf(motion), axis: null };
+  }
+
   /** Returns new stock with its picture; null where nothing is carved. */
-  function block() {
+  async function block() {
     if (!path || path.count < 2 || whyNot(path)) return null;
-    const frame = frameOf(store.get("task"));
-    const box = boxOf(path, frame, tools(), MARGIN_MM * mm);
+    const frame = frameNow();
+    const way = poser();
+    const box = await boxInParts(rests(), path, frame, tools(), MARGIN_MM * mm, way && ((at, as) => way.pose(way.place(at, as))));
     choices.propose(box);
     const typed = prefs.get("stock").box;
     const ends = [0, 1].map((side) => [0, 1, 2].map((axis) => typed[side][axis] ?? box?.[side][axis]));
@@ -100,11 +122,21 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   }
 
   /** Puts new stock in place of what the machine has carved. */
-  function renew() {
+  async function renew() {
+    renewals += 1;
+    const mine = renewals;
     drop(live);
-    live = prefs.get("stock").isLive ? block() : null;
+    live = null;
+    draw();
+    if (!prefs.get("stock").isLive) return;
+    const stock = await block();
+    if (mine !== renewals) {
+      drop(stock);
+      return;
+    }
+    live = stock;
     if (live) {
-      live.carver = new Carver(live.field, live.frame);
+      live.carver = new Carver(live.field, live.frame, reported);
       view.live.add(live.picture.node);
     }
     draw();
@@ -114,17 +146,25 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     asked?.abort();
     asked = new AbortController();
     table = await getJson("/tools", { signal: asked.signal });
+    await reread();
   }
 
   async function start() {
     stop();
+    const mine = starts;
+    let stock = null;
     try {
       await readTools();
-      const stock = block();
-      const times = path.timeline(60 * (info.max_linear_velocity ?? 100));
-      const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null });
+      stock = await block();
+      const times = await path?.timelineInParts(60 * (info.max_linear_velocity ?? 100), rests());
+      if (mine !== starts) {
+        drop(stock);
+        return;
+      }
+      const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null, poser: poser() });
       sim = { player, stock, state: "playing", pose: store.get("motion").pose, last: performance.now() };
     } catch (error) {
+      drop(stock);
       if (error.name !== "AbortError") setText(figures, path?.count > 1 ? error.message : t("view.empty"));
       return;
     }
@@ -136,15 +176,17 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     if (!sim || sim.state === "done") return;
     sim.state = state;
     sim.last = performance.now();
-    if (state === "playing") sim.frame = requestAnimationFrame(tick);
+    if (state === "playing") again();
     draw();
   }
 
   /** Ends a simulation: the picture is that of the machine again. */
   function stop(why = "") {
+    starts += 1;
     asked?.abort();
     if (!sim) return;
     cancelAnimationFrame(sim.frame);
+    clearTimeout(sim.timer);
     drop(sim.stock);
     sim = null;
     place(null);
@@ -164,13 +206,23 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     if (player.isDone) {
       sim.state = "done";
       place(null);
-    } else sim.frame = requestAnimationFrame(tick);
-    draw();
+    } else again();
+    // As fast as possible, cutting does not wait for pictures: without a graphics processor they take longer than it.
+    if (player.isDone || speed.value !== "max" || now - sim.drawn > PICTURE_MS) draw();
+  }
+
+  /** Cuts on with the next picture, or, as fast as possible, when the page has answered. */
+  function again() {
+    cancelAnimationFrame(sim.frame);
+    clearTimeout(sim.timer);
+    if (speed.value === "max") sim.timer = setTimeout(tick, 0);
+    else sim.frame = requestAnimationFrame(tick);
   }
 
   /** Shows what is known, in picture and words. */
   function draw() {
     const state = sim?.state ?? "";
+    if (sim) sim.drawn = performance.now();
     if (sim) host.dataset.simulation = state;
     else delete host.dataset.simulation;
     show(banner, Boolean(sim));
@@ -184,8 +236,9 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
     enable(fresh, Boolean(live));
     cutter.node.visible = state === "playing" || state === "paused";
     if (cutter.node.visible) {
-      cutter.move(sim.player.tip, sim.player.tool);
-      place(sim.player.tip);
+      const { tip, pose } = sim.player;
+      cutter.move(tip, sim.player.tool, pose?.axis);
+      place(pose ?? { tip });
     }
     if (live) live.picture.node.visible = !sim;
     const shown = sim?.stock ?? (sim ? null : live);
@@ -243,14 +296,21 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
   function cut(part) {
     if (!live) return;
     const task = store.get("task");
-    // What happens without a connection, and without a program, is left out.
-    if (part === "link" || !task.interpreter) live.carver.lose();
-    else if (part === "motion") live.carver.report(store.get("motion"), toolOf(task.tool ?? 0));
+    // What happens without a connection is left out; so is what happens without a program, where the machine has a task.
+    if (part === "link" || task.interpreter === INTERPRETER.idle) live.carver.lose();
+    else if (part === "motion") {
+      live.carver.report(store.get("motion"), toolOf(task.tool ?? loneTool()));
+      host.dataset.reported = String(store.get("motion").time_ns);
+    }
   }
+
+  /** Returns the tool of a machine without a task: the first of the path. */
+  const loneTool = () => path?.tools.find((number) => number > 0) ?? 0;
 
   store.report(cut, signal);
   signal.addEventListener("abort", () => {
     cancelAnimationFrame(sim?.frame);
+    clearTimeout(sim?.timer);
     asked?.abort();
   });
   draw();
@@ -269,6 +329,16 @@ export function simulationPart(ctx, { host, view, colours, place, whyNot }) {
       await readTools().catch(() => {});
       if (path === next) renew();
     },
+  };
+}
+
+/** Returns a function that lets the page answer when a part has taken its time. */
+function rests() {
+  let begun = performance.now();
+  return async () => {
+    if (performance.now() - begun < SLICE_MS) return;
+    await pause(0);
+    begun = performance.now();
   };
 }
 

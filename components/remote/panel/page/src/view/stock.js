@@ -1,20 +1,23 @@
 // The picture of stock, of the tool that a simulation moves, and of rapid moves that cut.
 
 import {
-  BufferAttribute, BufferGeometry, CylinderGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, SphereGeometry,
+  BufferAttribute, BufferGeometry, CylinderGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, SphereGeometry, Vector3,
 } from "../../vendor/three.module.min.js";
+import { blockFaces, blockZone } from "./blocks.js";
+import { dot } from "./sweep.js";
 
 /** Direction of the light, of length 1. */
 const LIGHT = [-0.42, -0.56, 0.714];
 /** Brightness of what the light does not reach. */
 const SHADE = 0.4;
+const UP = new Vector3(0, 0, 1);
 /** Most rapid moves that are drawn. */
 const MAX_RAPIDS = 1000;
 /** Length of the tool that a simulation moves, in its radius. */
 const TOOL_LENGTH = 8;
 
-/** The picture of a field of heights. It is drawn again where the field has changed. */
+/** The picture of columns of material. It is drawn again where the field has changed: as a smooth surface, and as blocks where tools have cut below. */
 export class StockPicture {
   constructor(field, frame, colours) {
     this.field = field;
@@ -24,26 +27,25 @@ export class StockPicture {
     this.width = w;
     this.positions = new BufferAttribute(new Float32Array(3 * w * h), 3);
     this.shades = new BufferAttribute(new Float32Array(3 * w * h), 3);
-    const faces = new Uint32Array(6 * (w - 1) * (h - 1) + 6);
-    let at = 0;
-    for (let j = 0; j + 1 < h; j++) {
-      for (let i = 0; i + 1 < w; i++) {
-        const a = j * w + i;
-        faces.set([a, a + 1, a + w, a + 1, a + w + 1, a + w], at);
-        at += 6;
-      }
-    }
+    this.faces = new BufferAttribute(new Uint32Array(6 * (w - 1) * (h - 1) + 6), 1);
+    for (let j = 0; j + 1 < h; j++) this.row(j);
     // The underside.
     const last = (h - 1) * w;
-    faces.set([0, last, w - 1, w - 1, last, last + w - 1], at);
+    this.faces.array.set([0, last, w - 1, w - 1, last, last + w - 1], 6 * (w - 1) * (h - 1));
     const geometry = new BufferGeometry().setAttribute("position", this.positions).setAttribute("color", this.shades);
-    geometry.setIndex(new BufferAttribute(faces, 1));
-    this.mesh = new Mesh(geometry, new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }));
-    this.mesh.frustumCulled = false;
+    geometry.setIndex(this.faces);
+    const material = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
+    this.mesh = new Mesh(geometry, material);
+    this.blocks = new Mesh(new BufferGeometry(), material);
+    this.blocks.visible = false;
     this.node = new Group();
-    this.node.add(this.mesh);
+    for (const mesh of [this.mesh, this.blocks]) {
+      mesh.frustumCulled = false;
+      this.node.add(mesh);
+    }
+    const [a, b, c, d, e, f, g, k, l] = frame.turn;
     this.node.position.set(...frame.zero);
-    this.node.rotation.z = frame.angle;
+    this.node.quaternion.setFromRotationMatrix(new Matrix4().set(a, b, c, 0, d, e, f, 0, g, k, l, 0, 0, 0, 0, 1));
     field.changed = [0, field.ny - 1];
     this.draw();
   }
@@ -57,9 +59,44 @@ export class StockPicture {
     const from = first <= 1 ? 0 : first;
     const to = last >= field.ny - 2 ? field.ny + 1 : last + 2;
     for (let j = from; j <= to; j++) for (let i = 0; i < width; i++) this.vertex(i, j);
-    this.positions.needsUpdate = true;
-    this.shades.needsUpdate = true;
+    for (const values of [this.positions, this.shades]) renew(values, 3 * width * from, 3 * width * (to + 1));
+    if (field.split.size > 0 || this.blocks.visible) {
+      const [begin, end] = [Math.max(0, from - 1), Math.min(to, field.ny)];
+      for (let j = begin; j <= end; j++) this.row(j);
+      renew(this.faces, 6 * (width - 1) * begin, 6 * (width - 1) * (end + 1));
+      this.drawBlocks();
+    }
     field.settled();
+  }
+
+  /** Joins a row of points with the next, except around columns that are blocks. */
+  row(j) {
+    const { field: { nx, ny, isSplit }, width: w } = this;
+    const at = (i, k) => (Math.min(ny, Math.max(1, k)) - 1) * nx + Math.min(nx, Math.max(1, i)) - 1;
+    for (let i = 0; i + 1 < w; i++) {
+      const a = j * w + i;
+      const isOpen = isSplit[at(i, j)] + isSplit[at(i + 1, j)] + isSplit[at(i, j + 1)] + isSplit[at(i + 1, j + 1)] > 0;
+      this.faces.array.set(isOpen ? [a, a, a, a, a, a] : [a, a + 1, a + w, a + 1, a + w + 1, a + w], 6 * (j * (w - 1) + i));
+    }
+  }
+
+  drawBlocks() {
+    const { field, blocks } = this;
+    const { corners, normals, columns } = blockFaces(field, blockZone(field));
+    const shades = new Float32Array(corners.length);
+    const index = new Uint32Array(6 * normals.length);
+    normals.forEach((normal, n) => {
+      const light = SHADE + (1 - SHADE) * Math.max(0, dot(normal, LIGHT));
+      const colour = this.colours[field.marks[columns[n]]].map((v) => v * light);
+      for (let k = 0; k < 4; k++) shades.set(colour, 12 * n + 3 * k);
+      index.set([0, 1, 2, 0, 2, 3].map((k) => 4 * n + k), 6 * n);
+    });
+    blocks.geometry.dispose();
+    blocks.geometry = new BufferGeometry()
+      .setAttribute("position", new BufferAttribute(new Float32Array(corners), 3))
+      .setAttribute("color", new BufferAttribute(shades, 3))
+      .setIndex(new BufferAttribute(index, 1));
+    blocks.visible = normals.length > 0;
   }
 
   vertex(i, j) {
@@ -86,8 +123,15 @@ export class StockPicture {
 
   dispose() {
     this.mesh.geometry.dispose();
+    this.blocks.geometry.dispose();
     this.mesh.material.dispose();
   }
+}
+
+/** Gives the graphics processor a part of what it has. */
+function renew(values, from, to) {
+  values.addUpdateRange(from, to - from);
+  values.needsUpdate = true;
 }
 
 /** The tool of a simulation in its own size, with another colour than that of the machine. */
@@ -101,8 +145,9 @@ export class Cutter {
     this.node.add(this.shank, this.end);
   }
 
-  /** Places the tip. */
-  move([x, y, z], { radius, isBall }) {
+  /** Places the tip; the tool points along an axis, or is upright. */
+  move([x, y, z], { radius, isBall }, axis = null) {
+    this.node.quaternion.setFromUnitVectors(UP, axis ? new Vector3(...axis) : UP);
     const from = isBall ? radius : 0;
     const long = TOOL_LENGTH * radius - from;
     this.shank.scale.set(radius, long, radius);

@@ -1,0 +1,212 @@
+// Tools that turn while they go: programs of machines with rotary axes, of arms, and reports. Run by `tests/page.rs`.
+
+import assert from "node:assert/strict";
+
+const { bytes } = await import("./bytes.mjs");
+const { FreeFrame, Frame } = await import("../../page/src/frame.js");
+const { blockFaces, blockZone } = await import("../../page/src/view/blocks.js");
+const { Dexels, boxOf } = await import("../../page/src/view/dexels.js");
+const { kinematicsOf } = await import("../../page/src/view/kinematics.js");
+const { Path } = await import("../../page/src/view/path.js");
+const { Carver, Player, Poser } = await import("../../page/src/view/player.js");
+const { cross, dot } = await import("../../page/src/view/sweep.js");
+
+const flat = (diameter) => ({ radius: diameter / 2, isBall: false });
+const ball = (diameter) => ({ radius: diameter / 2, isBall: true });
+const block = (most) => new Dexels([0, 0, -30], [100, 40, 0], most);
+const path = (points, more) => new Path(bytes(points, more));
+const records = (name, values, type = 0) => [
+  ...Object.entries(values).map(([pin, float]) => ({ name: `${name}.${pin}`, value: { float } })),
+  ...[0, 1, 2].map((n) => ({ name: `kinstype.is-${n}`, value: { bit: n === type } })),
+];
+/** A bridge mill whose head tilts by B and turns by C. */
+const bridge = kinematicsOf(records("5axiskins", { "pivot-length": 250 }));
+
+function near(found, wanted, tolerance) {
+  assert.ok(Math.abs(found - wanted) <= tolerance, `${found} instead of ${wanted} ± ${tolerance}`);
+}
+
+function player(points, { machine = bridge, stock = block(), tool = ball(8), frame = new Frame(), still = [], more } = {}) {
+  const made = path(points, more);
+  const poser = new Poser(made, (...place) => machine.toolAt(...place), still);
+  return new Player({ path: made, times: made.timeline(6000), tools: () => tool, stock, frame, poser });
+}
+const all = (made) => {
+  while (!made.isDone) made.play(Infinity, 1e5);
+  return made;
+};
+
+// A ball turns about its own centre, from one side to the other: the fan that its shank sweeps, the halves of the shank at both
+// ends, and the rest of the ball below.
+const [R, DEEP] = [4, 15];
+const fan = (angle) => 2 * R * DEEP * DEEP * Math.tan(angle) + (Math.PI * R * R * DEEP) / Math.cos(angle)
+  + (4 / 3) * R ** 3 * Math.tan(angle) + ((4 / 3) * Math.PI * R ** 3 * (Math.PI - 2 * angle)) / (2 * Math.PI);
+const spread = (40 * Math.PI) / 180;
+/** Points of the tip while the ball's centre stays; by B the tool leans against X. */
+function turns(step, { about = 0, lift = 0 } = {}) {
+  const points = [];
+  for (let b = -40; b <= 40; b += step) {
+    const [s, c] = [Math.sin((b * Math.PI) / 180), Math.cos((b * Math.PI) / 180)];
+    const turn = (about * Math.PI) / 180;
+    points.push({ at: [50 + R * s * Math.cos(turn), 20 + R * s * Math.sin(turn), lift - DEEP - R * c], kind: points.length ? 2 : 0, further: [0, b, about, 0, 0, 0] });
+  }
+  return points;
+}
+{
+  const made = all(player(turns(2)));
+  assert.equal(made.path.others, "B");
+  // Half a cell along the sides of the fan.
+  near(made.stock.removed, fan(spread), 0.5 * made.stock.cell * 2 * DEEP * DEEP * Math.tan(spread));
+  near(all(player(turns(2), { stock: block(400_000) })).stock.removed, fan(spread), 0.005 * fan(spread));
+  // Long steps are cut in small ones: the tip goes along chords, and the ball a little with it.
+  near(all(player(turns(20))).stock.removed, fan(spread), 0.03 * fan(spread));
+  // In parts it is the same, and no part takes long.
+  const parts = player(turns(20));
+  let most = 0;
+  for (let n = 0; !parts.isDone; n++) {
+    parts.play(1e-4, 1000);
+    most = Math.max(most, parts.stock.work);
+    assert.ok(n < 1e5);
+  }
+  near(parts.stock.removed, made.stock.removed, 0.02 * made.stock.removed);
+  assert.ok(most < 60_000, `${most}`);
+  // Turned about Z, and with the length of the tool in its offset, it is as much.
+  near(all(player(turns(2, { about: 0.001 }))).stock.removed, made.stock.removed, 0.01 * made.stock.removed);
+  near(all(player(turns(2, { lift: 60 }), { more: { changes: [[0, 0, 0, 60]] } })).stock.removed, made.stock.removed, 1e-3 * made.stock.removed);
+}
+
+// In the frame of a part that lies anyhow, a tool along the part's Z is upright.
+{
+  const frame = new FreeFrame([7, -3, 5, 20, -30, 40]);
+  const { turn, zero } = frame;
+  const column = (k) => [turn[k], turn[3 + k], turn[6 + k]];
+  const at = (point) => zero.map((v, i) => v + point.reduce((sum, x, k) => sum + x * column(k)[i], 0));
+  const stock = block();
+  const carver = new Carver(stock, frame, ({ tip }) => ({ tip: at(tip), axis: column(2) }));
+  for (const z of [5, -10]) carver.report({ pose: [0, 0, 0], tip: [50, 20, z] }, flat(8));
+  near(stock.removed, 10 * Math.PI * 16, 0.5 * stock.cell * 10 * Math.PI * 8);
+  assert.equal(stock.split.size, 0);
+  frame.part(at([1, 2, 3])).forEach((v, i) => near(v, i + 1, 1e-12));
+}
+
+// C by a full turn comes back to where it began; in between it has cut a cone.
+{
+  const round = [{ at: [50, 20, -20], kind: 0, further: [0, 30, 0, 0, 0, 0] }, { at: [50, 20, -20], kind: 2, further: [0, 30, 360, 0, 0, 0], feed: 360 }];
+  // B does not move: it is where the machine has it.
+  const still = [0, 0, 0, 0, 30];
+  const stood = all(player([round[0], { ...round[0], kind: 2, at: [50, 20, -19.999] }], { still }));
+  const made = player(round, { still });
+  // Nothing but C moves, 360 degrees at 360 degrees a minute.
+  near(made.times.at(-1), 1, 1e-6);
+  made.play(0.25, 1e9);
+  near(made.pose.letters[5], 90, 1e-3);
+  near(made.pose.axis[0], 0, 1e-3);
+  assert.ok(Math.abs(made.pose.axis[1]) > 0.49);
+  all(made);
+  // The hollow between two cones, 4 wide on either side of the shank's axis, has more than three times the shank.
+  assert.ok(made.stock.removed > 3 * stood.stock.removed, `${made.stock.removed} ${stood.stock.removed}`);
+}
+
+// A tool that keeps its lean: the pose of the machine tells what the program does not.
+{
+  const slot = [{ at: [20, 20, 5], kind: 0 }, { at: [20, 20, -10], kind: 2 }, { at: [60, 20, -10], kind: 2 }];
+  const puma = kinematicsOf(records("genserkins", { "A-0": 1, "ALPHA-0": 0, "D-0": 0 }));
+  const still = [0, 0, 0, 180, 0, 0];
+  const down = all(player(slot, { machine: puma, still, tool: flat(8) }));
+  near(down.stock.removed, 10 * (40 * 8 + Math.PI * 16), 0.03 * down.stock.removed);
+  const leans = all(player(slot, { machine: puma, still: [0, 0, 0, 150, 0, 0], tool: flat(8) }));
+  near(leans.pose.axis[1], 0.5, 1e-12);
+  near(leans.pose.axis[2], Math.cos(Math.PI / 6), 1e-12);
+  assert.ok(leans.stock.removed > 1.1 * down.stock.removed);
+  // Its links have no length: it is nowhere near.
+  assert.equal(puma.jointsAt(leans.pose, [0, 0, 0, 0, 0, 0]), null);
+  const box = boxOf(leans.path, new Frame(), () => flat(8), 0, (i, as) => leans.poser.pose(leans.poser.place(i, as)));
+  near(box[0][2], -10 - 4 * Math.sin(Math.PI / 6), 1e-6);
+}
+
+// Arms without a closed form are searched from where they were, straight wrists included.
+{
+  const links = { "A-0": 0, "A-1": 0, "A-2": 450, "A-3": 0, "A-4": 0, "A-5": 0, "D-0": 0, "D-1": 0, "D-2": 0, "D-3": 450, "D-4": 0, "D-5": 85 };
+  [0, -1, 0, 1, -1, 1].forEach((quarter, i) => { links[`ALPHA-${i}`] = (quarter * Math.PI) / 2; });
+  const own = kinematicsOf(records("genserkins", links));
+  const puma = kinematicsOf(records("pumakins", { A2: 400, A3: 50, D3: 100, D4: 400, D6: 100 }));
+  for (const machine of [own, puma]) {
+    for (let n = 0; n < 200; n++) {
+      const angle = (k) => 120 * Math.sin(n * (k + 1.37)) + (k === 2 ? 70 : 0);
+      const joints = [0, 1, 2, 3, 4, 5].map((k) => (k === 4 ? 60 + 0.3 * angle(k) : angle(k)));
+      const last = joints.map((v, k) => v + 6 * Math.cos(n * (k + 2)));
+      const { origin, turn } = machine.kind.tip(machine.values, joints);
+      const found = machine.kind.joints(machine.values, { origin, turn }, last);
+      assert.ok(found, `${machine.name} ${n}`);
+      const back = machine.kind.tip(machine.values, found);
+      back.origin.forEach((v, i) => near(v, origin[i], 1e-5));
+      back.turn.forEach((v, i) => near(v, turn[i], 1e-7));
+    }
+    const { origin, turn } = machine.kind.tip(machine.values, [10, -30, 100, 20, 0, 5]);
+    const straight = machine.kind.joints(machine.values, { origin: [...origin], turn }, [11, -31, 101, 19, 1, 6]);
+    assert.ok(straight && Math.abs(straight[1] + 30) < 1e-3);
+    assert.equal(machine.kind.joints(machine.values, { origin: [5000, 0, 0], turn }, [11, -31, 101, 19, 1, 6]), null);
+  }
+}
+
+// Joints that a path has decide where the tool is, and no other joints are drawn.
+{
+  const lengths = { A1: 0, A2: 450, A3: 0, D1: 0, D4: 450, D6: 85, config: -1 };
+  for (const n of [0, 1, 2, 3, 4, 5]) Object.assign(lengths, { [`offset-${n}`]: 0, [`sign-${n}`]: 1, [`min-${n}`]: -270, [`max-${n}`]: 270 });
+  for (const part of ["tool", "frame"]) for (const letter of "xyzabc") lengths[`${part}.${letter}`] = 0;
+  const arm = kinematicsOf(records("armkins", lengths));
+  const joints = [[0, -45, 135, 0, 90, 0], [10, -45, 135, 0, 80, 5]];
+  const points = joints.map((six, i) => ({ at: [1, 2, 3], kind: 2 * i, further: [180, i, 0, 0, 0, 0], joints: six }));
+  const made = player(points, { machine: arm, stock: null, frame: null });
+  [768.1981, 0, 233.1981].forEach((v, i) => near(made.tip[i], v, 1e-3));
+  near(made.pose.axis[2], 1, 1e-9);
+  all(made);
+  made.pose.joints.forEach((v, i) => near(v, joints[1][i], 1e-4));
+  assert.deepEqual(arm.jointsAt(made.pose, joints[0]), made.pose.joints);
+}
+
+// The machine carves from report to report while its tool turns.
+{
+  const stock = block();
+  const motion = (b) => {
+    const [s, c] = [Math.sin((b * Math.PI) / 180), Math.cos((b * Math.PI) / 180)];
+    const tip = [50 + R * s, 20, -DEEP - R * c];
+    // The joints that put the tip there.
+    const joints = [tip[0] - 250 * s, tip[1], tip[2] - 250 + 250 * c, b, 0, 0];
+    return { pose: [...tip, 0, b, 0, 0, 0, 0], joint_feedback: joints, motion_type: 2, segment: 1 };
+  };
+  const told = bridge.reported(motion(30));
+  near(told.tip[0], 50 + R / 2, 1e-9);
+  near(told.axis[0], -0.5, 1e-9);
+  const carver = new Carver(stock, new Frame(), (m) => bridge.reported(m));
+  for (let b = -40; b <= 40; b += 8) carver.report(motion(b), ball(2 * R));
+  near(stock.removed, fan(spread), 0.03 * fan(spread));
+  const { removed } = stock;
+  carver.report(motion(40), ball(2 * R));
+  carver.lose();
+  carver.report(motion(-60), ball(2 * R));
+  assert.equal(stock.removed, removed);
+}
+
+// The faces of columns that are cut below close around what is left of them.
+{
+  const stock = new Dexels([0, 0, -20], [40, 40, 0], 400);
+  stock.cut(flat(8), [60, 20, -10], [10, 20, -10], false, [1, 0, 0]);
+  stock.cut(flat(6), [20, 60, -12], [20, -20, -12], false, [0, 1, 0]);
+  stock.cut(ball(6), [30, 30, 5], [30, 30, -6], false, [0.36, 0.48, 0.8]);
+  const zone = blockZone(stock);
+  assert.ok(stock.split.size > 0 && zone.some((v) => v === 0) && zone.some((v) => v === 1));
+  for (const at of stock.split.keys()) assert.equal(zone[at], 1);
+  const { corners, normals, columns } = blockFaces(stock, new Uint8Array(zone.length).fill(1));
+  assert.equal(corners.length, 12 * normals.length);
+  assert.equal(columns.length, normals.length);
+  let volume = 0;
+  for (let n = 0; n < normals.length; n++) {
+    const [a, b, c, d] = [0, 1, 2, 3].map((k) => corners.slice(12 * n + 3 * k, 12 * n + 3 * k + 3));
+    const less = (u, v) => u.map((x, i) => x - v[i]);
+    const area = cross(less(c, a), less(d, b)).map((x) => x / 2);
+    assert.ok(dot(area, normals[n]) > 0, "counter-clockwise from outside");
+    volume += dot(a, area) / 3;
+  }
+  near(volume, 40 * 40 * 20 - stock.removed, 1e-6 * volume);
+}

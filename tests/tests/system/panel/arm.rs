@@ -1,0 +1,114 @@
+//! A robot arm in the panel: a cutter-location file that is shown, played and carved, and stock that the arm itself carves.
+
+use super::{
+    fixture::Fixture,
+    printer::Printer,
+    stock::{LOADED, number},
+};
+use hal_tests::{browser::DESKTOP, scratch::until};
+
+/// The part, and the options that tell its cell.
+const PART: &[&str] = &["plate.apt"];
+const CELL: &[&str] = &["--cell", "cell.conf"];
+
+/// Switches the arm on and homes it; then its axes are its joints.
+const READY: &str = "\
+iocontrol.estop-reset --wait
+motion.enable --wait
+motion.home joint=all --wait
+setp motion.switchkins-type 1
+";
+/// Cuts the plate.
+const CUT: &str = "source plate.moves\n";
+
+/// Runs a script of halcmd while machine time passes in these steps, and calls `then` after each.
+fn run(fixture: &Fixture, script: &str, step: &str, mut then: impl FnMut()) {
+    let scratch = &fixture.printer.scratch;
+    scratch.write("run.hal", script);
+    let mut running = scratch.start(scratch.command(&[], "halcmd").args(["-f", "run.hal"]));
+    while running.is_running() {
+        fixture.printer.halcmd(&format!("run {step}"));
+        then();
+    }
+    assert!(running.ended().is_some_and(|status| status.success()), "{:?}", running.said());
+    fixture.printer.halcmd("run 1s");
+}
+
+#[test]
+fn an_arm_cuts_a_plate_as_its_simulation_does() {
+    let start = || Printer::of_script("rx90", PART, CELL);
+    let Some(fixture) = Fixture::with(DESKTOP, start) else { return };
+    let b = &fixture.browser;
+    b.until("[...document.querySelectorAll('.files .plain')].some((f) => f.textContent === 'plate.apt')");
+    b.run("[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === 'plate.apt').click()");
+    b.until(LOADED);
+    b.until("document.querySelector('#programs').textContent.includes('TLAXIS')");
+    // The stock is 3 mm higher than the touched corners.
+    for (name, value) in
+        [("x-0", 0), ("y-0", 0), ("z-0", -10), ("x-1", 216), ("y-1", 102), ("z-1", 3)]
+    {
+        b.run(&format!(
+            "const input = document.querySelector('#stock-{name}'); input.value = '{value}'; \
+             input.dispatchEvent(new Event('change'))"
+        ));
+    }
+
+    // While it plays, the arm is where the tool is.
+    b.run("document.querySelector('#sim-speed').value = '10'");
+    b.run("document.querySelector('#sim-start').click()");
+    b.until("Number(document.querySelector('.view').dataset.removed) > 4000");
+    b.run("document.querySelector('#sim-pause').click()");
+    b.until("document.querySelector('.view').dataset.simulation === 'paused'");
+    let joints = b.run("return document.querySelector('.view').dataset.joints");
+    let joints: Vec<f64> =
+        joints.as_str().unwrap().split(' ').map(|word| word.parse().unwrap()).collect();
+    for button in ["Machine", "+", "+", "+", "+"] {
+        b.run(&format!("[...document.querySelectorAll('#view button')].find((n) => n.textContent === '{button}').click()"));
+    }
+    fixture.picture("arm-playing");
+    // It points down still: joints 1, 2 and 4 add up, and joint 3 stays.
+    assert!((joints[1] + joints[2] + joints[4] - 180.0).abs() < 0.5, "{joints:?}");
+    assert!(joints[3].abs() < 0.1 && joints[0].abs() < 20.0, "{joints:?}");
+    b.run("document.querySelector('#sim-speed').value = 'max'");
+    b.run("document.querySelector('#sim-pause').click()");
+    b.until("document.querySelector('.view').dataset.simulation === 'done'");
+    let simulated = number(&fixture, "removed");
+    println!("{simulated} mm³ in {}", b.text("#sim-figures"));
+    assert!(b.text("#sim-figures").contains("⌀ 8"), "{}", b.text("#sim-figures"));
+    fixture.picture("arm-simulated");
+    b.run("document.querySelector('#sim-end').click()");
+
+    // The machine itself: its joints tell where the tool is and points, whatever X Y Z are.
+    run(&fixture, READY, "1s", || {});
+    b.run("document.querySelector('#stock-live').click()");
+    b.until("document.querySelector('.view').dataset.removed === '0'");
+    let reported = || b.run("return document.querySelector('.view').dataset.reported ?? ''");
+    // No more than 4 mm lie between two reports, however busy the computer is.
+    let mut seen = reported();
+    run(&fixture, CUT, "200ms", || {
+        until("a report", || reported() != seen);
+        seen = reported();
+    });
+    let removed = number(&fixture, "removed");
+    fixture.picture("arm-cut");
+    println!("{removed} mm³ by reports, {simulated} mm³ by the simulation");
+    assert!((removed - simulated).abs() < 0.02 * simulated, "{removed} and {simulated} mm³");
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
+#[test]
+fn a_cell_that_is_not_the_machine_is_named() {
+    let start = || Printer::of_script("rx90", PART, CELL);
+    let Some(fixture) = Fixture::with(DESKTOP, start) else { return };
+    let b = &fixture.browser;
+    fixture.printer.halcmd("setp armkins.tool.z 200");
+    b.run("location.reload()");
+    b.until("[...document.querySelectorAll('.files .plain')].some((f) => f.textContent === 'plate.apt')");
+    b.run("[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === 'plate.apt').click()");
+    b.until(LOADED);
+    b.run("document.querySelector('#sim-start').click()");
+    b.until("document.querySelector('.view').dataset.simulation === 'playing'");
+    let text = b.text("#sim-figures");
+    assert!(text.contains("is not that of the machine, 75.0"), "{text}");
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
