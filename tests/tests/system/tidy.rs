@@ -15,7 +15,8 @@ fn code(path: &Path) -> String {
 }
 
 /// Returns the manifests of the workspace's members.
-fn members() -> BTreeMap<String, toml::Table> {
+/// Returns the folder and the manifest of each crate of the workspace, by name.
+pub(crate) fn manifests() -> BTreeMap<String, (PathBuf, toml::Table)> {
     let mut out = BTreeMap::new();
     for path in files_below(root(), "Cargo.toml") {
         let at = short(&path);
@@ -26,9 +27,13 @@ fn members() -> BTreeMap<String, toml::Table> {
         let text = std::fs::read_to_string(&path).unwrap();
         let table: toml::Table = text.parse().unwrap();
         let name = table["package"]["name"].as_str().unwrap().to_owned();
-        out.insert(name, table);
+        out.insert(name, (path.parent().unwrap().to_owned(), table));
     }
     out
+}
+
+fn members() -> BTreeMap<String, toml::Table> {
+    manifests().into_iter().map(|(name, (_, table))| (name, table)).collect()
 }
 
 fn dependencies(table: &toml::Table) -> Vec<String> {

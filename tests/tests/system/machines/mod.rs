@@ -10,6 +10,7 @@ mod maxnc;
 mod meanwhile;
 mod picture;
 mod printer;
+mod requirements;
 mod samples;
 mod setup;
 mod speed;

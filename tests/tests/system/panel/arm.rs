@@ -82,12 +82,14 @@ fn an_arm_cuts_a_plate_as_its_simulation_does() {
     run(&fixture, READY, "1s", || {});
     b.run("document.querySelector('#stock-live').click()");
     b.until("document.querySelector('.view').dataset.removed === '0'");
-    let reported = || b.run("return document.querySelector('.view').dataset.reported ?? ''");
-    // No more than 4 mm lie between two reports, however busy the computer is.
-    let mut seen = reported();
-    run(&fixture, CUT, "200ms", || {
-        until("a report", || reported() != seen);
-        seen = reported();
+    // Between two reports lies no more than 1 mm, however busy the computer is: each step waits for the report of its end.
+    let reported = || {
+        let time = b.run("return Number(document.querySelector('.view').dataset.reported ?? 0)");
+        time.as_f64().unwrap() * 1e-6
+    };
+    run(&fixture, CUT, "50ms", || {
+        let pulse = fixture.printer.number("getp remote.pulse");
+        until("the report of the end of the step", || reported() >= pulse - 2.0);
     });
     let removed = number(&fixture, "removed");
     fixture.picture("arm-cut");
