@@ -208,6 +208,10 @@ fn homing_module(b: &mut Builder<'_>, setup: &Setup) -> Result<Option<HomingRef>
             "the module '{name}' offers no homing: it needs the functions of homing.h, each with \
              EXPORT_SYMBOL"
         ))),
+        (Some(found), Some(name)) if found.name() != name => Err(Error::new(format!(
+            "the module '{}' offers homing, and '{name}' is to home: load that one alone",
+            found.name()
+        ))),
         _ => Ok(found),
     }
 }

@@ -197,6 +197,7 @@ impl State {
 
     pub(crate) fn is_homing(&self) -> bool {
         self.joints.iter().any(|j| j.homing.is_under_way())
+            || self.module.as_ref().is_some_and(|m| m.request.is_some())
     }
 
     pub(crate) fn is_jogging(&self) -> bool {

@@ -21,7 +21,8 @@ use core::{
     },
 };
 use hal_component::abi::{
-    ActionSpec, CallHost, Homing, Host, Record, ServiceSpec, Status, Str, host_flags, size,
+    ActionSpec, CallHost, Homing, Host, Record, ServiceRef, ServiceSpec, Status, Str, host_flags,
+    size,
 };
 use std::sync::Arc;
 
@@ -122,8 +123,13 @@ fn knows_joints(handle: *mut c_void) -> bool {
 /// Offers the homing of a module whose setup has succeeded.
 ///
 /// # Errors
-/// Another module offers homing already.
+/// Another module offers homing already, or the motion controller homes by itself already.
 pub(crate) fn offer(host: &Host, module: &Arc<Module>, entries: Entries) -> Result<(), Refusal> {
+    if has_motion(host) {
+        let why = "it has homing, and motmod, which homes by itself, is loaded already: load it \
+                   before motmod";
+        return Err((Status::EINVAL, why.to_owned()));
+    }
     let name = module.name.to_str().unwrap_or_default();
     let table = Homing {
         size: size::<Homing>(),
@@ -161,6 +167,16 @@ pub(crate) fn offer(host: &Host, module: &Arc<Module>, entries: Entries) -> Resu
     let status = host.offer.map_or(Status::EINVAL, |f| unsafe { f(host.ctx, &raw const spec) });
     // The engine has a text of its own for its refusal.
     if status.is_ok() { Ok(()) } else { Err((status, String::new())) }
+}
+
+/// Returns whether the motion controller is loaded.
+fn has_motion(host: &Host) -> bool {
+    let mut found = ServiceRef { table: core::ptr::null(), uses: core::ptr::null(), n_uses: 0 };
+    let status = host.bind.map_or(Status::EINVAL, |bind| {
+        // SAFETY: the engine's function; the result lives across the call.
+        unsafe { bind(host.ctx, Str::new("motion"), 1, &raw mut found) }
+    });
+    status.is_ok() && !found.table.is_null()
 }
 
 /// # Safety
@@ -220,13 +236,15 @@ impl Homer {
             }
             Ok::<_, String>(running::within(Arc::as_ptr(module), init))
         })?;
+        // Also of an init that has failed, whose pins end at once.
+        leave_pins_later(&host, module, &loading.items.into_inner())?;
         if let Some(why) = loading.refusals.into_inner().into_iter().next() {
             return Err(why);
         }
         if code != 0 {
             return Err(format!("homing_init fails ({code})"));
         }
-        leave_pins_later(&host, module, &loading.items.into_inner())
+        Ok(())
     }
 
     /// Clears the records and the locks.

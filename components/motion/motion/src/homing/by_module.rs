@@ -106,6 +106,7 @@ impl State {
                 }
                 if let Some(module) = &mut self.module {
                     module.distrusted |= 1 << n;
+                    module.distrusted |= module.request.as_ref().map_or(0, |r| r.set);
                 }
                 self.stop_for(why.text());
                 if let Some(module) = &mut self.module {
@@ -126,8 +127,13 @@ impl State {
                 module.put(&self.joints, true);
             }
             is_active = module.service.call(homing_call::RUN, 0);
+            let set = module.request.as_ref().map_or(0, |r| r.set);
             for (n, joint) in self.joints.iter_mut().enumerate().filter(|(_, j)| j.active) {
-                if let Err(why) = module.take(n, joint, is_asked) {
+                // A partner of a joint of the set is homed with it.
+                let may = has(set, n)
+                    || joint.homing.is_module_at_work()
+                    || is_asked && module.service.state(n).is_homing();
+                if let Err(why) = module.take(n, joint, may) {
                     return Ended::Wrong(n, why);
                 }
             }
@@ -144,10 +150,12 @@ impl State {
             if is_homing {
                 joint.homing.work_by_module(false);
                 is_active = true;
-            } else if waits {
-                joint.homing.await_module();
             } else {
-                joint.homing.leave_module();
+                if waits {
+                    joint.homing.await_module();
+                } else {
+                    joint.homing.leave_module();
+                }
                 if joint.free.by == By::Homing {
                     joint.free.brake();
                 }
@@ -171,7 +179,11 @@ impl State {
         let (set, waiting) = (request.set, request.waiting);
         let is_missing = |n: &usize| has(set, *n) && !module.service.state(*n).is_homed();
         let missing = (0..self.joints.len()).find(is_missing);
+        // Joints that are still homed from before, and that the module has yet to begin.
+        let is_to_come = |n: usize| has(waiting, n) && !module.service.state(n).is_idle();
+        let is_to_come = request.quiet <= PATIENCE && (0..self.joints.len()).any(is_to_come);
         match missing {
+            None if is_to_come => Ended::No,
             Some(n) if waiting == 0 || request.quiet > PATIENCE => Ended::Unfinished(n),
             Some(_) => Ended::No,
             None => {

@@ -285,6 +285,10 @@ fn renaming(sent: &HomingJoint, left: &HomingJoint) -> Option<Renaming> {
     if is_unchanged([offset, shift, measured, planned]) {
         return Some(Renaming::None);
     }
+    // Beyond it a sum of positions would lose more than the step of a joint.
+    if fabs(left.pos_cmd) > LARGEST || fabs(left.motor_offset) > LARGEST {
+        return None;
+    }
     let near = |a: f64, b: f64| {
         let size = fabs(sent.pos_cmd) + fabs(left.pos_cmd) + fabs(left.motor_offset);
         fabs(a - b) <= ROUNDING * (1.0 + size)
@@ -297,7 +301,7 @@ fn renaming(sent: &HomingJoint, left: &HomingJoint) -> Option<Renaming> {
     }
     let feedback = left.motor_pos_fb - left.backlash_filt - left.motor_offset;
     let is_there = near(left.pos_fb, feedback) && near(left.pos_cmd, left.pos_fb);
-    (offset != 0.0 && is_there).then_some(Renaming::ToFeedback)
+    is_there.then_some(Renaming::ToFeedback)
 }
 
 fn is_unchanged(changes: [f64; 4]) -> bool {
@@ -345,6 +349,9 @@ fn settings(c: &HomeConfig) -> HomingSettings {
 /// Rounding of positions that change together, relative to their size and in units.
 const ROUNDING: f64 = 1e-9;
 
+/// Largest position and offset that a module may give a joint, in units.
+const LARGEST: f64 = 1e9;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -369,6 +376,8 @@ mod tests {
             // The command becomes the feedback with another offset.
             ([-1.5, -1.0, 1.0, -1.5], Some(Renaming::ToFeedback)),
             ([-1.0, -1.0, 1.0, -1.0], Some(Renaming::Shift)),
+            // With the offset of the last time: the command alone, by the following error.
+            ([-0.5, 0.0, 0.0, -0.5], Some(Renaming::ToFeedback)),
             // Every part by itself, or by another distance.
             ([3.0, 0.0, 0.0, 0.0], None),
             ([0.0, 3.0, 0.0, 0.0], None),
@@ -377,7 +386,7 @@ mod tests {
             ([3.0, 3.0, -3.0, 0.0], None),
             ([3.0, 3.0, -2.9, 3.0], None),
             ([3.0, 2.9, -3.0, 3.0], None),
-            ([-0.5, 0.0, 0.0, -0.5], None),
+            ([1e18, 1e18, -1e18, 1e18], None),
             ([-1.5, -1.1, 1.0, -1.5], None),
             ([3.0, f64::NAN, -3.0, 3.0], None),
         ] {
