@@ -54,8 +54,8 @@ extern bool get_home_is_synchronized(int joint);
 extern bool get_homing_at_index_search_wait(int joint);
 
 /* Says that the module knows the joints as motion.h has them. */
-extern const char rtapi_info_joint_record[];
-__attribute__((weak, visibility("default"), used)) const char rtapi_info_joint_record[] = "1";
+extern __attribute__((weak, visibility("default"))) const char rtapi_info_joint_record[];
+__attribute__((used)) const char rtapi_info_joint_record[] = "1";
 #ifdef __cplusplus
 }
 #endif
