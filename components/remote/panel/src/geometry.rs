@@ -218,10 +218,13 @@ impl Geometry {
             [(x - a) as f32, (y - b) as f32, (z - c) as f32]
         };
         let count = u32::try_from(self.points.len()).unwrap_or(u32::MAX);
-        let mut out = Vec::with_capacity(64 + 23 * self.points.len());
+        let (moves, has_joints) = (self.others != 0, self.joints.len() == self.points.len());
+        let of_point = 23 + 24 * (usize::from(moves) + usize::from(has_joints));
+        let changes = self.changes();
+        let room = 64 + of_point * self.points.len() + 3 + 16 * changes.len();
+        let mut out = Vec::with_capacity(room);
         out.extend_from_slice(b"FERPATH1");
         out.extend_from_slice(&count.to_le_bytes());
-        let (moves, has_joints) = (self.others != 0, self.joints.len() == self.points.len());
         let flags = u32::from(self.whole)
             | u32::from(self.reduced) << 1
             | self.others << 2
@@ -235,7 +238,6 @@ impl Geometry {
         out.extend(self.points.iter().flat_map(|p| p.feed.to_le_bytes()));
         out.extend(self.points.iter().flat_map(|p| p.tool.to_le_bytes()));
         out.extend(self.points.iter().map(|p| p.kind));
-        let changes = self.changes();
         if moves || has_joints || !changes.is_empty() {
             out.resize(out.len().next_multiple_of(4), 0);
         }

@@ -148,6 +148,18 @@ fn a_start_in_the_middle_is_shown_and_confirmed() {
     let (x, y) = ("getp joint.0.pos-cmd", "getp joint.1.pos-cmd");
     assert_eq!((fixture.printer.number(x), fixture.printer.number(y)), (0.0, 0.0), "nothing moves");
     fixture.picture("start-at-line");
+    // A file that is shown and is not the task's takes the proposal away, and none is made while it is.
+    let confirm = "document.querySelector('#run-from-confirm')";
+    open(&fixture, "plate.apt", "CUTTER/8\nGOTO/1,2,3\nFINI\n");
+    b.until(&format!("{confirm}.hidden && {confirm}.disabled"));
+    for button in ["#run-from", "#run-recover"] {
+        assert_eq!(b.run(&format!("return document.querySelector('{button}').disabled")), true);
+    }
+    open(&fixture, "middle.ngc", text);
+    b.until("!document.querySelector('#run-from').disabled && !document.querySelector('#run-recover').disabled");
+    assert_eq!(b.run(&format!("return {confirm}.hidden")), true, "it does not come back");
+    propose(4);
+    b.until(&format!("!{confirm}.hidden && !{confirm}.disabled"));
     fixture.tap("#run-from-confirm");
     assert_eq!((fixture.printer.number(x), fixture.printer.number(y)), (0.0, 0.0), "a short touch");
     fixture.hold("#run-from-confirm", "document.querySelector('#run-from-confirm').hidden");

@@ -7,6 +7,8 @@ use std::path::Path;
 
 /// Millimetres in an inch.
 const INCH: f64 = 25.4;
+/// Motion in millimetres that is none: the tip of a tool that only turns is rounded.
+const STILL: f64 = 5e-4;
 /// Endings of the names of cutter-location files.
 const ENDINGS: &[&str] = &["apt", "cl", "cls", "aptsource"];
 
@@ -49,21 +51,25 @@ impl Cut {
         let placed = |[x, y, z, a, b, c]: [f64; 6]| [x * unit, y * unit, z * unit, a, b, c];
         // The arm turns the tool, and the file says how: A B C move.
         let mut geometry = Geometry { others: 0b111, whole: true, ..Geometry::default() };
-        let mut last: Option<[f64; 3]> = None;
+        let (mut last, mut turned): (Option<[f64; 3]>, Option<[f64; 3]>) = (None, None);
         for step in &found.steps {
             let [x, y, z, a, b, c] = placed(step.tip);
-            let at = [x, y, z];
+            let mut at = [x, y, z];
+            if let Some(from) = last.filter(|from| distance(at, *from) < STILL * unit) {
+                at = from;
+            }
             let from = last.replace(at);
-            let long = from.map_or(0.0, |from| {
-                at.iter().zip(from).map(|(to, from)| (to - from).powi(2)).sum::<f64>().sqrt()
-            });
-            let is_cut = !step.is_rapid && long > 0.0 && step.seconds > 0.0;
+            let long = from.map_or(0.0, |from| distance(at, from));
+            let angles = turned.replace([a, b, c]).map_or(0.0, |from| distance([a, b, c], from));
+            let is_cut = !step.is_rapid && step.seconds > 0.0;
+            // A step that only turns the tool has a feed in degrees, as axes that turn alone have.
+            let far = if long > 0.0 { long } else { angles };
             #[expect(clippy::cast_possible_truncation, reason = "a picture")]
-            let feed = if is_cut { (60.0 * long / step.seconds) as f32 } else { 0.0 };
-            let kind = match (from, is_cut) {
+            let feed = if is_cut { (60.0 * far / step.seconds) as f32 } else { 0.0 };
+            let kind = match (from, step.is_rapid) {
                 (None, _) => 0,
-                (Some(_), false) => 1,
-                (Some(_), true) => 2,
+                (Some(_), true) => 1,
+                (Some(_), false) => 2,
             };
             let offset = geometry.offset([0.0; 3]);
             let further = geometry.further([a, b, c, 0.0, 0.0, 0.0]);
@@ -78,4 +84,9 @@ impl Cut {
         });
         Ok(Self { geometry, frame: placed(found.frame), cutters: cutters.collect() })
     }
+}
+
+/// Returns the distance of two points.
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }

@@ -145,3 +145,20 @@ fn a_cutter_location_file_has_the_joints_of_its_arm() {
     assert!(kinds.contains(&2) && kinds.last() == Some(&1), "{kinds:?}");
     assert!(cut.geometry.points.iter().all(|p| p.kind != 2 || (p.feed - 600.0).abs() < 0.1));
 }
+
+#[test]
+fn a_step_that_only_turns_the_tool_is_no_rapid_move() {
+    let folder = std::env::temp_dir().join(format!("panel-turn-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (cell, file) = (folder.join("cell.conf"), folder.join("part.apt"));
+    std::fs::write(&cell, "[ARM]\nMODEL = rx90\n[PART]\nFRAME = 500 -100 -100 0 0 30\n").unwrap();
+    let text = "FROM/0,0,100\nMULTAX/ON\nFEDRAT/600,MMPM\nGOTO/20,20,0,0,0,1\n\
+                GOTO/20,20,0,0.3,0,0.95\nFINI\n";
+    std::fs::write(&file, text).unwrap();
+    let cut = Cut::read(Some(&cell), &file, false).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let turns: Vec<_> = cut.geometry.points.iter().filter(|p| p.line == 5 && p.kind != 1).collect();
+    let stands = turns.windows(2).filter(|pair| pair[0].at == pair[1].at);
+    assert!(stands.clone().count() > 1, "{turns:?}");
+    assert!(stands.clone().all(|pair| pair[1].kind == 2 && pair[1].feed > 0.0), "{turns:?}");
+}

@@ -38,6 +38,9 @@ const records = [...Object.entries(lengths), ...angles.flatMap(([offset, sign], 
   .map(([name, value]) => ({ name: `robot.${name}`, value: { float: value } }));
 const kinematics = kinematicsOf(records);
 assert.equal(kinematics.name, "robot");
+// Its pose is the tip already; its joints end at the flange. They tell where the tool points.
+const arrived = kinematics.reported({ joint_feedback: [-90, 25.1588, -110.8242, 0, -44.017, 0] });
+assert.ok(!arrived.isForward && Math.abs(arrived.axis[2] - 1) < 1e-3, `${arrived.axis}`);
 for (const [joints, place] of [
   [[-90, 25.1588, -110.8242, 0, -44.017, 0], [-400, 0, -30]],
   [[-65.556, 71.3076, -10.3254, 0, -98.367, -24.444], [-550, 250, 40]],

@@ -4,9 +4,9 @@ import assert from "node:assert/strict";
 
 const { bytes } = await import("./bytes.mjs");
 const { FreeFrame, Frame } = await import("../../page/src/frame.js");
-const { blockFaces, blockZone } = await import("../../page/src/view/blocks.js");
+const { NORMALS, blockFaces, isBlock } = await import("../../page/src/view/blocks.js");
 const { Dexels, boxOf } = await import("../../page/src/view/dexels.js");
-const { kinematicsOf } = await import("../../page/src/view/kinematics.js");
+const { cellApart, kinematicsOf } = await import("../../page/src/view/kinematics.js");
 const { Path } = await import("../../page/src/view/path.js");
 const { Carver, Player, Poser } = await import("../../page/src/view/player.js");
 const { cross, dot } = await import("../../page/src/view/sweep.js");
@@ -28,7 +28,7 @@ function near(found, wanted, tolerance) {
 
 function player(points, { machine = bridge, stock = block(), tool = ball(8), frame = new Frame(), still = [], more } = {}) {
   const made = path(points, more);
-  const poser = new Poser(made, (...place) => machine.toolAt(...place), still);
+  const poser = new Poser(made, (...place) => machine.toolAt(...place), still, machine.isBent);
   return new Player({ path: made, times: made.timeline(6000), tools: () => tool, stock, frame, poser });
 }
 const all = (made) => {
@@ -163,6 +163,50 @@ function turns(step, { about = 0, lift = 0 } = {}) {
   all(made);
   made.pose.joints.forEach((v, i) => near(v, joints[1][i], 1e-4));
   assert.deepEqual(arm.jointsAt(made.pose, joints[0]), made.pose.joints);
+
+  // The cell of the file is that of the machine, or it is not: at any of its points, and by the direction of the tool alone.
+  const straight = joints[0];
+  const { origin: there } = arm.kind.tip(arm.values, straight);
+  const cell = (turn) => path([0, 1].map((n) => ({ at: there, kind: 2 * n, further: [0, n * turn + 180, 0, 0, 0, 0], joints: straight })));
+  const [same, other] = [cell(0), cell(0.2)];
+  near(cellApart(same, arm, 100), cellApart(same, arm, 0), 1e-3);
+  near(cellApart(same, arm, 0), 0, 1e-3);
+  near(cellApart(other, arm, 100), 100 * ((0.2 * Math.PI) / 180), 1e-2);
+  assert.equal(cellApart(other, null, 100), 0);
+
+  // A tool's offset (G43) is on the pose, whatever the joints are: program, reports and picture mean the same tip.
+  const offset = [0, 0, 50];
+  const told = arm.reported({ joint_feedback: joints[0], tool_offset: offset });
+  const { origin } = arm.kind.tip(arm.values, joints[0]);
+  told.tip.forEach((v, i) => near(v, origin[i] - offset[i], 1e-9));
+  assert.ok(!told.isForward);
+  const letters = [...origin, 180, 0, 0, 0, 0, 0];
+  told.tip.forEach((v, i) => near(v, arm.toolAt(origin.map((p, k) => p - offset[k]), letters).tip[i], 1e-9));
+
+  // Where the axes are the joints, one axis takes the tip round: it is carved along the arc, not along its chord.
+  const bent = kinematicsOf(records("armkins", lengths, 1));
+  assert.ok(bent.isBent && !arm.isBent && bridge.isKnown && !bridge.isBent);
+  const still = [0, -45, 135, 0, 90, 0];
+  const swing = [-6, 6].map((at, n) => ({ at: [at, -45, 135], kind: 2 * n, feed: 600 }));
+  const reach = bent.reported({ joint_feedback: still }).tip;
+  assert.ok(bent.reported({ joint_feedback: still, tool_offset: offset }).isForward);
+  const stock = new Dexels([reach[0] - 40, -120, reach[2] - 5], [reach[0] + 20, 120, reach[2] + 5]);
+  const cut = player(swing, { machine: bent, still, stock, tool: flat(8) });
+  const radius = reach[0];
+  while (!cut.isDone) {
+    cut.play(1e-4, 1e5);
+    near(Math.hypot(cut.tip[0], cut.tip[1]), radius, 1e-3);
+  }
+  const [arc, rise] = [(radius * 12 * Math.PI) / 180, 5];
+  near(stock.removed, rise * (arc * 8 + Math.PI * 16), 0.03 * stock.removed);
+  // The middle of the arc is cut, the middle of the chord is not: they are 4 mm apart.
+  const at = (x, y) => stock.heights[Math.floor((y - stock.low[1]) / stock.dy) * stock.nx + Math.floor((x - stock.low[0]) / stock.dx)];
+  near(at(radius + 3, 0), reach[2], 1e-6);
+  near(at(radius - 5, 0), stock.high[2], 0);
+
+  // A scara whose axes are its joints has no tip for a pose: its stock is refused.
+  const scara = (type) => kinematicsOf(records("scarakins", { D1: 1, D2: 1, D3: 1, D4: 1, D5: 1, D6: 1 }, type));
+  assert.ok(scara(0).isKnown && !scara(1).isKnown && !scara(2).isKnown);
 }
 
 // The machine carves from report to report while its tool turns.
@@ -194,19 +238,42 @@ function turns(step, { about = 0, lift = 0 } = {}) {
   stock.cut(flat(8), [60, 20, -10], [10, 20, -10], false, [1, 0, 0]);
   stock.cut(flat(6), [20, 60, -12], [20, -20, -12], false, [0, 1, 0]);
   stock.cut(ball(6), [30, 30, 5], [30, 30, -6], false, [0.36, 0.48, 0.8]);
-  const zone = blockZone(stock);
-  assert.ok(stock.split.size > 0 && zone.some((v) => v === 0) && zone.some((v) => v === 1));
-  for (const at of stock.split.keys()) assert.equal(zone[at], 1);
-  const { corners, normals, columns } = blockFaces(stock, new Uint8Array(zone.length).fill(1));
+  const cells = [...stock.marks.keys()];
+  const isDrawn = (at) => isBlock(stock, at % stock.nx, Math.floor(at / stock.nx));
+  assert.ok(stock.split.size > 0 && cells.some(isDrawn) && !cells.every(isDrawn));
+  for (const at of stock.split.keys()) assert.ok(isDrawn(at));
+  // Rows by themselves have the faces of all.
+  const rows = Array.from({ length: stock.ny }, (_, row) => blockFaces(stock, row, row));
+  const shown = blockFaces(stock, 0, stock.ny - 1);
+  assert.ok(shown.count > 0);
+  assert.equal(rows.reduce((sum, { count }) => sum + count, 0), shown.count);
+  assert.deepEqual(rows.flatMap(({ corners }) => [...corners]), [...shown.corners]);
+  assert.ok([...shown.columns].every(isDrawn));
+  const { count, corners, normals, columns } = blockFaces(stock, 0, stock.ny - 1, () => true);
+  assert.equal(normals.length, count);
   assert.equal(corners.length, 12 * normals.length);
   assert.equal(columns.length, normals.length);
   let volume = 0;
   for (let n = 0; n < normals.length; n++) {
-    const [a, b, c, d] = [0, 1, 2, 3].map((k) => corners.slice(12 * n + 3 * k, 12 * n + 3 * k + 3));
+    const [a, b, c, d] = [0, 1, 2, 3].map((k) => [...corners.slice(12 * n + 3 * k, 12 * n + 3 * k + 3)]);
     const less = (u, v) => u.map((x, i) => x - v[i]);
     const area = cross(less(c, a), less(d, b)).map((x) => x / 2);
-    assert.ok(dot(area, normals[n]) > 0, "counter-clockwise from outside");
+    assert.ok(dot(area, NORMALS[normals[n]]) > 0, "counter-clockwise from outside");
     volume += dot(a, area) / 3;
   }
   near(volume, 40 * 40 * 20 - stock.removed, 1e-6 * volume);
+}
+
+// However often it is cut below, a field has a bounded number of pieces, and knows how many.
+{
+  const stock = new Dexels([0, 0, -40], [40, 40, 0], 400);
+  for (let z = -39; z < 0; z += 1) stock.cut(flat(0.5), [60, 20, z], [10, 20, z], false, [1, 0, 0]);
+  for (let z = -39; z < -1; z += 1) for (let y = 0; y <= 40; y += 1) stock.cut(flat(0.6), [50, y, z], [-10, y, z], false, [1, 0, 0]);
+  const pieces = [...stock.split.values()].reduce((sum, all) => sum + all.length / 2, 0);
+  assert.equal(stock.pieceCount, pieces);
+  assert.ok(pieces > 2 * 400 && pieces <= 5 * 400, `${pieces}`);
+  let left = 0;
+  for (let at = 0; at < stock.marks.length; at++) for (const [n, v] of stock.pieces(at).entries()) left += n % 2 ? v : -v;
+  near(left * stock.dx * stock.dy, 40 * 40 * 40 - stock.removed, 1e-6 * 64000);
+  assert.ok(blockFaces(stock, 0, stock.ny - 1).count <= 8 * (pieces + 400));
 }

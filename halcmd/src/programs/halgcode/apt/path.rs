@@ -7,7 +7,10 @@ use hal_arm::{
     rotation::{near, to_abc},
     targets,
 };
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
+
+/// Number of different cutters of a file at most.
+const MAX_CUTTERS: usize = 1000;
 
 /// Path of an arm along a cutter-location file, as it runs.
 #[derive(Clone, PartialEq, Debug)]
@@ -16,7 +19,7 @@ pub struct ArmPath {
     pub steps: Vec<ArmStep>,
     /// Frame of the part relative to the arm's base: X Y Z, and roll, pitch, yaw in degrees.
     pub frame: [f64; 6],
-    /// Cutters in the order of the file.
+    /// Different cutters in the order of the file.
     pub cutters: Vec<Cutter>,
 }
 
@@ -59,7 +62,7 @@ pub fn path(ini: &Path, part: &Path) -> Result<ArmPath, String> {
     let targets = targets(&part.points, &cell.frame, cell.approach, cell.feed);
     let plan = cell.cell.plan(&targets);
     let plan = plan.map_err(|refused| report::refused(&name, &refused, &targets))?;
-    let (cutters, changes) = cutters(&part.events);
+    let (cutters, changes) = cutters(&part.events).map_err(|e| format!("{name}: {e}"))?;
     let mut last = [0.0; 3];
     let mut steps = Vec::with_capacity(plan.steps.len());
     for step in &plan.steps {
@@ -70,12 +73,13 @@ pub fn path(ini: &Path, part: &Path) -> Result<ArmPath, String> {
         }
         let p = step.tip.origin;
         let before = target.map_or(0, |t| t.point.saturating_sub(1));
-        let cutter = changes.iter().take_while(|after| **after <= before).count();
+        let change = changes.partition_point(|(after, _)| *after <= before).checked_sub(1);
+        let cutter = change.and_then(|n| changes.get(n)).map_or(0, |(_, number)| *number);
         steps.push(ArmStep {
             tip: [p.x, p.y, p.z, last[0], last[1], last[2]],
             joints: step.joints,
             line: target.map_or(0, |t| t.line),
-            cutter: u16::try_from(cutter).unwrap_or(u16::MAX),
+            cutter,
             is_rapid: step.kind != Kind::Point
                 || target.is_none_or(|t: &Target| t.feed.is_infinite()),
             seconds: step.seconds,
@@ -86,9 +90,10 @@ pub fn path(ini: &Path, part: &Path) -> Result<ArmPath, String> {
     Ok(ArmPath { steps, frame: [o.x, o.y, o.z, a, b, c], cutters })
 }
 
-/// Returns the cutters, and before which point each is in force: the number of points before it.
-fn cutters(events: &[apt::Event]) -> (Vec<Cutter>, Vec<usize>) {
-    let (mut all, mut after) = (Vec::new(), Vec::new());
+/// Returns the cutters, and where which is taken: the number of points before, and the number of the cutter.
+fn cutters(events: &[apt::Event]) -> Result<(Vec<Cutter>, Vec<(usize, u16)>), String> {
+    let (mut all, mut changes) = (Vec::new(), Vec::new());
+    let mut numbers_of = BTreeMap::new();
     for event in events {
         let Some(list) = event.text.strip_prefix("CUTTER/") else { continue };
         let mut numbers = list.split(',').map(|word| word.parse::<f64>().ok());
@@ -96,10 +101,17 @@ fn cutters(events: &[apt::Event]) -> (Vec<Cutter>, Vec<usize>) {
             continue;
         };
         let corner = numbers.next().flatten().unwrap_or(0.0);
-        all.push(Cutter { diameter, is_ball: corner >= diameter / 2.0 - 1e-9 });
-        after.push(event.after);
+        let cutter = Cutter { diameter, is_ball: corner >= diameter / 2.0 - 1e-9 };
+        let number = *numbers_of.entry((diameter.to_bits(), cutter.is_ball)).or_insert_with(|| {
+            all.push(cutter);
+            all.len()
+        });
+        if number > MAX_CUTTERS {
+            return Err(format!("CUTTER/{list}: more than {MAX_CUTTERS} different cutters"));
+        }
+        changes.push((event.after, u16::try_from(number).unwrap_or(u16::MAX)));
     }
-    (all, after)
+    Ok((all, changes))
 }
 
 #[cfg(test)]
@@ -139,6 +151,22 @@ mod tests {
             let apart = |k: usize| (pair[1].tip[k] - pair[0].tip[k]).abs();
             assert!((3..6).all(|k| apart(k) < 2.0), "{pair:?}");
         }
+
+        // A cutter that is taken again keeps its number; too many are refused by the one that is too much.
+        let text = "CUTTER/8\nFROM/0,0,100\nGOTO/20,20,0\nCUTTER/8\nCUTTER/6\nGOTO/21,20,0\nCUTTER/8\n\
+                    GOTO/22,20,0\nFINI\n";
+        let found = run(text).unwrap();
+        assert_eq!(found.cutters.len(), 2);
+        let mut numbers: Vec<_> = found.steps.iter().map(|s| (s.line, s.cutter)).collect();
+        numbers.dedup();
+        assert!(numbers.contains(&(6, 2)) && numbers.contains(&(8, 1)), "{numbers:?}");
+        let many = |last: usize| -> String {
+            let all = (1..=last).map(|n| format!("CUTTER/{n}\n"));
+            all.collect::<String>() + "FROM/0,0,100\nGOTO/20,20,0\nFINI\n"
+        };
+        assert_eq!(run(&many(MAX_CUTTERS)).unwrap().cutters.len(), MAX_CUTTERS);
+        let refused = run(&many(MAX_CUTTERS + 1)).unwrap_err();
+        assert!(refused.contains("CUTTER/1001: more than 1000"), "{refused}");
 
         let refused = run("FROM/0,0,100\nGOTO/5000,20,0\nFINI\n").unwrap_err();
         assert!(refused.contains("no configuration reaches"), "{refused}");

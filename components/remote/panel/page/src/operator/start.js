@@ -35,6 +35,7 @@ export function startPart(ctx) {
     }
   }
   async function begin() {
+    if (token === null) return;
     const args = { token };
     forget();
     await run("confirm", args);
@@ -69,14 +70,15 @@ export function startPart(ctx) {
   function draw() {
     const [task, program] = [store.get("task"), store.get("program")];
     const may = ctx.mayMove() && task.state === 2 && !task.interpreter;
-    // Another program, or a line that runs, makes a proposal worthless: the task would refuse it.
-    if (token !== null && (task.file !== known || task.interpreter)) token = null;
+    // Another program, or a line that runs, makes a proposal worthless: the task would refuse it. A program that is shown and
+    // is not that of the task must not be taken for the one that begins.
+    if (token !== null && (task.file !== known || task.interpreter || program.isShown)) token = null;
     known = task.file;
     if (program.chosen && document.activeElement !== line && program.chosen !== chosen) line.value = String(program.chosen);
     chosen = program.chosen;
     enable(propose, may && Boolean(task.file) && !program.isShown);
-    enable(recover, may);
-    enable(confirm, may && token !== null);
+    enable(recover, may && !program.isShown);
+    enable(confirm, may && token !== null && !program.isShown);
     show(shown, shown.children.length > 0);
     show(confirm, token !== null);
     show(cancel, shown.children.length > 0);

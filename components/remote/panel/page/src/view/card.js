@@ -7,13 +7,15 @@ import { asMachine, robotOf } from "../robot/state.js";
 import { getJson, listPath, programPath, request } from "../http.js";
 import { Vector3 } from "../../vendor/three.module.min.js";
 import { Gantry, Lathe, Rods, Tool, Trail, lights } from "./bodies.js";
-import { PATTERNS, kinematicsOf } from "./kinematics.js";
+import { PATTERNS, cellApart, kinematicsOf } from "./kinematics.js";
 import { Path } from "./path.js";
 import { simulationPart } from "./simulation.js";
 import { View } from "./view.js";
 
 /** Distance, in millimetres, up to which the cell of a file and the machine have the same arm and tool. */
 const SAME_CELL_MM = 0.1;
+/** How far up the tool both are compared, in millimetres: its direction counts. */
+const SHANK_MM = 100;
 /** Colours of stock that is uncut, cut, and cut by a rapid move, and of the tool of a simulation. */
 const STOCK = { stock: 0xa9845a, cut: 0xe6cfa0, crash: 0xff2a2a, ghost: 0xa974ff };
 const COLOURS = {
@@ -185,8 +187,7 @@ export function viewCard(ctx) {
     const tip = state.kinematics?.reported(motion);
     // The controlled point is the tip: the tool is longer than the machine's own point by its offset. That of an arm whose
     // joints are axes is where its joints bring it.
-    const offset = (i) => motion.tool_offset?.[i] ?? 0;
-    const point = new Vector3(...(tip?.isForward ? tip.tip.map((v, i) => v + offset(i)) : motion.pose.slice(0, 3)));
+    const point = new Vector3(...(tip?.isForward ? tip.tip : motion.pose.slice(0, 3)));
     tool.move(point, tip?.axis);
     trail.add(point);
     machine?.move(point, motion.joint_feedback);
@@ -236,17 +237,10 @@ function zero(task) {
 function whyNoStock(path, kinematics, { info, t, mm, units }) {
   if (isLathe(info)) return t("stock.turned");
   if (kinematics && !kinematics.isKnown) return t("stock.plane", kinematics.name);
-  const apart = cellApart(path, kinematics);
+  const apart = cellApart(path, kinematics, SHANK_MM * mm.read(1));
   if (apart > SAME_CELL_MM * mm.read(1)) return t("stock.cell", units().text(apart), units().unit("x"));
   // Where other axes take the part or the tool is known from the kinematics alone.
   return path.others && !kinematics ? t("stock.others", [...path.others].join(" ")) : "";
-}
-
-/** Returns how far the machine's kinematics bring the tip from where a path with joints has it; 0 for others. */
-function cellApart(path, kinematics) {
-  if (!path.joints || !kinematics?.hasTip) return 0;
-  const { tip } = kinematics.toolAt([0, 0, 0], [], [...path.joints.slice(0, 6)]);
-  return Math.hypot(...path.tip(0).map((v, i) => v - tip[i]));
 }
 
 /** Returns the size of a path in words, and whether it leaves the travel. */

@@ -16,6 +16,8 @@ const TOUCH = 1e-2;
 const THIN = 1e-3;
 /** Number of pieces of a column at most: then the thinnest goes. */
 const MAX_PIECES = 64;
+/** Number of pieces of all columns that have several at most, in columns of the field: then a column that is cut again loses its thinnest. */
+const SHARE_PIECES = 4;
 /** Cosine of the angle between a tool and the upright, from which on it is upright. */
 const UPRIGHT = 1 - 1e-12;
 /** Points of a path between two looks at the time, without and with kinematics. */
@@ -41,6 +43,8 @@ export class Dexels {
     /** Columns of which the height does not say all, and their pieces: lower and upper ends in turn, from below. */
     this.isSplit = new Uint8Array(this.nx * this.ny);
     this.split = new Map();
+    /** Number of pieces of all those columns. */
+    this.pieceCount = 0;
     /** Volume that was removed. */
     this.removed = 0;
     this.settled();
@@ -219,9 +223,12 @@ export class Dexels {
       keep(b, end);
     }
     if (!(inside > touch)) return 0;
-    if (left.length > 2 * MAX_PIECES) after -= dropThinnest(left);
+    const others = this.pieceCount - (this.isSplit[at] === 0 ? 0 : old.length / 2);
+    const most = Math.max(1, Math.min(MAX_PIECES, SHARE_PIECES * this.nx * this.ny - others));
+    while (left.length > 2 * most) after -= dropThinnest(left);
     const isWhole = left.length === 0 || (left.length === 2 && left[0] === floor);
     this.isSplit[at] = isWhole ? 0 : 1;
+    this.pieceCount = others + (isWhole ? 0 : left.length / 2);
     if (isWhole) this.split.delete(at);
     else this.split.set(at, left);
     this.heights[at] = left.length === 0 ? floor : left.at(-1);

@@ -43,8 +43,11 @@ export function kinematicsOf(records, info = {}) {
     const own = records.filter((r) => r.name.startsWith(`${name}.`));
     if (own.length === 0) continue;
     const values = Object.fromEntries(own.map((r) => [r.name.slice(name.length + 1), value(r)]));
-    const type = records.find((r) => /^kinstype\.is-\d$/.test(r.name) && value(r) === 1)?.name.at(-1);
-    return new Kinematics(name, kind, values, type, info.kinematics ?? "");
+    const types = records.filter((r) => /^kinstype\.is-\d$/.test(r.name));
+    const type = types.find((r) => value(r) === 1)?.name.at(-1);
+    const found = new Kinematics(name, kind, values, type, info.kinematics ?? "");
+    found.types = types.map((r) => r.name);
+    return found;
   }
   return null;
 }
@@ -53,13 +56,15 @@ export function kinematicsOf(records, info = {}) {
 class Kinematics {
   constructor(name, kind, values, type, given) {
     Object.assign(this, { name, kind, values });
+    /** Pins that tell the type in force. */
+    this.types = [];
     this.isUpright = kind.isUpright === true;
     this.isFiveAxis = Boolean(kind.of);
     const own = given.includes("identityfirst") ? 1 : kind.own ?? 0;
     /** True where axes are joints: a pose is then not that of the tip. */
     this.isJoints = type !== undefined && Number(type) !== own;
-    /** False where X Y Z are along the tool. */
-    this.isKnown = !(kind.plane !== undefined && kind.plane === Number(type));
+    /** False where X Y Z are along the tool, or the joints of a machine whose tip is only known from a pose. */
+    this.isKnown = !(kind.plane !== undefined && kind.plane === Number(type)) && !(this.isUpright && this.isJoints);
     const letters = /coordinates=(\S+)/i.exec(given)?.[1] ?? kind.letters ?? "";
     /** Letter of each joint. */
     this.letters = letters.toUpperCase();
@@ -71,6 +76,11 @@ class Kinematics {
 
   get hasTip() {
     return Boolean(this.kind.tip);
+  }
+
+  /** True where X Y Z are joints that bring the tip round a curve, and turn it. */
+  get isBent() {
+    return this.isJoints && this.hasTip;
   }
 
   get reach() {
@@ -102,10 +112,15 @@ class Kinematics {
     const { kind, values } = this;
     const joints = motion.joint_feedback;
     if (!joints || this.isUpright) return null;
-    if (kind.tip) return { ...toolOf(kind.tip(values, joints)), isForward: true };
+    const offset = motion.tool_offset ?? [0, 0, 0];
+    if (kind.tip) {
+      const { tip, axis } = toolOf(kind.tip(values, joints));
+      // A pose of joints has no place for the offset: it is on the joints already.
+      return this.isJoints ? { tip, axis, isForward: true } : { tip: tip.map((v, i) => v - offset[i]), axis };
+    }
     const letters = [..."XYZABCUVW"].map((letter) => joints[this.letters.indexOf(letter)] ?? 0);
     const { axis, tip } = onPart(kind, values, letters);
-    return { tip: tip(letters.slice(0, 3)).map((v, i) => v - (motion.tool_offset?.[i] ?? 0)), axis };
+    return { tip: tip(letters.slice(0, 3)).map((v, i) => v - offset[i]), axis };
   }
 
   /** Returns the joints of a pose that is played, the nearest to others; null where they are not known or out of reach. */
@@ -117,6 +132,22 @@ class Kinematics {
     const [x, y, z, a, b, c] = letters;
     return kind.joints(values, this.isUpright ? frame(x, y, z, 0, 0, c) : frame(x, y, z, a, b, c), last);
   }
+}
+
+/**
+ * Returns how far the machine's kinematics bring the tool from where a path with joints has it, at its tip and so far up; 0 for
+ * paths without joints.
+ */
+export function cellApart(path, kinematics, shank) {
+  if (!path.joints || !path.further || !kinematics?.hasTip) return 0;
+  let most = 0;
+  for (const i of [0, path.count >> 1, path.count - 1]) {
+    const six = (values) => [...values.subarray(6 * i, 6 * i + 6)];
+    const own = kinematics.toolAt([0, 0, 0], [], six(path.joints));
+    const told = { tip: path.tip(i), axis: upward(ofRollPitchYaw(...six(path.further).slice(0, 3))).map((v) => -v) };
+    for (const far of [0, shank]) most = Math.max(most, Math.hypot(...told.tip.map((v, k) => v - own.tip[k] + far * (told.axis[k] - own.axis[k]))));
+  }
+  return most;
 }
 
 /** Returns the tip and the direction of a tool in a frame whose Z points out of the arm. */

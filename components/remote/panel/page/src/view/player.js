@@ -9,10 +9,14 @@ import { dot } from "./sweep.js";
  * as far from the tip as the stock is wide, some 200 cells, is off by less than half a cell.
  */
 const TURN = (0.25 * Math.PI) / 180;
+/** Cuts between two reports at most: the next report waits for them. */
+const LIVE_TURNS = 48;
 /** Work of a step without and with kinematics, in cells. */
 const [STEP_WORK, POSE_WORK] = [1, 20];
 /** Change of an axis, in degrees, between two looks at where the tool points. */
 const LOOK = 5;
+/** Change of an arm's joints, in degrees, in one cut: an arm of 1 m leaves the straight way by less than 0.04 mm. */
+const BEND = 1;
 
 /** A program that is played: the tool's place after some of the path's time, and what its rapid moves have cut. */
 export class Player {
@@ -72,17 +76,18 @@ export class Player {
       this.time = Math.max(this.time, times[i]);
       this.next += 1;
       // A tool of another length is no motion of the tip.
-      if (!this.isDone) this.begin(i, i + 1);
+      if (!this.isDone) left -= this.begin(i, i + 1);
     }
   }
 
-  /** Puts the tool to a point of the path, with the tool and the way of another. */
+  /** Puts the tool to a point of the path, with the tool and the way of another, and returns how much work that was. */
   begin(i, as) {
     const { path, poser } = this;
     this.at = poser ? poser.place(i, as) : null;
     this.pose = poser ? poser.pose(this.at) : null;
     this.tip = poser ? this.pose.tip : path.tip(i, as);
     this.turns = poser ? poser.turns(this.at, poser.place(as, as)) : 1;
+    return poser ? POSE_WORK * poser.looks : 0;
   }
 
   /** Goes a part of what is left of the way to a point, cuts on it, and returns how much work that was. */
@@ -113,14 +118,16 @@ export class Player {
 /**
  * Where the tool of a path is and points: `toolAt(point, letters, joints)` returns tip and direction for the place of the path less
  * the tool's offset, the nine letters of the pose, and six joints where the path has them. Letters that the path does not move stay
- * as in `still`.
+ * as in `still`. `isBent` is true where X Y Z are joints of an arm: the tip then goes along a curve.
  */
 export class Poser {
-  constructor(path, toolAt, still = []) {
-    Object.assign(this, { path, toolAt });
+  constructor(path, toolAt, still = [], isBent = false) {
+    /** Looks at poses that the last way took. */
+    this.looks = 0;
+    Object.assign(this, { path, toolAt, isBent });
     this.still = Array.from({ length: 9 }, (_, i) => still[i] ?? 0);
     /** True where the tool keeps its direction. */
-    this.isFixed = !path.further && !path.joints;
+    this.isFixed = !path.further && !path.joints && !isBent;
   }
 
   /** Returns the numbers of a point, with the tool of another: X Y Z of the tip, the nine letters, the joints. */
@@ -144,18 +151,24 @@ export class Poser {
 
   /** Returns in how many parts of equal length a way is cut. */
   turns(from, to) {
+    this.looks = 0;
     if (this.isFixed) return 1;
-    let most = 0;
-    for (let k = 6; k < from.length; k++) most = Math.max(most, Math.abs(to[k] - from[k]));
+    let [most, bend] = [0, 0];
+    for (let k = this.isBent ? 3 : 6; k < from.length; k++) {
+      const far = Math.abs(to[k] - from[k]);
+      most = Math.max(most, far);
+      if (this.isBent && k < 9) bend += far;
+    }
     if (!(most > 0) || !Number.isFinite(most)) return 1;
     const looks = Math.min(1000, Math.ceil(most / LOOK));
+    this.looks = looks;
     let [sum, last] = [0, this.pose(from).axis];
     for (let n = 1; n <= looks; n++) {
       const { axis } = this.pose(mix(from, to, n / looks));
       sum += between(last, axis);
       last = axis;
     }
-    return Math.max(1, Math.ceil(sum / TURN));
+    return Math.max(1, Math.ceil(sum / TURN), Math.ceil(bend / BEND));
   }
 }
 
@@ -184,7 +197,7 @@ export class Carver {
     const angle = from.axis ? between(from.axis, to.axis) : 0;
     if (angle === 0 && to.tip.every((v, i) => v === from.tip[i])) return;
     const isRapid = motion.motion_type === MOTION.rapid;
-    const count = Math.max(1, Math.ceil(angle / TURN));
+    const count = Math.max(1, Math.min(LIVE_TURNS, Math.ceil(angle / TURN)));
     let removed = 0;
     for (let n = 0; n < count; n++) {
       const [a, b] = [n, n + 1].map((k) => mix(from.tip, to.tip, k / count));

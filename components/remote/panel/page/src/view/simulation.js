@@ -13,6 +13,8 @@ const [MARGIN_MM, DIAMETER_MM] = [2, 6];
 const [SLICE_MS, SLICE_CELLS] = [15, 4000];
 /** Time between two pictures of a simulation that is as fast as possible. */
 const PICTURE_MS = 100;
+/** Rest after the stock was drawn, in the time that this took: the page answers in between. */
+const REST = 3;
 /** Longest step of the clock: a page that was hidden does not leap. */
 const STEP_MS = 200;
 /** Distance of a machine that has moved, in millimetres. */
@@ -28,7 +30,7 @@ const BALL = /ball|spher|esf[eé]r|bola/i;
  * or an empty text.
  */
 export function simulationPart(ctx, { host, view, colours, place, kinematics, frame: frameNow, whyNot }) {
-  const { info, store, t, prefs, signal } = ctx;
+  const { info, link, store, t, prefs, signal } = ctx;
   const mm = ctx.mm.read(1);
   const banner = el("p", { class: "simulated", role: "status", hidden: true });
   host.append(banner);
@@ -40,7 +42,7 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   const speed = el("select", { id: "sim-speed", "aria-label": t("sim.speed") },
     ...SPEEDS.map((s) => el("option", { value: s, selected: s === "10" }, t(s === "max" ? "sim.speed.max" : "sim.speed.times", s))));
   const carve = el("button", { type: "button", id: "stock-live", onclick: () => choose({ isLive: !prefs.get("stock").isLive }) }, t("stock.live"));
-  const fresh = el("button", { type: "button", id: "stock-new", onclick: () => reread().then(renew) }, t("stock.new"));
+  const fresh = el("button", { type: "button", id: "stock-new", onclick: () => renew() }, t("stock.new"));
   const choices = fields(ctx, mm, choose);
   const node = el("div", { class: "simulation" },
     el("div", { class: "row tabs", role: "group", "aria-label": t("sim") }, begin, pause, end, speed),
@@ -53,6 +55,9 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   let live = null;
   let asked = null;
   let machine = null;
+  let resting = 0;
+  // What the kinematics were read for, and how often they are being read.
+  let [basis, rereads] = ["", 0];
   // Numbers of the latest start and of the latest stock: what is late is dropped.
   let [starts, renewals] = [0, 0];
   const cutter = new Cutter(colours.ghost);
@@ -85,12 +90,13 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
 
   /** Returns what tells the direction of the tool along the path; null where it is upright by the machine's axes. */
   function poser() {
-    return machine && path ? new Poser(path, (...place) => machine.toolAt(...place), store.get("motion").pose) : null;
+    return machine && path ? new Poser(path, (...place) => machine.toolAt(...place), store.get("motion").pose, machine.isBent) : null;
   }
 
   /** Reads the kinematics as they are now. */
   async function reread() {
     machine = await kinematics();
+    if (!signal.aborted) link.watch("kinematics", machine?.types ?? []);
   }
 
   /** Returns the tip and the direction of the tool that the machine reports. */
@@ -101,9 +107,10 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   /** Returns new stock with its picture; null where nothing is carved. */
   async function block() {
     if (!path || path.count < 2 || whyNot(path)) return null;
-    const frame = frameNow();
-    const way = poser();
+    const [mine, frame, way] = [path, frameNow(), poser()];
     const box = await boxInParts(rests(), path, frame, tools(), MARGIN_MM * mm, way && ((at, as) => way.pose(way.place(at, as))));
+    // It may be that of a program that is no longer shown.
+    if (path !== mine) return null;
     choices.propose(box);
     const typed = prefs.get("stock").box;
     const ends = [0, 1].map((side) => [0, 1, 2].map((axis) => typed[side][axis] ?? box?.[side][axis]));
@@ -129,6 +136,9 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     live = null;
     draw();
     if (!prefs.get("stock").isLive) return;
+    await reread();
+    if (mine !== renewals) return;
+    basis = basisNow();
     const stock = await block();
     if (mine !== renewals) {
       drop(stock);
@@ -242,11 +252,26 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     }
     if (live) live.picture.node.visible = !sim;
     const shown = sim?.stock ?? (sim ? null : live);
-    shown?.picture.draw();
+    drawStock(shown);
     crashes.show(sim?.player.rapids ?? [], path);
     const rapids = sim ? sim.player.rapids.length : live?.carver.rapids ?? 0;
     tell(shown, rapids);
     view.request();
+  }
+
+  /** Draws the stock, but not without a rest: what has changed meanwhile is drawn after it. */
+  function drawStock(shown) {
+    clearTimeout(resting);
+    if (!shown) return;
+    const begun = performance.now();
+    const rest = (shown.restsUntil ?? 0) - begun;
+    if (rest > 0) {
+      if (shown.field.changed[1] >= 0) resting = setTimeout(draw, rest);
+      return;
+    }
+    shown.picture.draw();
+    const ended = performance.now();
+    shown.restsUntil = ended + REST * (ended - begun);
   }
 
   function tell(shown, rapids) {
@@ -296,12 +321,29 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   function cut(part) {
     if (!live) return;
     const task = store.get("task");
+    if (basis !== basisNow()) renewKinematics();
     // What happens without a connection is left out; so is what happens without a program, where the machine has a task.
-    if (part === "link" || task.interpreter === INTERPRETER.idle) live.carver.lose();
+    if (part === "link" || task.interpreter === INTERPRETER.idle || rereads > 0) live.carver.lose();
     else if (part === "motion") {
       live.carver.report(store.get("motion"), toolOf(task.tool ?? loneTool()));
       host.dataset.reported = String(store.get("motion").time_ns);
     }
+  }
+
+  /** Returns tool, offset and type of kinematics as one text: with another, pins of the kinematics may be others. */
+  function basisNow() {
+    const types = machine?.types.map((name) => store.get("values")[name]);
+    return JSON.stringify([store.get("motion").tool_offset, store.get("task").tool, types]);
+  }
+
+  /** Reads the kinematics anew; until then it is not known where the tool is. */
+  function renewKinematics() {
+    basis = basisNow();
+    if (!machine) return;
+    rereads += 1;
+    reread().finally(() => {
+      rereads -= 1;
+    });
   }
 
   /** Returns the tool of a machine without a task: the first of the path. */
@@ -311,7 +353,9 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   signal.addEventListener("abort", () => {
     cancelAnimationFrame(sim?.frame);
     clearTimeout(sim?.timer);
+    clearTimeout(resting);
     asked?.abort();
+    link.watch("kinematics", []);
   });
   draw();
   return {

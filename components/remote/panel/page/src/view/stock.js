@@ -4,7 +4,7 @@ import {
   BufferAttribute, BufferGeometry, CylinderGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
   MeshLambertMaterial, SphereGeometry, Vector3,
 } from "../../vendor/three.module.min.js";
-import { blockFaces, blockZone } from "./blocks.js";
+import { NORMALS, blockFaces } from "./blocks.js";
 import { dot } from "./sweep.js";
 
 /** Direction of the light, of length 1. */
@@ -14,6 +14,10 @@ const SHADE = 0.4;
 const UP = new Vector3(0, 0, 1);
 /** Most rapid moves that are drawn. */
 const MAX_RAPIDS = 1000;
+/** Most bands of rows whose blocks are drawn by themselves. */
+const BANDS = 256;
+/** Corners of the two triangles of a face. */
+const QUAD = [0, 1, 2, 0, 2, 3];
 /** Length of the tool that a simulation moves, in its radius. */
 const TOOL_LENGTH = 8;
 
@@ -36,13 +40,12 @@ export class StockPicture {
     geometry.setIndex(this.faces);
     const material = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
     this.mesh = new Mesh(geometry, material);
-    this.blocks = new Mesh(new BufferGeometry(), material);
-    this.blocks.visible = false;
+    this.mesh.frustumCulled = false;
     this.node = new Group();
-    for (const mesh of [this.mesh, this.blocks]) {
-      mesh.frustumCulled = false;
-      this.node.add(mesh);
-    }
+    this.node.add(this.mesh);
+    /** Blocks of each band of rows, where it has any. */
+    this.bands = [];
+    this.bandRows = Math.ceil(field.ny / BANDS);
     const [a, b, c, d, e, f, g, k, l] = frame.turn;
     this.node.position.set(...frame.zero);
     this.node.quaternion.setFromRotationMatrix(new Matrix4().set(a, b, c, 0, d, e, f, 0, g, k, l, 0, 0, 0, 0, 1));
@@ -60,11 +63,13 @@ export class StockPicture {
     const to = last >= field.ny - 2 ? field.ny + 1 : last + 2;
     for (let j = from; j <= to; j++) for (let i = 0; i < width; i++) this.vertex(i, j);
     for (const values of [this.positions, this.shades]) renew(values, 3 * width * from, 3 * width * (to + 1));
-    if (field.split.size > 0 || this.blocks.visible) {
+    if (field.split.size > 0 || this.bands.some(Boolean)) {
       const [begin, end] = [Math.max(0, from - 1), Math.min(to, field.ny)];
       for (let j = begin; j <= end; j++) this.row(j);
       renew(this.faces, 6 * (width - 1) * begin, 6 * (width - 1) * (end + 1));
-      this.drawBlocks();
+      // A row is drawn as the rows beside it are.
+      const band = (row) => Math.floor(Math.min(field.ny - 1, Math.max(0, row)) / this.bandRows);
+      for (let n = band(first - 1); n <= band(last + 1); n++) this.drawBand(n);
     }
     field.settled();
   }
@@ -80,23 +85,31 @@ export class StockPicture {
     }
   }
 
-  drawBlocks() {
-    const { field, blocks } = this;
-    const { corners, normals, columns } = blockFaces(field, blockZone(field));
-    const shades = new Float32Array(corners.length);
-    const index = new Uint32Array(6 * normals.length);
-    normals.forEach((normal, n) => {
-      const light = SHADE + (1 - SHADE) * Math.max(0, dot(normal, LIGHT));
-      const colour = this.colours[field.marks[columns[n]]].map((v) => v * light);
-      for (let k = 0; k < 4; k++) shades.set(colour, 12 * n + 3 * k);
-      index.set([0, 1, 2, 0, 2, 3].map((k) => 4 * n + k), 6 * n);
-    });
-    blocks.geometry.dispose();
-    blocks.geometry = new BufferGeometry()
-      .setAttribute("position", new BufferAttribute(new Float32Array(corners), 3))
-      .setAttribute("color", new BufferAttribute(shades, 3))
+  /** Draws the blocks of a band of rows anew. */
+  drawBand(n) {
+    const { field, bands, bandRows } = this;
+    const { count, corners, normals, columns } = blockFaces(field, n * bandRows, Math.min(field.ny, (n + 1) * bandRows) - 1);
+    if (bands[n]) {
+      this.node.remove(bands[n]);
+      bands[n].geometry.dispose();
+      bands[n] = null;
+    }
+    if (count === 0) return;
+    const shades = new Uint8Array(12 * count);
+    const index = new Uint32Array(6 * count);
+    for (let face = 0; face < count; face++) {
+      const light = SHADE + (1 - SHADE) * Math.max(0, dot(NORMALS[normals[face]], LIGHT));
+      const colour = this.colours[field.marks[columns[face]]];
+      for (let k = 0; k < 12; k++) shades[12 * face + k] = Math.round(255 * light * colour[k % 3]);
+      for (let k = 0; k < 6; k++) index[6 * face + k] = 4 * face + QUAD[k];
+    }
+    const geometry = new BufferGeometry()
+      .setAttribute("position", new BufferAttribute(corners, 3))
+      .setAttribute("color", new BufferAttribute(shades, 3, true))
       .setIndex(new BufferAttribute(index, 1));
-    blocks.visible = normals.length > 0;
+    bands[n] = new Mesh(geometry, this.mesh.material);
+    bands[n].frustumCulled = false;
+    this.node.add(bands[n]);
   }
 
   vertex(i, j) {
@@ -123,7 +136,7 @@ export class StockPicture {
 
   dispose() {
     this.mesh.geometry.dispose();
-    this.blocks.geometry.dispose();
+    for (const band of this.bands) band?.geometry.dispose();
     this.mesh.material.dispose();
   }
 }
