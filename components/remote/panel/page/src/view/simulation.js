@@ -326,6 +326,8 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     if (part === "link" || task.interpreter === INTERPRETER.idle || rereads > 0) live.carver.lose();
     else if (part === "motion") {
       live.carver.report(store.get("motion"), toolOf(task.tool ?? loneTool()));
+      // A picture may come much later.
+      if (!sim) host.dataset.removed = String(live.field.removed);
       host.dataset.reported = String(store.get("motion").time_ns);
     }
   }
