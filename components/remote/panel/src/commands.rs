@@ -263,13 +263,15 @@ fn tool_offset(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
 }
 
-/// Pins of motion and the task that the dead man acts on or looks at.
+/// Pins of motion, the task and a robot that the dead man acts on or looks at, or that begin a run past the lease.
 const STOPS: &[&str] = &[
     "motion.jog-stop",
     "motion.feed-inhibit",
     "task.abort",
     "task.job",
     "robot.hold",
+    "robot.run",
+    "robot.resume",
     "robot.stop",
     "robot.busy",
     "robot.enable",
