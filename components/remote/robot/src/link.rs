@@ -32,7 +32,7 @@ pub fn check_address(text: &str) -> Result<(), String> {
     }
 }
 
-/// Connection that a thread makes. Given up, it ends with EXIT, whenever it comes: a controller that accepts it would move the
+/// Connection that a thread makes. Aborted, it ends with EXIT, whenever it comes: a controller that accepts it would move the
 /// robot.
 #[derive(Debug)]
 pub struct TcpOpening {

@@ -49,6 +49,10 @@ and the joints; a program with a point outside is refused with file, line and po
 `from=N` from a line that had no answer, as `line` and the message of a stopped run name it: the tool then goes above the point
 before that line first, and down to it. A run is refused if the part zero, `tool-length` or `cutting-speed` has changed since the load.
 
+Each connection takes the place of the tool at that time as the part zero. Before `robot.connect` a person moves the tool back to it,
+also after a stop, a lost link and a run: else the robot cuts beside the part. With `from=N` the part zero must be within 0.5 mm of that
+of the load, and the rest of the part is displaced by as much. The simulated tool is at `sim.zero-x` to `-z` at each connection.
+
 `robot.pause` lets the move under way end and sends nothing more; `paused` is TRUE when the robot stands. `robot.stop` ends the move
 under way at once, and the connection. The connection also ends with the last line, so that `robot.connect` begins each run.
 

@@ -139,7 +139,7 @@ fn sent(client: &mut TcpStream) -> String {
 
 #[test]
 fn a_connection_that_was_given_up_ends_with_exit() {
-    // The thread connects, and before the worker looks the connection is given up: by the e-stop chain, a command, a hold, and
+    // The thread connects, and before the worker looks the connection is aborted: by the e-stop chain, a command, a hold, and
     // the end of the instance.
     for (how, error) in
         [("enable", 2), ("robot.stop", 1), ("hold", 7), ("halt", 10), ("robot.disconnect", 0)]

@@ -12,6 +12,8 @@ use std::{
     time::Duration,
 };
 
+/// Distance up to which a part zero is that of the load, where a run goes on in the middle, in mm: a person has taught it again.
+const SAME: f64 = 0.5;
 /// Longest wait for bytes in one step of the worker.
 const TICK: Duration = Duration::from_millis(2);
 /// Seed of the simulated faults.
@@ -90,11 +92,6 @@ impl Session {
     /// Returns whether a thread connects.
     pub(crate) const fn is_opening(&self) -> bool {
         matches!(self.link, Link::Opening(_))
-    }
-
-    /// Returns whether the robot retracts at a connection, or is about to.
-    pub(crate) fn is_connecting(&self) -> bool {
-        self.is_opening() || self.driver.state() == State::Connected
     }
 
     /// Returns the flag that gives up a connection that a thread makes.
@@ -320,8 +317,11 @@ impl Session {
         if self.driver.state() != State::Ready {
             return Err("the controller does not wait for a run: robot.connect first".to_owned());
         }
+        program.check_zero(
+            &self.driver.zero().unwrap_or_default(),
+            if from > 0 { SAME } else { 0.0 },
+        )?;
         let changed = [
-            (self.driver.zero() != Some(program.zero), "the part zero"),
             (tool.to_bits() != program.tool.to_bits(), "robot.tool-length"),
             (speed.to_bits() != program.speed.to_bits(), "robot.cutting-speed"),
         ];
@@ -353,11 +353,6 @@ impl Session {
         }
         self.is_paused = is_paused;
         Ok(())
-    }
-
-    /// Returns whether a run is paused and the robot stands.
-    pub(crate) fn is_at_rest(&self) -> bool {
-        self.driver.state() == State::Paused && !self.driver.awaits_line()
     }
 
     /// Ends a connection while nothing runs.

@@ -9,6 +9,16 @@ use super::{
 use crate::State;
 
 impl Session {
+    /// Returns whether the robot retracts at a connection, or is about to.
+    pub(crate) fn is_connecting(&self) -> bool {
+        self.is_opening() || self.driver.state() == State::Connected
+    }
+
+    /// Returns whether a run is paused and the robot stands.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        self.driver.state() == State::Paused && !self.driver.awaits_line()
+    }
+
     /// Returns the values of the pins.
     pub(crate) fn results(&self) -> Results {
         let state = self.driver.state();

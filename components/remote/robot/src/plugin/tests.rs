@@ -138,6 +138,34 @@ fn a_stop_and_a_connection_in_one_step_stop_the_robot_first() {
 }
 
 #[test]
+fn a_run_goes_on_in_the_middle_from_the_old_part_zero_alone() {
+    let rig = Rig::connected();
+    rig.load("G0 Z10\nG0 X50\nG0 Z20\n");
+    for (x, is_same) in [(-399.7, true), (-398.0, false)] {
+        rig.0.command("robot.disconnect", &[]).unwrap();
+        rig.0.set("robot.sim.zero-x", x);
+        rig.pass(10);
+        rig.0.command("robot.connect", &[]).unwrap();
+        rig.pass(5100);
+        assert!(rig.0.get::<bool>("robot.ready"), "{x}");
+        rig.0.command("robot.run", &[]).unwrap();
+        rig.pass(10);
+        let why = rig.0.failure().unwrap();
+        assert!(
+            why.contains("has changed since the program was loaded: robot.load again"),
+            "{why}"
+        );
+        rig.0.command("robot.run", &["from=1"]).unwrap();
+        rig.pass(100);
+        assert_eq!(rig.0.get::<bool>("robot.running"), is_same);
+        rig.pass(60_000);
+        assert_eq!(rig.0.get::<bool>("robot.ended"), is_same);
+    }
+    let why = rig.0.failure().unwrap();
+    assert!(why.contains("move the tool back to it, and robot.connect (it was X-400.000"), "{why}");
+}
+
+#[test]
 fn an_order_that_has_waited_long_moves_nothing() {
     for (order, is_stale) in [("robot.run", true), ("robot.pause", false)] {
         let rig = Rig::connected();
@@ -227,7 +255,16 @@ fn numbers_that_are_none_change_nothing() {
     rig.0.set("robot.tool-length", f64::NAN);
     rig.0.command("robot.connect", &[]).unwrap();
     rig.pass(6000);
-    assert!(rig.0.get::<bool>("robot.ready"), "the tool stays where it was");
+    // The tool stays where the run has left it, which is another part zero.
+    assert!(rig.0.get::<bool>("robot.ready"));
+    let zero = ["x", "y", "z"].map(|axis| rig.0.get::<f64>(&format!("robot.zero-{axis}")));
+    assert_eq!(zero, [-400.0, 5.0, -20.0]);
+    rig.0.command("robot.disconnect", &[]).unwrap();
+    rig.0.set("robot.sim.zero-x", -400.0);
+    rig.pass(10);
+    rig.0.command("robot.connect", &[]).unwrap();
+    rig.pass(6000);
+    assert!(rig.0.get::<f64>("robot.zero-y").to_bits() == 0, "a person has moved it back");
     rig.0.command("robot.run", &[]).unwrap();
     rig.pass(10);
     assert!(rig.0.failure().unwrap().starts_with("robot.tool-length has changed"));
