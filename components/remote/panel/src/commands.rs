@@ -263,7 +263,7 @@ fn tool_offset(given: &Input<'_>) -> Result<Vec<Request>, Error> {
     Ok(vec![Request::Command { name: "task.mdi".to_owned(), args: vec![text] }])
 }
 
-/// Pins of motion and the task that the dead man acts on or looks at.
+/// Pins of motion, the task and a robot that the dead man acts on or looks at.
 const STOPS: &[&str] = &[
     "motion.jog-stop",
     "motion.feed-inhibit",
@@ -274,6 +274,9 @@ const STOPS: &[&str] = &[
     "robot.busy",
     "robot.enable",
 ];
+
+/// Pins that begin a run.
+const RUNS: &[&str] = &["robot.run", "robot.resume"];
 
 /// Returns the signal that a command writes or links, by its argument.
 pub(crate) fn signal_of<'a>(name: &str, args: &'a Args) -> Option<&'a str> {
@@ -307,6 +310,10 @@ fn guard(name: &str) -> Result<(), Error> {
     let guarded = name.starts_with("remote.") || name.starts_with("halpanel.");
     if guarded || STOPS.contains(&name) {
         let text = format!("{name} stops remote motion: it is not changed from afar");
+        return Err(Error::new(Code::Remote, text));
+    }
+    if RUNS.contains(&name) {
+        let text = format!("{name} begins a run past the lease: it is not changed from afar");
         return Err(Error::new(Code::Remote, text));
     }
     Ok(())

@@ -81,6 +81,8 @@ pub struct Console {
     /// Line without an answer, and the time at which it was sent.
     awaited: Option<(String, f64)>,
     has_begun: bool,
+    /// The begin has not come in its time.
+    is_mute: bool,
     has_failed: bool,
     out: Vec<u8>,
     log: Vec<LogEntry>,
@@ -101,6 +103,7 @@ impl Console {
             sending: None,
             awaited,
             has_begun,
+            is_mute: false,
             has_failed: false,
             out: Vec::new(),
             log: Vec::new(),
@@ -109,7 +112,12 @@ impl Console {
 
     /// Takes a typed line. Returns what only the program can do.
     pub fn enter(&mut self, line: &str, now: f64) -> Option<ConsoleRequest> {
-        if !self.options.is_queued && self.has_begun {
+        let is_own = line.starts_with(':') && !line.starts_with("::");
+        if self.is_mute() && !is_own {
+            self.fail(&format!("{line}: not sent, the controller has not begun"));
+            return None;
+        }
+        if !self.options.is_queued && self.has_begun || self.is_mute() {
             return self.interpret(line, now);
         }
         if self.queue.len() < MAX_LINES {
@@ -211,6 +219,7 @@ impl Console {
             && now >= since + self.options.timeout
             && (self.is_paced() || !self.has_begun)
         {
+            self.is_mute = !self.has_begun;
             let text = format!("no answer to {line} within {} s", self.options.timeout);
             self.abandon(&text);
         }
@@ -247,6 +256,12 @@ impl Console {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         self.awaited.is_none() && self.queue.is_empty() && self.sending.is_none()
+    }
+
+    /// Returns whether the begin has not come in its time, nor since.
+    #[must_use]
+    pub const fn is_mute(&self) -> bool {
+        self.is_mute && !self.has_begun
     }
 
     /// Returns whether anything has failed.

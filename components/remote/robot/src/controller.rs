@@ -96,10 +96,10 @@ impl Controller {
         }
     }
 
-    /// Puts the tool, by hand, to a place in robot coordinates, which is the next part zero; without a client alone.
-    pub fn teach(&mut self, zero: Zero) {
-        if !self.is_connected && zero != self.zero {
-            (self.zero, self.at, self.motion) = (zero, [0.0; 3], None);
+    /// Moves the tool, by hand, to a place in robot coordinates, where the next connection finds it; without a client alone.
+    pub fn teach(&mut self, place: Zero) {
+        if !self.is_connected {
+            (self.zero, self.at, self.motion) = (place, [0.0; 3], None);
         }
     }
 
@@ -126,21 +126,21 @@ impl Controller {
         self.motion.is_some()
     }
 
-    /// Accepts a client. While there is one, returns the answer for another, that the robot is busy; the caller sends it and
+    /// Accepts a client: the place of the tool is the part zero from now on. While there is one, returns the answer for another, that the robot is busy; the caller sends it and
     /// closes that connection.
     pub fn connect(&mut self, now: f64) -> Option<Vec<u8>> {
         if self.is_connected {
             return Some(format!("{}\r\n", Answer::Refused(Refusal::Busy)).into_bytes());
         }
         let seed = self.chance;
-        let fresh = Self::new(self.volume, self.zero, self.faults);
-        let (at, moves) = (self.place(now), core::mem::take(&mut self.moves));
-        *self = Self { at, moves, chance: seed, ..fresh };
+        let zero = Volume::robot(&self.zero, self.place(now));
+        let fresh = Self::new(self.volume, zero, self.faults);
+        let moves = core::mem::take(&mut self.moves);
+        *self = Self { moves, chance: seed, ..fresh };
         self.is_connected = true;
         (self.last_byte, self.last_line, self.last_answer) = (now, now, now);
         // The tool goes back from the part, and then the robot says where it stood.
-        let up = [self.at[0], self.at[1], f64::max(self.at[2], RETRACT)];
-        self.begin(up, RAPID, now);
+        self.begin([0.0, 0.0, RETRACT], RAPID, now);
         None
     }
 

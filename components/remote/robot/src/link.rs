@@ -4,7 +4,10 @@ use crate::{Controller, Driver, Faults, Output, Volume, Zero};
 use std::{
     io::{ErrorKind, Read as _, Write as _},
     net::{Shutdown, TcpStream, ToSocketAddrs as _},
-    sync::Arc,
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        mpsc::{Receiver, SendError, TryRecvError, channel},
+    },
     time::Duration,
 };
 
@@ -29,6 +32,75 @@ pub fn check_address(text: &str) -> Result<(), String> {
     }
 }
 
+/// Connection that a thread makes. Aborted, it ends with EXIT, whenever it comes: a controller that accepts it would move the
+/// robot.
+#[derive(Debug)]
+pub struct TcpOpening {
+    is_given_up: Arc<Mutex<bool>>,
+    opened: Receiver<Result<TcpLink, String>>,
+}
+
+impl TcpOpening {
+    /// Begins to connect as [`TcpLink::connect`] does.
+    ///
+    /// # Errors
+    /// The operating system has no thread.
+    pub fn begin(to: &str, longest: Duration, tick: Duration) -> Result<Self, String> {
+        let (send, opened) = channel();
+        let is_given_up = Arc::new(Mutex::new(false));
+        let (to, flag) = (to.to_owned(), is_given_up.clone());
+        let connect = move || {
+            let link = TcpLink::connect(&to, longest, tick);
+            // Either the flag is seen here, or who sets it finds the connection.
+            let is_given_up = lock(&flag);
+            match link {
+                Ok(link) if *is_given_up => link.exit(),
+                link => {
+                    if let Err(SendError(Ok(link))) = send.send(link) {
+                        link.exit();
+                    }
+                }
+            }
+        };
+        std::thread::Builder::new()
+            .name("robot".to_owned())
+            .spawn(connect)
+            .map_err(|e| hal_output::reason(&e))?;
+        Ok(Self { is_given_up, opened })
+    }
+
+    /// Returns the connection once it is made, or why there is none.
+    pub fn poll(&self) -> Option<Result<TcpLink, String>> {
+        match self.opened.try_recv() {
+            Ok(end) => Some(end),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => {
+                Some(Err("the thread that connects has ended".to_owned()))
+            }
+        }
+    }
+
+    /// Returns the flag that gives the connection up; its thread lets it go when it ends.
+    #[must_use]
+    pub const fn flag(&self) -> &Arc<Mutex<bool>> {
+        &self.is_given_up
+    }
+}
+
+impl Drop for TcpOpening {
+    fn drop(&mut self) {
+        *lock(&self.is_given_up) = true;
+        if let Ok(Ok(link)) = self.opened.try_recv() {
+            link.exit();
+        }
+    }
+}
+
+/// Returns what a mutex holds, whatever happened to another holder.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Connection over TCP.
 #[derive(Debug)]
 pub struct TcpLink {
@@ -49,6 +121,12 @@ impl TcpLink {
         stream.set_read_timeout(Some(tick)).map_err(refused)?;
         stream.set_write_timeout(Some(WRITE)).map_err(refused)?;
         Ok(Self { stream: Arc::new(stream) })
+    }
+
+    /// Ends the connection: the robot stops at once.
+    pub fn exit(self) {
+        // A controller that does not read has lost its client.
+        drop((&*self.stream).write_all(b"EXIT\r\n"));
     }
 
     /// Returns the socket.
@@ -163,6 +241,12 @@ impl SimulatedLink {
         if self.is_up && !bytes.is_empty() {
             self.controller.receive(&bytes, self.now);
         }
+    }
+
+    /// Sends what the driver has to send at a time, and lets the controller act on it: after EXIT it waits for a client.
+    pub fn end(&mut self, driver: &mut Driver, now: f64) {
+        self.now = f64::max(self.now, now);
+        self.exchange(driver, self.now);
     }
 
     fn poll(&mut self, driver: &mut Driver) {

@@ -49,6 +49,10 @@ and the joints; a program with a point outside is refused with file, line and po
 `from=N` from a line that had no answer, as `line` and the message of a stopped run name it: the tool then goes above the point
 before that line first, and down to it. A run is refused if the part zero, `tool-length` or `cutting-speed` has changed since the load.
 
+Each connection takes the place of the tool at that time as the part zero. Before `robot.connect` a person moves the tool back to it,
+also after a stop, a lost link and a run: else the robot cuts beside the part. With `from=N` the part zero must be within 0.5 mm of that
+of the load, and the rest of the part is displaced by as much. The simulated tool is at `sim.zero-x` to `-z` at each connection.
+
 `robot.pause` lets the move under way end and sends nothing more; `paused` is TRUE when the robot stands. `robot.stop` ends the move
 under way at once, and the connection. The connection also ends with the last line, so that `robot.connect` begins each run.
 
@@ -58,7 +62,8 @@ again. `hold` TRUE has the effect of a pause for as long as it lasts; `remote.ho
 
 Values of `error`: 0 none, 1 stopped by a command, 2 enable is FALSE, 3 the connection was lost, 4 the controller does not answer,
 5 it has refused a line, 6 another client is connected to it, 7 it cannot be reached, 8 the worker does not work, 9 the function
-`robot` does not run, 10 the instance has stopped. The robot then stands, and `robot.status` has the details.
+`robot` does not run, 10 the instance has stopped. The robot then stands, and `robot.status` has the details. With 8 alone it may
+move to the end of the line under way: while `busy` is TRUE, nobody can stop it here; the connection ends when the worker works again.
 
 `x`, `y` and `z` are the point of the last line that was executed, in the part's coordinates, and `joint.N` the joints for it: the
 protocol does not say where the robot is in between. Positions are in mm, angles in degrees, speeds in mm/s.
@@ -110,7 +115,7 @@ getp robot.connected # -> FALSE
         let report = Arc::new(Mutex::new(Report::default()));
         let (gate, ends) = Gate::make(b, shared.clone())?;
         b.function("robot", "Reads the pins, and shows what the worker reports.", gate)?;
-        orders::open(b, &inbox, &report)?;
+        orders::open(b, &inbox, &report, &shared)?;
         dimensions(b, &volume)?;
         let settings = Settings {
             to,

@@ -62,6 +62,25 @@ impl Program {
         self.records.iter().map(|record| record.command).collect()
     }
 
+    /// Checks that a part zero is that of the load, within a distance in millimetres.
+    ///
+    /// # Errors
+    /// It is another: the points were checked for the one before, and a part that is half cut lies there. The text names it.
+    pub fn check_zero(&self, zero: &Zero, within: f64) -> Result<(), String> {
+        let [x, y, z] = self.zero;
+        if zero.iter().zip(&self.zero).all(|(a, b)| (a - b).abs() <= within) {
+            return Ok(());
+        }
+        let back = if within > 0.0 {
+            "move the tool back to it, and robot.connect"
+        } else {
+            "robot.load again"
+        };
+        Err(format!(
+            "the part zero has changed since the program was loaded: {back} (it was X{x:.3} Y{y:.3} Z{z:.3} of the robot)"
+        ))
+    }
+
     /// Checks the points of [`approach`], of which one is none of the program's.
     ///
     /// # Errors
@@ -99,6 +118,10 @@ pub fn approach(lines: &[Command], from: usize) -> Vec<Command> {
 /// Reads a regular file.
 fn read(path: &Path) -> Result<Vec<u8>, String> {
     let reason = |e: std::io::Error| hal_output::reason(&e);
+    // Before it is opened: a pipe waits for its writer.
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        return Err("this is no regular file".to_owned());
+    }
     let file = File::open(path).map_err(reason)?;
     if !file.metadata().map_err(reason)?.is_file() {
         return Err("this is no regular file".to_owned());

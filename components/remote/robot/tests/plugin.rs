@@ -4,8 +4,8 @@
 use hal_bench::Bench;
 use robot::Robot;
 use std::{
-    io::{BufRead as _, BufReader},
-    net::TcpListener,
+    io::{BufRead as _, BufReader, Read as _},
+    net::{TcpListener, TcpStream},
     process::{Child, ChildStdout, Command, Stdio},
 };
 
@@ -127,6 +127,42 @@ fn the_e_stop_chain_and_the_stop_action_end_a_run_over_tcp() {
         }
         assert_eq!(bench.get::<i32>("robot.error"), error, "{how}");
         assert!(!bench.get::<bool>("robot.connected"));
+    }
+}
+
+/// Returns what a client has sent up to its end.
+fn sent(client: &mut TcpStream) -> String {
+    let mut text = String::new();
+    client.read_to_string(&mut text).unwrap();
+    text
+}
+
+#[test]
+fn a_connection_that_was_given_up_ends_with_exit() {
+    // The thread connects, and before the worker looks the connection is aborted: by the e-stop chain, a command, a hold, and
+    // the end of the instance.
+    for (how, error) in
+        [("enable", 2), ("robot.stop", 1), ("hold", 7), ("halt", 10), ("robot.disconnect", 0)]
+    {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let bench = bench(&listener.local_addr().unwrap().to_string());
+        bench.command("robot.connect", &[]).unwrap();
+        bench.work("robot", 1).unwrap();
+        bench.run("robot", MS);
+        assert!(bench.get::<bool>("robot.busy") && !bench.get::<bool>("robot.connected"));
+        match how {
+            "enable" | "hold" => {
+                bench.set(&format!("robot.{how}"), how == "hold");
+                bench.run("robot", MS);
+            }
+            "halt" => bench.stop(),
+            command => drop(bench.command(command, &[]).unwrap()),
+        }
+        let (mut client, _) = listener.accept().unwrap();
+        until(&bench, if error == 0 { "robot.enable" } else { "robot.stopped" });
+        assert_eq!(sent(&mut client), "EXIT\r\n", "{how}");
+        assert_eq!(bench.get::<i32>("robot.error"), error, "{how}");
+        assert!(!bench.get::<bool>("robot.busy"), "{how}");
     }
 }
 

@@ -22,6 +22,7 @@ import { probeCard } from "./operator/probe.js";
 import { programsCard } from "./operator/programs.js";
 import { runCard } from "./operator/run.js";
 import { robotCard } from "./robot/card.js";
+import { robotOf } from "./robot/state.js";
 import { LANGUAGES } from "./texts.js";
 import { viewCard } from "./view/card.js";
 
@@ -180,7 +181,7 @@ function keepAwake({ store, signal }) {
     lock = null;
   };
   const draw = async () => {
-    const isRunning = Boolean(store.get("task").interpreter);
+    const isRunning = Boolean(store.get("task").interpreter || robotOf(store.get("values"))?.busy);
     if (!isRunning) release();
     if (!isRunning || lock || isAsked || document.hidden || !navigator.wakeLock) return;
     isAsked = true;

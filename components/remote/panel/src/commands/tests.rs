@@ -114,6 +114,16 @@ fn arguments_become_those_of_the_engine_or_are_refused() {
         ("robot-run", json!({"from": 12}), Ok("robot.run from=12")),
         ("robot-stop", json!({"now": true}), Err("the command has no argument 'now'")),
         (
+            "setp",
+            json!({"name": "robot.run", "value": "TRUE"}),
+            Err("robot.run begins a run past the lease: it is not changed from afar"),
+        ),
+        (
+            "setp",
+            json!({"name": "robot.resume", "value": "TRUE"}),
+            Err("robot.resume begins a run past the lease: it is not changed from afar"),
+        ),
+        (
             "tool-offset",
             json!({"tool": "3 M3", "z": 2}),
             Err("tool is the number of a tool, from 1"),

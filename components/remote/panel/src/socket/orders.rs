@@ -30,6 +30,7 @@ const STARTS: &[&str] = &[
     "touch-off",
     "tool-offset",
     "align-go",
+    "robot-connect",
     "robot-run",
     "robot-resume",
 ];

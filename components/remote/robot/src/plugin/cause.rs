@@ -33,7 +33,7 @@ causes! {
     Range = 5, "A refusal.", "the controller finds line {} outside its range";
     Busy = 6, "Another client.", "another client is connected to the controller";
     Unreachable = 7, "No connection.", "the controller cannot be reached: robot.status has the reason";
-    Worker = 8, "The worker.", "the worker of robot does not work";
+    Worker = 8, "The worker.", "the worker of robot did not work: stopped at line {}";
     Function = 9, "The function.", "function robot is in no thread that runs: stopped at line {}";
     Instance = 10, "The instance.", "the instance has stopped: stopped at line {}";
 }

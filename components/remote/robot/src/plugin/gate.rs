@@ -12,6 +12,8 @@ use std::sync::{
 
 /// Time without a step of the worker after which it is taken for dead, in nanoseconds.
 const DEAD_NS: i64 = 1_000_000_000;
+/// The same while it reads a program, in nanoseconds: without a line for longer, the controller ends the connection.
+const LOAD_NS: i64 = 60_000_000_000;
 
 /// Buttons that a machine presses, as bits.
 pub(crate) mod press {
@@ -38,6 +40,8 @@ pub(crate) struct Shared {
     pub(crate) dropped: AtomicBool,
     /// The worker reads a program, which may take long; nothing moves meanwhile.
     pub(crate) loads: AtomicBool,
+    /// The worker was taken for dead since it looked: it ends the connection.
+    pub(crate) dead: AtomicBool,
     /// Value of `hold`.
     pub(crate) hold: AtomicBool,
     /// Buttons pressed since the worker looked, of [`press`].
@@ -109,11 +113,11 @@ impl Gate {
     /// Returns whether the worker has stopped working.
     fn is_worker_dead(&mut self) -> bool {
         let (steps, now) = (self.shared.steps.load(Relaxed), self.clock.now_ns());
-        let is_idle = steps == self.was.steps && !self.shared.loads.load(Relaxed);
-        if !is_idle || self.was.worked == 0 {
+        if steps != self.was.steps || self.was.worked == 0 {
             (self.was.steps, self.was.worked) = (steps, now);
         }
-        now - self.was.worked > DEAD_NS
+        let longest = if self.shared.loads.load(Relaxed) { LOAD_NS } else { DEAD_NS };
+        now - self.was.worked > longest
     }
 }
 
@@ -131,7 +135,11 @@ impl Update for Gate {
             | bit(self.inputs.pause.get(), press::PAUSE)
             | bit(self.inputs.resume.get(), press::RESUME)
             | bit(self.inputs.stop.get(), press::STOP);
-        let pressed = buttons & !core::mem::replace(&mut self.was.buttons, buttons);
+        let mut pressed = buttons & !core::mem::replace(&mut self.was.buttons, buttons);
+        if self.shared.loads.load(Relaxed) {
+            // They would begin a move long after a person has pressed them.
+            pressed &= !(press::RUN | press::RESUME);
+        }
         if pressed != 0 {
             shared.presses.fetch_or(pressed, Relaxed);
         }
@@ -141,10 +149,13 @@ impl Update for Gate {
         }
         let mut results = self.results.get();
         if self.is_worker_dead() {
-            // Nobody speaks with the controller any more, which then stops by itself.
+            // Nobody speaks with the controller, and the move under way goes on: a run is busy, so that what holds or aborts it
+            // lasts, until the worker has ended the connection.
+            self.shared.dead.store(true, Relaxed);
             let (stopped, error) = (true, Cause::Worker.number());
-            let line = results.line;
-            results = Results { stopped, error, line, ..Results::default() };
+            let (connected, ready, running, paused, ended) = (false, false, false, false, false);
+            results =
+                Results { connected, ready, running, paused, ended, stopped, error, ..results };
         }
         self.shown.set(&results);
         let cycles = &self.shared.cycles;

@@ -1,10 +1,10 @@
 //! Commands `robot.*`.
 
-use super::{lock, report::Report};
+use super::{gate::Shared, lock, report::Report};
 use hal_component::{Arg, Builder, Call, Error, TicketHandle, abi::ArgSpec};
 use std::{
     path::PathBuf,
-    sync::{Arc, Mutex},
+    sync::{Arc, Mutex, atomic::Ordering::Relaxed},
 };
 
 /// Largest number of orders that wait.
@@ -29,10 +29,26 @@ pub(crate) enum RobotOrder {
     Stop,
 }
 
-/// Orders that wait, with the tickets that tell their ends.
+impl RobotOrder {
+    /// Returns whether the robot may move by it.
+    pub(crate) const fn begins_a_move(&self) -> bool {
+        matches!(self, Self::Connect | Self::Run(_) | Self::Resume)
+    }
+}
+
+/// Orders that wait, each with the tickets that tell their ends.
 #[derive(Debug, Default)]
 pub(crate) struct Inbox {
-    pub(crate) orders: Vec<(RobotOrder, TicketHandle)>,
+    pub(crate) orders: Vec<Waiting>,
+}
+
+/// Order that waits.
+#[derive(Debug)]
+pub(crate) struct Waiting {
+    pub(crate) order: RobotOrder,
+    pub(crate) ticket: TicketHandle,
+    /// Machine time at which it came, in nanoseconds.
+    pub(crate) since: i64,
 }
 
 struct OrderRow {
@@ -96,13 +112,18 @@ pub(crate) fn open(
     b: &mut Builder<'_>,
     inbox: &Arc<Mutex<Inbox>>,
     report: &Arc<Mutex<Report>>,
+    shared: &Arc<Shared>,
 ) -> Result<(), Error> {
+    let clock = b.clock();
     for row in ROWS {
-        let inbox = inbox.clone();
+        let (inbox, shared) = (inbox.clone(), shared.clone());
         b.command(row.name, row.doc, row.args, move |call| {
             let mut inbox = lock(&inbox);
             // A stop finds room always.
             let order = (row.order)(call);
+            if order.begins_a_move() && shared.loads.load(Relaxed) {
+                return Err(Error::new("a program is being loaded: wait until it is"));
+            }
             if inbox.orders.len() >= MAX_WAITING && order != RobotOrder::Stop {
                 return Err(Error::new("too many commands wait for the worker of robot"));
             }
@@ -110,7 +131,7 @@ pub(crate) fn open(
             let ends_at_once =
                 matches!(order, RobotOrder::Load(_) | RobotOrder::Resume | RobotOrder::Disconnect);
             let ticket = if ends_at_once { call.awaited_ticket()? } else { call.ticket()? };
-            inbox.orders.push((order, ticket));
+            inbox.orders.push(Waiting { order, ticket, since: clock.now_ns() });
             Ok(())
         })?;
     }

@@ -42,7 +42,8 @@ shown! {
     ready: bool = false, "robot.ready", "TRUE while the controller waits for a run; the part zero is known.";
     running: bool = false, "robot.running", "TRUE while lines are executed.";
     paused: bool = false, "robot.paused", "TRUE while a run is paused and the robot stands.";
-    busy: bool = false, "robot.busy", "TRUE from the begin of a run to its end, also while it is paused; remote.job is linked to it.";
+    busy: bool = false, "robot.busy", "TRUE while the robot may move: from the begin of a connection until it is ready, and from the begin of a run to its end, also while it is paused; remote.job is linked to it.";
+    connecting: bool = false, "robot.connecting", "TRUE from the begin of a connection until the robot has retracted and is ready.";
     ended: bool = false, "robot.ended", "TRUE after the last line of a run, until the next connection.";
     stopped: bool = false, "robot.stopped", "TRUE after a run or a connection has ended otherwise; error has the reason.";
     error: i32 = 0, "robot.error", "Reason why a run or a connection has ended, 0 without one.";

@@ -1,14 +1,19 @@
 //! A connection, the program that is loaded, and its run.
 
 use super::{cause::Cause, pins::SimInputs};
-use crate::{Command, Driver, Event, Faults, Program, SimulatedLink, State, TcpLink, Volume, Zero};
+use crate::{
+    Command, Driver, Event, Faults, Program, SimulatedLink, State, TcpLink, TcpOpening, Volume,
+    Zero,
+};
 use hal_arm::Joints;
 use std::{
     path::Path,
-    sync::mpsc::{Receiver, TryRecvError, channel},
+    sync::{Arc, Mutex, Weak},
     time::Duration,
 };
 
+/// Distance up to which a part zero is that of the load, where a run goes on in the middle, in mm: a person has taught it again.
+const SAME: f64 = 0.5;
 /// Longest wait for bytes in one step of the worker.
 const TICK: Duration = Duration::from_millis(2);
 /// Seed of the simulated faults.
@@ -19,7 +24,7 @@ enum Link {
     /// There is none.
     None,
     /// A thread connects.
-    Opening(Receiver<Result<TcpLink, String>>),
+    Opening(TcpOpening),
     Tcp(TcpLink),
     Simulated,
 }
@@ -28,6 +33,8 @@ enum Link {
 pub(crate) struct Session {
     pub(crate) driver: Driver,
     link: Link,
+    /// Thread that has begun to connect last; its flag is gone once it has ended.
+    thread: Weak<Mutex<bool>>,
     /// Controller of the instance; `None` where it is a real one.
     pub(super) simulated: Option<SimulatedLink>,
     pub(super) program: Option<Program>,
@@ -51,6 +58,7 @@ impl Session {
         Self {
             driver: Driver::new(timeout),
             link: Link::None,
+            thread: Weak::new(),
             simulated: simulated.map(|zero| SimulatedLink::new(*volume, zero, SEED)),
             program: None,
             volume: *volume,
@@ -86,8 +94,16 @@ impl Session {
         matches!(self.link, Link::Opening(_))
     }
 
+    /// Returns the flag that gives up a connection that a thread makes.
+    pub(crate) const fn opening(&self) -> Option<&Arc<Mutex<bool>>> {
+        match &self.link {
+            Link::Opening(opening) => Some(opening.flag()),
+            _ => None,
+        }
+    }
+
     /// Returns the socket.
-    pub(crate) const fn socket(&self) -> Option<&std::sync::Arc<std::net::TcpStream>> {
+    pub(crate) const fn socket(&self) -> Option<&Arc<std::net::TcpStream>> {
         match &self.link {
             Link::Tcp(link) => Some(link.stream()),
             _ => None,
@@ -124,21 +140,18 @@ impl Session {
         if self.is_connected() {
             return Err("the controller is connected already".to_owned());
         }
+        if self.thread.strong_count() > 0 {
+            return Err(
+                "the connection before is being given up: wait until it has ended".to_owned()
+            );
+        }
         (self.cause, self.is_paused) = (None, false);
         self.problem.clear();
         self.driver.closed();
         let Some(link) = &mut self.simulated else {
-            let (send, receive) = channel();
-            let (to, longest) = (to.to_owned(), Duration::from_secs_f64(longest));
-            let connect = move || {
-                // Nobody waits for a connection that was aborted, and it closes.
-                drop(send.send(TcpLink::connect(&to, longest, TICK)));
-            };
-            std::thread::Builder::new()
-                .name("robot".to_owned())
-                .spawn(connect)
-                .map_err(|e| hal_output::reason(&e))?;
-            self.link = Link::Opening(receive);
+            let opening = TcpOpening::begin(to, Duration::from_secs_f64(longest), TICK)?;
+            self.thread = Arc::downgrade(opening.flag());
+            self.link = Link::Opening(opening);
             return Ok(());
         };
         if sim.cut {
@@ -158,25 +171,33 @@ impl Session {
         Err(why)
     }
 
+    /// Gives up a connection that a thread makes: the robot would move.
+    pub(crate) fn give_up_opening(&mut self, why: &str) {
+        if self.is_opening() {
+            self.link = Link::None;
+            drop(self.unreachable(why.to_owned()));
+        }
+    }
+
     /// Advances the connection to a time. Returns whether bytes came, so that more may follow at once.
-    pub(crate) fn exchange(&mut self, now: impl Fn() -> f64, sim: &SimInputs) -> bool {
+    pub(crate) fn exchange(&mut self, hold: bool, now: impl Fn() -> f64, sim: &SimInputs) -> bool {
+        if self.is_paused || hold {
+            // Before an answer comes, which sends the next line.
+            self.driver.pause();
+        }
         let mut came = false;
         match (&mut self.link, &mut self.simulated) {
-            (Link::Opening(opened), _) => match opened.try_recv() {
-                Ok(Ok(link)) => {
+            (Link::Opening(opening), _) => match opening.poll() {
+                Some(Ok(link)) => {
                     self.driver.connected(now());
                     self.link = Link::Tcp(link);
                     came = true;
                 }
-                Ok(Err(why)) => {
+                Some(Err(why)) => {
                     self.link = Link::None;
                     drop(self.unreachable(why));
                 }
-                Err(TryRecvError::Empty) => {}
-                Err(TryRecvError::Disconnected) => {
-                    self.link = Link::None;
-                    drop(self.unreachable("the thread that connects has ended".to_owned()));
-                }
+                None => {}
             },
             (Link::Tcp(link), _) => came = link.exchange(&mut self.driver, now),
             (_, Some(link)) => {
@@ -266,9 +287,11 @@ impl Session {
         let zero = zero.ok_or("the part zero is not known: robot.connect first")?;
         self.program = None;
         self.line = 0;
-        self.volume.tool = tool;
-        match Program::read(path, &self.volume, &zero, speed) {
+        // A length that is refused must not reach the joints.
+        let volume = Volume { tool, ..self.volume };
+        match Program::read(path, &volume, &zero, speed) {
             Ok(program) => {
+                self.volume = volume;
                 self.problem.clear();
                 Ok(&self.program.insert(program).warnings)
             }
@@ -294,8 +317,11 @@ impl Session {
         if self.driver.state() != State::Ready {
             return Err("the controller does not wait for a run: robot.connect first".to_owned());
         }
+        program.check_zero(
+            &self.driver.zero().unwrap_or_default(),
+            if from > 0 { SAME } else { 0.0 },
+        )?;
         let changed = [
-            (self.driver.zero() != Some(program.zero), "the part zero"),
             (tool.to_bits() != program.tool.to_bits(), "robot.tool-length"),
             (speed.to_bits() != program.speed.to_bits(), "robot.cutting-speed"),
         ];
@@ -309,6 +335,12 @@ impl Session {
             return Err(format!("from={from}: the program has {lines} lines, from 0"));
         }
         program.check_approach(&self.volume, from)?;
+        let before = program.records.iter().take(from).rev();
+        let speed = before.map(|record| record.command).find_map(|command| match command {
+            Command::Speed(speed) => Some(speed),
+            _ => None,
+        });
+        self.speed = speed.unwrap_or(self.speed);
         (self.is_paused, self.line) = (false, from);
         self.driver.run(program.commands(), from, now);
         Ok(())
@@ -323,42 +355,44 @@ impl Session {
         Ok(())
     }
 
-    /// Returns whether a run is paused and the robot stands.
-    pub(crate) fn is_at_rest(&self) -> bool {
-        self.driver.state() == State::Paused && !self.driver.awaits_line()
-    }
-
     /// Ends a connection while nothing runs.
-    pub(crate) fn disconnect(&mut self) -> Result<(), String> {
+    pub(crate) fn disconnect(&mut self, now: f64) -> Result<(), String> {
         if self.is_busy() {
             return Err("a run is in progress: robot.stop ends it".to_owned());
         }
-        self.give_up(None);
+        self.give_up(None, now);
         Ok(())
     }
 
     /// Stops the robot at once, and ends the connection.
-    pub(crate) fn stop(&mut self, cause: Cause) {
-        self.give_up(Some(cause));
+    pub(crate) fn stop(&mut self, cause: Cause, now: f64) {
+        self.give_up(Some(cause), now);
     }
 
-    fn give_up(&mut self, cause: Option<Cause>) {
-        if self.is_opening() {
-            self.link = Link::None;
-        } else if !self.is_driven() {
+    /// Notes that the instance has ended the connection, which is then not lost.
+    pub(crate) fn end_with_instance(&mut self, now: f64) {
+        self.stop(Cause::Instance, now);
+        if self.cause() == Some(Cause::Lost) || !matches!(self.link, Link::None) {
+            self.cause = Some(Cause::Instance);
+        }
+    }
+
+    fn give_up(&mut self, cause: Option<Cause>, now: f64) {
+        if !self.is_connected() {
             return;
         }
         self.cause = cause;
         self.driver.stop();
+        // EXIT leaves before a new connection makes the driver forget it.
+        match (&mut self.link, &mut self.simulated) {
+            (Link::Tcp(link), _) => link.send(&mut self.driver),
+            (Link::Simulated, Some(link)) => link.end(&mut self.driver, now),
+            // A connection that a thread makes ends with EXIT where it is let go.
+            (Link::None | Link::Opening(_) | Link::Simulated, _) => {}
+        }
+        self.link = Link::None;
         if cause.is_none() {
-            // EXIT leaves before the driver forgets the connection.
-            match (&mut self.link, &mut self.simulated) {
-                (Link::Tcp(link), _) => link.send(&mut self.driver),
-                (_, Some(link)) => link.send(&mut self.driver),
-                (Link::None | Link::Opening(_) | Link::Simulated, None) => {}
-            }
             self.driver.closed();
-            self.link = Link::None;
         }
     }
 }

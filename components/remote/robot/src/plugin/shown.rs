@@ -9,6 +9,16 @@ use super::{
 use crate::State;
 
 impl Session {
+    /// Returns whether the robot retracts at a connection, or is about to.
+    pub(crate) fn is_connecting(&self) -> bool {
+        self.is_opening() || self.driver.state() == State::Connected
+    }
+
+    /// Returns whether a run is paused and the robot stands.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        self.driver.state() == State::Paused && !self.driver.awaits_line()
+    }
+
     /// Returns the values of the pins.
     pub(crate) fn results(&self) -> Results {
         let state = self.driver.state();
@@ -24,7 +34,8 @@ impl Session {
             ready: state == State::Ready,
             running: state == State::Running,
             paused: self.is_at_rest(),
-            busy: self.is_busy(),
+            busy: self.is_busy() || self.is_connecting(),
+            connecting: self.is_connecting(),
             ended: state == State::Ended && cause.is_none(),
             stopped: cause.is_some(),
             error: cause.map_or(0, Cause::number),
@@ -76,10 +87,10 @@ impl Session {
         report.warnings = program.map(|p| p.warnings.clone()).unwrap_or_default();
         let record = program.and_then(|p| p.records.get(self.line));
         report.command = record.map(|r| r.command.to_string()).unwrap_or_default();
-        let cause = self.cause().map(|cause| cause.with(self.line));
-        report.problem = match (cause, self.problem.as_str()) {
-            (Some(cause), "") => cause,
-            (_, problem) => problem.to_owned(),
+        report.problem = match (self.cause(), self.problem.as_str()) {
+            (Some(cause), "") => cause.with(self.line),
+            (None | Some(Cause::Unreachable), problem) => problem.to_owned(),
+            (Some(cause), problem) => format!("{}; {problem}", cause.with(self.line)),
         };
     }
 }

@@ -30,6 +30,23 @@ impl Rig {
         }
     }
 
+    /// Lets milliseconds pass without the worker.
+    fn stall(&self, ms: u32) {
+        for _ in 0..ms {
+            self.0.pass(MS);
+            self.0.run("robot", MS);
+        }
+    }
+
+    /// Returns the states that are TRUE, in the order of the alphabet.
+    fn shown(&self) -> String {
+        let mut all =
+            ["busy", "connected", "connecting", "ended", "paused", "ready", "running", "stopped"]
+                .to_vec();
+        all.retain(|name| self.0.get::<bool>(&format!("robot.{name}")));
+        all.join(" ")
+    }
+
     fn connected() -> Self {
         let rig = Self::new(&[]);
         rig.0.command("robot.connect", &[]).unwrap();
@@ -56,22 +73,136 @@ impl Rig {
 }
 
 #[test]
-fn a_dead_worker_is_an_error_and_a_living_one_none_again() {
+fn a_run_whose_worker_was_dead_is_busy_until_the_worker_has_ended_it() {
     let rig = Rig::connected();
-    for _ in 0..1000 {
-        rig.0.pass(MS);
-        rig.0.run("robot", MS);
+    rig.load("G0 Z10\nG0 X50\n");
+    rig.0.command("robot.run", &[]).unwrap();
+    rig.pass(2000);
+    rig.stall(1000);
+    assert!(rig.0.get::<bool>("robot.running") && rig.error() == 0);
+    // The lease holds a run that it sees: hold comes, and nothing resumes.
+    rig.stall(10);
+    assert_eq!((rig.error(), rig.shown().as_str()), (8, "busy stopped"));
+    rig.0.set("robot.hold", true);
+    rig.0.set("robot.run", true);
+    rig.stall(10);
+    rig.0.set("robot.hold", false);
+    assert!(rig.0.get::<bool>("robot.sim.moving"));
+    // A connection that was asked for meanwhile moves nothing: it would come as a surprise.
+    let asked = rig.0.command("robot.connect", &[]);
+    rig.stall(1010);
+    rig.pass(10);
+    asked.unwrap();
+    assert!(rig.0.failure().unwrap().starts_with("the order has waited too long"));
+    assert_eq!((rig.error(), rig.shown().as_str()), (8, "stopped"));
+    assert!(!rig.0.get::<bool>("robot.sim.moving"));
+    let moves = rig.0.get::<i32>("robot.sim.moves");
+    rig.pass(5000);
+    assert_eq!((rig.error(), rig.shown().as_str()), (8, "stopped"));
+    assert_eq!(rig.0.get::<i32>("robot.sim.moves"), moves);
+}
+
+#[test]
+fn a_stop_and_a_connection_in_one_step_stop_the_robot_first() {
+    // Both orders, and an end by the e-stop chain behind which a connection waits.
+    for (first, then, busy) in
+        [("robot.stop", "robot.connect", true), ("robot.connect", "robot.stop", false)]
+    {
+        let rig = Rig::connected();
+        rig.load("G0 Z10\nG0 X50\n");
+        rig.0.command("robot.run", &[]).unwrap();
+        rig.pass(2000);
+        let moves = rig.0.get::<i32>("robot.sim.moves");
+        rig.0.command(first, &[]).unwrap();
+        rig.0.command(then, &[]).unwrap();
+        rig.pass(10);
+        // Only the retract of the new connection moves it: the controller accepts that behind the end of the one before.
+        assert_eq!(rig.0.get::<bool>("robot.connecting"), busy, "{first}");
+        assert_eq!(rig.0.get::<bool>("robot.connected"), busy, "{first}");
+        rig.pass(6000);
+        assert_eq!(rig.0.get::<bool>("robot.ready"), busy, "{first}");
+        assert_eq!(rig.0.get::<i32>("robot.sim.moves"), moves, "{first}");
+        assert!(!rig.0.get::<bool>("robot.sim.moving"), "{first}");
     }
-    assert!(rig.0.get::<bool>("robot.connected") && rig.error() == 0);
-    for _ in 0..10 {
-        rig.0.pass(MS);
-        rig.0.run("robot", MS);
+    let rig = Rig::connected();
+    rig.load("G0 Z10\nG0 X50\n");
+    rig.0.command("robot.run", &[]).unwrap();
+    rig.pass(2000);
+    rig.0.set("robot.enable", false);
+    rig.0.run("robot", MS);
+    rig.0.set("robot.enable", true);
+    rig.0.run("robot", MS);
+    rig.0.command("robot.connect", &[]).unwrap();
+    rig.pass(10);
+    assert!(rig.0.get::<bool>("robot.connecting"), "the controller has seen the end");
+}
+
+#[test]
+fn a_run_goes_on_in_the_middle_from_the_old_part_zero_alone() {
+    let rig = Rig::connected();
+    rig.load("G0 Z10\nG0 X50\nG0 Z20\n");
+    for (x, is_same) in [(-399.7, true), (-398.0, false)] {
+        rig.0.command("robot.disconnect", &[]).unwrap();
+        rig.0.set("robot.sim.zero-x", x);
+        rig.pass(10);
+        rig.0.command("robot.connect", &[]).unwrap();
+        rig.pass(5100);
+        assert!(rig.0.get::<bool>("robot.ready"), "{x}");
+        rig.0.command("robot.run", &[]).unwrap();
+        rig.pass(10);
+        let why = rig.0.failure().unwrap();
+        assert!(
+            why.contains("has changed since the program was loaded: robot.load again"),
+            "{why}"
+        );
+        rig.0.command("robot.run", &["from=1"]).unwrap();
+        rig.pass(100);
+        assert_eq!(rig.0.get::<bool>("robot.running"), is_same);
+        rig.pass(60_000);
+        assert_eq!(rig.0.get::<bool>("robot.ended"), is_same);
     }
-    assert!(!rig.0.get::<bool>("robot.connected") && !rig.0.get::<bool>("robot.ready"));
-    assert!(rig.0.get::<bool>("robot.stopped"));
-    assert_eq!(rig.error(), 8);
+    let why = rig.0.failure().unwrap();
+    assert!(why.contains("move the tool back to it, and robot.connect (it was X-400.000"), "{why}");
+}
+
+#[test]
+fn an_order_that_has_waited_long_moves_nothing() {
+    for (order, is_stale) in [("robot.run", true), ("robot.pause", false)] {
+        let rig = Rig::connected();
+        rig.load("G0 Z10\nG0 X50\n");
+        rig.0.command(order, &[]).unwrap();
+        // Without the function's cycles this is no dead worker.
+        rig.0.pass(1001 * MS);
+        rig.pass(10);
+        let why = rig.0.failure().unwrap();
+        assert_eq!(why.starts_with("the order has waited too long"), is_stale, "{order}: {why}");
+        assert!(!rig.0.get::<bool>("robot.busy"));
+    }
+}
+
+#[test]
+fn a_connection_is_busy_until_it_is_ready_and_hold_refuses_it() {
+    let rig = Rig::new(&[]);
+    rig.0.set("robot.hold", true);
     rig.pass(4);
-    assert_eq!(rig.error(), 0);
+    rig.0.command("robot.connect", &[]).unwrap();
+    rig.pass(10);
+    assert_eq!(rig.0.failure().unwrap(), "robot.hold is TRUE");
+    rig.0.set("robot.hold", false);
+    rig.pass(4);
+    rig.0.command("robot.connect", &[]).unwrap();
+    rig.pass(10);
+    assert_eq!(rig.shown(), "busy connected connecting");
+    rig.pass(5100);
+    assert_eq!(rig.shown(), "connected ready");
+    // The function stands: nothing connects, whatever enable was.
+    rig.0.command("robot.disconnect", &[]).unwrap();
+    rig.pass(10);
+    rig.0.pass(600 * MS);
+    rig.0.command("robot.connect", &[]).unwrap();
+    rig.0.work("robot", 1).unwrap();
+    rig.0.work("robot", 1).unwrap();
+    assert_eq!(rig.0.failure().unwrap(), "function robot is in no thread that runs");
 }
 
 #[test]
@@ -124,7 +255,16 @@ fn numbers_that_are_none_change_nothing() {
     rig.0.set("robot.tool-length", f64::NAN);
     rig.0.command("robot.connect", &[]).unwrap();
     rig.pass(6000);
-    assert!(rig.0.get::<bool>("robot.ready"), "the tool stays where it was");
+    // The tool stays where the run has left it, which is another part zero.
+    assert!(rig.0.get::<bool>("robot.ready"));
+    let zero = ["x", "y", "z"].map(|axis| rig.0.get::<f64>(&format!("robot.zero-{axis}")));
+    assert_eq!(zero, [-400.0, 5.0, -20.0]);
+    rig.0.command("robot.disconnect", &[]).unwrap();
+    rig.0.set("robot.sim.zero-x", -400.0);
+    rig.pass(10);
+    rig.0.command("robot.connect", &[]).unwrap();
+    rig.pass(6000);
+    assert!(rig.0.get::<f64>("robot.zero-y").to_bits() == 0, "a person has moved it back");
     rig.0.command("robot.run", &[]).unwrap();
     rig.pass(10);
     assert!(rig.0.failure().unwrap().starts_with("robot.tool-length has changed"));

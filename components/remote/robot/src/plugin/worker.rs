@@ -4,7 +4,7 @@ use super::{
     cause::Cause,
     gate::{Ends, Shared, press},
     lock,
-    orders::{Inbox, RobotOrder},
+    orders::{Inbox, RobotOrder, Waiting},
     pins::{Results, SimInputs, SimResults},
     report::Report,
     session::Session,
@@ -30,6 +30,8 @@ const MESSAGES: usize = 1000;
 const MAX_REMARKS: usize = 10;
 /// Time without a cycle of the function after which a connection ends, in seconds.
 const IDLE: f64 = 0.5;
+/// Longest time for which an order waits that begins a move, in nanoseconds: who gave it still expects the move then.
+const PATIENCE_NS: i64 = 1_000_000_000;
 
 /// Arguments of `loadrt`.
 pub(crate) struct Settings {
@@ -45,12 +47,17 @@ pub(crate) struct Settings {
 pub(crate) struct Halt {
     has_stopped: AtomicBool,
     socket: ArcSwapOption<TcpStream>,
+    /// Flag of a connection that a thread makes.
+    opening: ArcSwapOption<Mutex<bool>>,
 }
 
 impl Halt {
     /// Stops the robot, whatever has become of the worker.
     pub(crate) fn stop(&self) {
         self.has_stopped.store(true, Relaxed);
+        if let Some(opening) = self.opening.swap(None) {
+            *lock(&opening) = true;
+        }
         if let Some(socket) = self.socket.swap(None) {
             // A controller that reads neither of the two has lost its client.
             drop((&*socket).write_all(b"EXIT\r\n"));
@@ -163,14 +170,12 @@ impl Worker {
         } else {
             return;
         };
-        if self.session.is_connected() {
-            self.session.stop(cause);
-        }
+        self.session.stop(cause, now);
     }
 
     /// Refuses to connect where the machine's state forbids that.
-    fn check_state(&self) -> Result<(), String> {
-        let why = if self.cycles.0 == 0 {
+    fn check_state(&self, now: f64) -> Result<(), String> {
+        let why = if self.cycles.0 == 0 || now - self.cycles.1 > IDLE {
             "function robot is in no thread that runs"
         } else if !self.shared.enabled.load(Relaxed) {
             "robot.enable is FALSE"
@@ -189,10 +194,15 @@ impl Worker {
     ) {
         let (speed, tool) = (self.cutting_speed.get(), self.tool_length.get());
         let done = match order {
+            RobotOrder::Run(_) | RobotOrder::Resume | RobotOrder::Connect
+                if self.shared.hold.load(Relaxed) =>
+            {
+                Err("robot.hold is TRUE".to_owned())
+            }
             RobotOrder::Connect => self
-                .check_state()
+                .check_state(now)
                 .and_then(|()| self.session.connect(&self.to, self.connect, sim, now)),
-            RobotOrder::Disconnect => self.session.disconnect(),
+            RobotOrder::Disconnect => self.session.disconnect(now),
             RobotOrder::Load(path) => {
                 self.shared.loads.store(true, Relaxed);
                 let loaded = self.session.load(path, speed, tool).map(|warnings| {
@@ -203,14 +213,11 @@ impl Worker {
                 self.shared.loads.store(false, Relaxed);
                 loaded
             }
-            RobotOrder::Run(_) | RobotOrder::Resume if self.shared.hold.load(Relaxed) => {
-                Err("robot.hold is TRUE".to_owned())
-            }
             RobotOrder::Run(from) => self.session.run(*from, speed, tool, now),
             RobotOrder::Pause => self.session.pause(true),
             RobotOrder::Resume => self.session.pause(false),
             RobotOrder::Stop => {
-                self.session.stop(Cause::Command);
+                self.session.stop(Cause::Command, now);
                 Ok(())
             }
         };
@@ -238,7 +245,7 @@ impl Worker {
         }
         if let Err(why) = done
             && matches!(order, RobotOrder::Run(_) | RobotOrder::Pause | RobotOrder::Connect)
-            && self.session.cause() != Some(Cause::Unreachable)
+            && !(*order == RobotOrder::Connect && self.session.cause() == Some(Cause::Unreachable))
         {
             // Perhaps nobody waits for the ticket. A connection that fails is logged as such.
             self.messages.error(why, &[]);
@@ -300,18 +307,35 @@ impl Work for Worker {
         let sim =
             self.simulated.as_mut().map_or_else(SimInputs::default, |(inputs, _)| inputs.get());
         self.tell(time());
-        // A connection that the stop action has ended is not lost.
-        if self.halt.has_stopped.swap(false, Relaxed) && self.session.is_connected() {
-            self.session.stop(Cause::Instance);
+        // Nobody has spoken with the controller for long: before an answer that waits sends the next line.
+        let was_dead = self.shared.dead.swap(false, Relaxed);
+        if was_dead {
+            self.session.stop(Cause::Worker, time());
         }
-        let came = self.session.exchange(time, &sim);
+        let hold = self.shared.hold.load(Relaxed);
+        if hold {
+            self.session.give_up_opening("robot.hold is TRUE");
+        }
+        let came = self.session.exchange(hold, time, &sim);
         let now = time();
+        if self.halt.has_stopped.swap(false, Relaxed) {
+            self.session.end_with_instance(now);
+        }
         self.guard(now);
         let orders = core::mem::take(&mut lock(&self.inbox).orders);
-        for (order, ticket) in orders {
+        for Waiting { order, ticket, since } in orders {
+            if order.begins_a_move() && clock.now_ns() - since > PATIENCE_NS {
+                let why = "the order has waited too long for the worker: give it again";
+                self.messages.error(why, &[]);
+                self.pending.ended.push((ticket, Err(why)));
+                continue;
+            }
             self.order(&order, Some(ticket), &sim, now);
         }
-        let presses = self.shared.presses.swap(0, Relaxed);
+        let mut presses = self.shared.presses.swap(0, Relaxed);
+        if was_dead {
+            presses &= !(press::RUN | press::RESUME);
+        }
         let buttons = [
             (press::RUN, RobotOrder::Run(0)),
             (press::RESUME, RobotOrder::Resume),
@@ -323,6 +347,7 @@ impl Work for Worker {
         }
         self.session.flush(self.shared.hold.load(Relaxed), now);
         self.halt.socket.store(self.session.socket().cloned());
+        self.halt.opening.store(self.session.opening().cloned());
         let results = self.session.results();
         if results != self.last {
             (self.last, self.shown_since) = (results, self.shared.cycles.load(Relaxed));

@@ -59,13 +59,13 @@ export function robotCard(ctx) {
     const may = ctx.mayMove() && robot !== null;
     const isFree = may && !robot.busy;
     enable(connect, isFree && !robot.connected && robot.enable === true);
-    enable(disconnect, ctx.mayControl() && robot?.connected === true && !robot.busy);
+    enable(disconnect, ctx.mayControl() && (robot?.connected === true || robot?.connecting === true) && (!robot.busy || robot.connecting));
     enable(load, ctx.mayControl() && robot?.ready === true && files.value !== "");
     enable(start, isFree && robot.ready && robot.lines > 0);
     enable(again, isFree && robot.ready && robot.line > 0 && robot.line < robot.lines);
     enable(pause, robot?.running === true && ctx.session.role !== "viewer");
-    enable(resume, may && robot.busy && !robot.running);
-    enable(stop, robot?.connected === true);
+    enable(resume, may && robot.busy && !robot.running && !robot.connecting);
+    enable(stop, robot?.connected === true || robot?.busy === true);
     if (!robot) return;
     const lengths = (list) => list.map((n) => n.toFixed(3)).join("  ");
     const texts = {

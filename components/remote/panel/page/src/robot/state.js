@@ -1,7 +1,7 @@
 // A robot behind its own controller, as the pins of the component robot tell it.
 
 /** Bits, and numbers, of the component. */
-const BITS = ["connected", "ready", "running", "paused", "busy", "ended", "stopped", "enable", "hold"];
+const BITS = ["connected", "ready", "running", "paused", "busy", "connecting", "ended", "stopped", "enable", "hold"];
 const NUMBERS = ["error", "line", "lines", "program-line", "x", "y", "z", "zero-x", "zero-y", "zero-z", "speed"];
 const JOINTS = [0, 1, 2, 3, 4, 5].map((n) => `joint.${n}`);
 
@@ -27,10 +27,11 @@ export function robotOf(values) {
 export function robotState(robot) {
   if (!robot) return "unknown";
   if (robot.stopped) return "stopped";
+  if (robot.connecting) return "connecting";
   const run = ["ended", "paused", "running"].find((state) => robot[state]);
   // Neither of both: a run ends its move before it rests.
   if (run || robot.busy) return run ?? "pausing";
-  return ["ready", "connected"].find((state) => robot[state]) ?? "closed";
+  return robot.ready ? "ready" : "closed";
 }
 
 /**

@@ -142,7 +142,8 @@ pub(crate) fn talk(options: &TerminalOptions) -> Result<(), String> {
             is_gone = true;
         }
         log.show(&mut console)?;
-        if is_gone || has_ended && (is_person || console.is_idle()) {
+        let is_useless = console.is_mute() && !is_person;
+        if is_gone || is_useless || has_ended && (is_person || console.is_idle()) {
             return finish(&mut console, &mut log);
         }
     }
