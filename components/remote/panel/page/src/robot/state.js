@@ -27,7 +27,7 @@ export function robotOf(values) {
 export function robotState(robot) {
   if (!robot) return "unknown";
   if (robot.stopped) return "stopped";
-  if (robot.connecting) return "connecting";
+  if (robot.connecting) return robot.connected ? "connected" : "connecting";
   const run = ["ended", "paused", "running"].find((state) => robot[state]);
   // Neither of both: a run ends its move before it rests.
   if (run || robot.busy) return run ?? "pausing";
