@@ -31,7 +31,7 @@ export function robotState(robot) {
   const run = ["ended", "paused", "running"].find((state) => robot[state]);
   // Neither of both: a run ends its move before it rests.
   if (run || robot.busy) return run ?? "pausing";
-  return robot.ready ? "ready" : "closed";
+  return ["ready", "connected"].find((state) => robot[state]) ?? "closed";
 }
 
 /**
