@@ -8,7 +8,7 @@ import { kinematicsOf } from "../../page/src/view/kinematics.js";
 
 /** Returns values as the server sends them. */
 function values(pins) {
-  const of = (name) => (/^robot\.(connected|ready|running|paused|busy|ended|stopped|enable|hold)$/.test(name) ? { bit: false } : { float: 0 });
+  const of = (name) => (/^robot\.(connected|ready|running|paused|busy|connecting|ended|stopped|enable|hold)$/.test(name) ? { bit: false } : { float: 0 });
   const all = Object.fromEntries(ROBOT_PINS.map((name) => [name, of(name)]));
   for (const [name, value] of Object.entries(pins)) all[`robot.${name}`] = typeof value === "boolean" ? { bit: value } : { float: value };
   return all;
@@ -17,7 +17,7 @@ function values(pins) {
 assert.equal(robotOf({}), null, "before the values have arrived");
 assert.equal(robotState(null), "unknown");
 for (const [pins, name] of [
-  [{}, "closed"], [{ connected: true }, "connected"], [{ connected: true, ready: true }, "ready"], [{ connected: true, running: true, busy: true }, "running"],
+  [{}, "closed"], [{ busy: true, connecting: true }, "connecting"], [{ busy: true, connecting: true, connected: true }, "connected"], [{ connected: true }, "connected"], [{ connected: true, ready: true }, "ready"], [{ connected: true, running: true, busy: true }, "running"],
   [{ connected: true, busy: true }, "pausing"], [{ connected: true, busy: true, paused: true }, "paused"], [{ ended: true }, "ended"],
   [{ stopped: true, error: 2 }, "stopped"],
 ]) assert.equal(robotState(robotOf(values(pins))), name);

@@ -27,11 +27,11 @@ export function robotOf(values) {
 export function robotState(robot) {
   if (!robot) return "unknown";
   if (robot.stopped) return "stopped";
-  if (robot.connecting) return "connecting";
+  if (robot.connecting) return robot.connected ? "connected" : "connecting";
   const run = ["ended", "paused", "running"].find((state) => robot[state]);
   // Neither of both: a run ends its move before it rests.
   if (run || robot.busy) return run ?? "pausing";
-  return robot.ready ? "ready" : "closed";
+  return ["ready", "connected"].find((state) => robot[state]) ?? "closed";
 }
 
 /**
