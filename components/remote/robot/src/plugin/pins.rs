@@ -116,7 +116,7 @@ impl SimPins {
                 "Share of answers that come twice, 0 to 1.",
                 0.0,
             )?,
-            delay: b.item("robot.sim.delay", "Longest delay of an answer, in s.", 0.0)?,
+            delay: b.item("robot.sim.delay", "Longest delay of an answer, in seconds.", 0.0)?,
             cut: b.item(
                 "robot.sim.cut",
                 "TRUE: the link is down, and a connection is lost.",
