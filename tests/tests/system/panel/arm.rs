@@ -96,7 +96,7 @@ fn an_arm_cuts_a_plate_as_its_simulation_does() {
     };
     // A move that waits would itself let the time pass, and no step would bound it.
     let moves = std::fs::read_to_string(root().join("configs/rx90/plate.moves")).unwrap();
-    fixture.printer.scratch.write("cut.moves", &moves.replace(" --wait", ""));
+    fixture.printer.scratch.write("cut.moves", moves.replace(" --wait", ""));
     fixture.printer.halcmd("source cut.moves");
     let mut is_moving = true;
     while is_moving {

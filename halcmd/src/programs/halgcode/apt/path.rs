@@ -90,8 +90,11 @@ pub fn path(ini: &Path, part: &Path) -> Result<ArmPath, String> {
     Ok(ArmPath { steps, frame: [o.x, o.y, o.z, a, b, c], cutters })
 }
 
-/// Returns the cutters, and where which is taken: the number of points before, and the number of the cutter.
-fn cutters(events: &[apt::Event]) -> Result<(Vec<Cutter>, Vec<(usize, u16)>), String> {
+/// Change of the cutter: the number of points before it, and the number of the cutter.
+type Change = (usize, u16);
+
+/// Returns the cutters, and where which is taken.
+fn cutters(events: &[apt::Event]) -> Result<(Vec<Cutter>, Vec<Change>), String> {
     let (mut all, mut changes) = (Vec::new(), Vec::new());
     let mut numbers_of = BTreeMap::new();
     for event in events {
