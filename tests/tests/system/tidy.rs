@@ -14,7 +14,6 @@ fn code(path: &Path) -> String {
     text.split("#[cfg(test)]").next().unwrap().to_owned()
 }
 
-/// Returns the manifests of the workspace's members.
 /// Returns the folder and the manifest of each crate of the workspace, by name.
 pub(crate) fn manifests() -> BTreeMap<String, (PathBuf, toml::Table)> {
     let mut out = BTreeMap::new();
