@@ -37,7 +37,7 @@ pub(crate) struct Session {
     thread: Weak<Mutex<bool>>,
     /// Controller of the instance; `None` where it is a real one.
     pub(super) simulated: Option<SimulatedLink>,
-    pub(super) program: Option<Program>,
+    pub(super) program: Option<Arc<Program>>,
     volume: Volume,
     /// Reason of an end, where it is not the driver's.
     pub(super) cause: Option<Cause>,
@@ -229,9 +229,6 @@ impl Session {
             (Link::None | Link::Opening(_) | Link::Simulated, None) => {}
         }
         self.events();
-        if self.is_busy() {
-            self.line = self.driver.next_line();
-        }
         if !self.is_driven() && !self.is_opening() {
             let is_lost = self.driver.state() == State::Closed && !matches!(self.link, Link::None);
             self.cause = self.cause.or_else(|| is_lost.then_some(Cause::Lost));
@@ -293,7 +290,7 @@ impl Session {
             Ok(program) => {
                 self.volume = volume;
                 self.problem.clear();
-                Ok(&self.program.insert(program).warnings)
+                Ok(&self.program.insert(Arc::new(program)).warnings)
             }
             Err(why) => {
                 self.problem.clone_from(&why);
