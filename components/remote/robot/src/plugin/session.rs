@@ -85,7 +85,7 @@ impl Session {
     }
 
     /// Returns whether a run is in progress.
-    pub(crate) const fn is_busy(&self) -> bool {
+    pub(crate) const fn runs(&self) -> bool {
         matches!(self.driver.state(), State::Running | State::Paused)
     }
 
@@ -277,7 +277,7 @@ impl Session {
 
     /// Loads a program for the part zero of this connection.
     pub(crate) fn load(&mut self, path: &Path, speed: f64, tool: f64) -> Result<&[String], String> {
-        if self.is_busy() {
+        if self.runs() {
             return Err("a run is in progress".to_owned());
         }
         let zero = self.driver.zero().filter(|_| self.driver.state() == State::Ready);
@@ -307,7 +307,7 @@ impl Session {
         tool: f64,
         now: f64,
     ) -> Result<(), String> {
-        if self.is_busy() {
+        if self.runs() {
             return Err("a run is in progress".to_owned());
         }
         let program = self.program.as_ref().ok_or("there is no program: robot.load first")?;
@@ -345,7 +345,7 @@ impl Session {
 
     /// Pauses the run, or ends a pause.
     pub(crate) fn pause(&mut self, is_paused: bool) -> Result<(), String> {
-        if !self.is_busy() {
+        if !self.runs() {
             return Err("no run is in progress".to_owned());
         }
         self.is_paused = is_paused;
@@ -354,7 +354,7 @@ impl Session {
 
     /// Ends a connection while nothing runs.
     pub(crate) fn disconnect(&mut self, now: f64) -> Result<(), String> {
-        if self.is_busy() {
+        if self.runs() {
             return Err("a run is in progress: robot.stop ends it".to_owned());
         }
         self.give_up(None, now);

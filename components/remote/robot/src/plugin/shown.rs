@@ -34,7 +34,7 @@ impl Session {
             ready: state == State::Ready,
             running: state == State::Running,
             paused: self.is_at_rest(),
-            busy: self.is_busy() || self.is_connecting(),
+            busy: self.runs() || self.is_connecting(),
             connecting: self.is_connecting(),
             ended: state == State::Ended && cause.is_none(),
             stopped: cause.is_some(),

@@ -273,7 +273,7 @@ impl Worker {
         let state = self.session.driver.state();
         let cause = self.session.cause();
         let number = self.session.line() as f64;
-        let (connected, run) = (self.session.is_connected(), self.session.is_busy());
+        let (connected, run) = (self.session.is_connected(), self.session.runs());
         let why = match cause {
             Some(Cause::Unreachable) => self.texts.keep(self.session.problem()),
             Some(cause) => cause.text(),
