@@ -113,17 +113,18 @@ fn a_file_is_sent_line_by_line() {
 fn what_a_controller_refuses_or_does_not_answer_is_named() {
     let file = Scratch::new("refused.txt", "A\nB\nC\n");
     let name = file.name();
-    for (answers, wanted, sent) in [
+    for (answers, timeout, wanted, sent) in [
         (
             ["done\r\n", "error range\r\n", ""],
+            "300",
             "! NAME: line 2: the controller has refused it: error range\n",
             2,
         ),
-        (["done\r\n", "", ""], "! NAME: line 2: no answer to B within 0.3 s\n", 2),
-        (["ok\r\n", "busy\r\nok\r\n", "ok\r\n"], "# NAME: 3 lines sent\n", 3),
+        ([""; 3], "0.3", "! NAME: line 1: no answer to A within 0.3 s\n", 1),
+        (["ok\r\n", "busy\r\nok\r\n", "ok\r\n"], "300", "# NAME: 3 lines sent\n", 3),
     ] {
         let (address, served) = serve("", move |n, _| answers[n].to_owned());
-        let words = ["--to", &address, "--timeout", "0.3", "--answer", "done", "--answer", "ok"];
+        let words = ["--to", &address, "--timeout", timeout, "--answer", "done", "--answer", "ok"];
         let output = talk(&words, &format!(":send {name}\n"));
         let log = text(&output.stdout);
         assert!(log.ends_with(&wanted.replace("NAME", &name)), "{log}");
