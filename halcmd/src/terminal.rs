@@ -50,11 +50,11 @@ impl Terminal for Stdio {
     }
 
     fn is_coloured(&self) -> bool {
-        colour::wanted(std::io::stderr())
+        hal_output::is_coloured(std::io::stderr())
     }
 
     fn is_screen(&self) -> bool {
-        colour::is_person()
+        hal_output::is_person()
     }
 }
 

@@ -6,10 +6,12 @@ mod file;
 mod program;
 mod stdout;
 mod target;
+mod terminal;
 
 pub use file::{Growing, Whole, install, write};
 pub use program::program;
 pub use stdout::{Unwritten, lose_reader, print, reader_is_gone};
+pub use terminal::{is_coloured, is_person, state_file};
 
 /// Returns the system's text for an error, without the error number.
 #[must_use]

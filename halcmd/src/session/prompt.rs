@@ -3,12 +3,10 @@
 
 mod aside;
 mod editor;
-mod history;
 
 use crate::{
     Bytes, Lines, Outcome, Physical, Session, Stdin,
     manual::complete::{self, Completion},
-    terminal::colour,
     terminal::termination::{Held, interrupt},
 };
 use hal_protocol::{Link, Request};
@@ -48,7 +46,7 @@ enum Event {
 /// meanwhile.
 pub(crate) fn typed(session: &mut Session<'_>, flow: bool) -> Outcome {
     let script = session.style_mut().script;
-    let person = !script && colour::is_person();
+    let person = !script && hal_output::is_person();
     let local = session.link.is_local();
     match person.then(|| Prompt::new(flow, local)).flatten() {
         Some(prompt) => session.file("<stdin>", prompt),

@@ -168,7 +168,7 @@ impl Look {
             dim: Style::new().add_modifier(Modifier::DIM),
             chosen: Style::new().add_modifier(Modifier::REVERSED),
         };
-        if crate::terminal::colour::wanted(std::io::stdout()) {
+        if hal_output::is_coloured(std::io::stdout()) {
             Self { changed: bold.fg(Color::Yellow), ..plain }
         } else {
             plain

@@ -99,12 +99,6 @@ impl Driver {
         matches!(self.phase, Phase::Answer { .. } | Phase::Probe { answered: Some(_), .. })
     }
 
-    /// Returns the index of the first line that is not known to be executed.
-    #[must_use]
-    pub const fn next_line(&self) -> usize {
-        self.next
-    }
-
     /// Begins with a new connection.
     pub fn connected(&mut self, now: f64) {
         let new = Self::new(self.timeout);

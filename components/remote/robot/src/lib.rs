@@ -18,7 +18,7 @@ pub use controller::{Controller, Faults, Output};
 pub use convert::{Failed, Record, convert};
 pub use driver::Driver;
 pub use line::{Answer, Command, FASTEST, Framer, MAX_LINE, Refusal};
-pub use link::{SimulatedLink, TcpLink, TcpOpening, check_address};
+pub use link::{SimulatedLink, TcpLink, TcpOpening, check_address, connect};
 pub use plugin::Robot;
 pub use program::{Program, approach};
 pub use state::{Event, State, Stopped};

@@ -32,6 +32,19 @@ pub fn check_address(text: &str) -> Result<(), String> {
     }
 }
 
+/// Connects to `HOST:PORT`, which takes at most `longest`.
+///
+/// # Errors
+/// There is no such address, or nobody accepts there; the text names the address.
+pub fn connect(to: &str, longest: Duration) -> Result<TcpStream, String> {
+    let refused = |e: std::io::Error| format!("{to}: {}", hal_output::reason(&e));
+    let address = to.to_socket_addrs().map_err(refused)?.next();
+    let address = address.ok_or_else(|| format!("{to}: no such address"))?;
+    let stream = TcpStream::connect_timeout(&address, longest).map_err(refused)?;
+    stream.set_nodelay(true).map_err(refused)?;
+    Ok(stream)
+}
+
 /// Connection that a thread makes. Aborted, it ends with EXIT, whenever it comes: a controller that accepts it would move the
 /// robot.
 #[derive(Debug)]
@@ -97,7 +110,7 @@ impl Drop for TcpOpening {
 }
 
 /// Returns what a mutex holds, whatever happened to another holder.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -108,16 +121,13 @@ pub struct TcpLink {
 }
 
 impl TcpLink {
-    /// Connects to `HOST:PORT`, which takes at most `longest`. An exchange then waits at most `tick`.
+    /// Connects as [`connect`] does. An exchange then waits at most `tick`.
     ///
     /// # Errors
-    /// There is no such address, or nobody accepts there; the text names the address.
+    /// Those of [`connect`].
     pub fn connect(to: &str, longest: Duration, tick: Duration) -> Result<Self, String> {
         let refused = |e: std::io::Error| format!("{to}: {}", hal_output::reason(&e));
-        let address = to.to_socket_addrs().map_err(refused)?.next();
-        let address = address.ok_or_else(|| format!("{to}: no such address"))?;
-        let stream = TcpStream::connect_timeout(&address, longest).map_err(refused)?;
-        stream.set_nodelay(true).map_err(refused)?;
+        let stream = connect(to, longest)?;
         stream.set_read_timeout(Some(tick)).map_err(refused)?;
         stream.set_write_timeout(Some(WRITE)).map_err(refused)?;
         Ok(Self { stream: Arc::new(stream) })

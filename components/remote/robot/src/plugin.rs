@@ -27,7 +27,7 @@ use hal_component::{
 };
 use orders::Inbox;
 use report::Report;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use worker::{Halt, Settings, Worker};
 
 /// Period of the worker, in nanoseconds.
@@ -159,11 +159,6 @@ fn dimensions(b: &mut Builder<'_>, volume: &Volume) -> Result<(), Error> {
         let _: ParamRo<f64> = b.item(&format!("robot.sign-{n}"), doc, *sign)?;
     }
     Ok(())
-}
-
-/// Returns what a mutex holds, whatever happened to another holder.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

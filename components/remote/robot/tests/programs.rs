@@ -1,47 +1,17 @@
 //! The programs over a socket of this machine.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+mod sim;
+
+use sim::Sim;
 use std::{
-    io::{BufRead as _, BufReader, Read as _, Write as _},
+    io::{Read as _, Write as _},
     net::TcpStream,
-    process::{Child, ChildStdout, Command, Output, Stdio},
+    process::{Command, Output, Stdio},
 };
 
-/// Simulated robot, and its address.
-struct Sim {
-    child: Child,
-    out: BufReader<ChildStdout>,
-    address: String,
-}
-
-impl Sim {
-    fn new(more: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_halrobotsim"))
-            .args(["--listen", "127.0.0.1:0", "--fast", "20"])
-            .args(more)
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut out = BufReader::new(child.stdout.take().unwrap());
-        let mut line = String::new();
-        out.read_line(&mut line).unwrap();
-        let address = line.trim().strip_prefix("listening at ").unwrap().to_owned();
-        Self { child, out, address }
-    }
-
-    fn line(&mut self) -> String {
-        let mut line = String::new();
-        self.out.read_line(&mut line).unwrap();
-        line.trim().to_owned()
-    }
-}
-
-impl Drop for Sim {
-    fn drop(&mut self) {
-        drop(self.child.kill());
-        drop(self.child.wait());
-    }
-}
+/// 20 simulated seconds in a second.
+const FAST: &[&str] = &["--fast", "20"];
 
 fn halrobot(words: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_halrobot"));
@@ -66,7 +36,7 @@ fn each_program_states_its_version() {
 
 #[test]
 fn a_program_runs_with_faults() {
-    let mut sim = Sim::new(&["--lost", "0.02", "--doubled", "0.1"]);
+    let mut sim = Sim::new(&[FAST, &["--lost", "0.02", "--doubled", "0.1"]].concat());
     let file = scratch("run", "G0 Z10\nX5 Y5\nG1 Z0 F300\nG2 X15 Y5 R5\nG0 Z10\n");
     let output = halrobot(&[&file, "--to", &sim.address, "--timeout", "0.3"]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -82,7 +52,7 @@ fn a_program_runs_with_faults() {
 
 #[test]
 fn what_leaves_the_volume_is_refused_and_nothing_moves() {
-    let mut sim = Sim::new(&[]);
+    let mut sim = Sim::new(FAST);
     let file = scratch("far", "G0 X1\nG0 X400\n");
     let output = halrobot(&[&file, "--to", &sim.address]);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -101,7 +71,7 @@ fn what_leaves_the_volume_is_refused_and_nothing_moves() {
 
 #[test]
 fn a_second_client_is_told_that_the_robot_is_busy() {
-    let sim = Sim::new(&[]);
+    let sim = Sim::new(FAST);
     let mut first = TcpStream::connect(&sim.address).unwrap();
     let mut greeting = [0; 10];
     first.read_exact(&mut greeting).unwrap();

@@ -113,17 +113,18 @@ fn a_file_is_sent_line_by_line() {
 fn what_a_controller_refuses_or_does_not_answer_is_named() {
     let file = Scratch::new("refused.txt", "A\nB\nC\n");
     let name = file.name();
-    for (answers, wanted, sent) in [
+    for (answers, timeout, wanted, sent) in [
         (
             ["done\r\n", "error range\r\n", ""],
+            "300",
             "! NAME: line 2: the controller has refused it: error range\n",
             2,
         ),
-        (["done\r\n", "", ""], "! NAME: line 2: no answer to B within 0.3 s\n", 2),
-        (["ok\r\n", "busy\r\nok\r\n", "ok\r\n"], "# NAME: 3 lines sent\n", 3),
+        ([""; 3], "0.3", "! NAME: line 1: no answer to A within 0.3 s\n", 1),
+        (["ok\r\n", "busy\r\nok\r\n", "ok\r\n"], "300", "# NAME: 3 lines sent\n", 3),
     ] {
         let (address, served) = serve("", move |n, _| answers[n].to_owned());
-        let words = ["--to", &address, "--timeout", "0.3", "--answer", "done", "--answer", "ok"];
+        let words = ["--to", &address, "--timeout", timeout, "--answer", "done", "--answer", "ok"];
         let output = talk(&words, &format!(":send {name}\n"));
         let log = text(&output.stdout);
         assert!(log.ends_with(&wanted.replace("NAME", &name)), "{log}");
@@ -213,23 +214,29 @@ fn until(near: &mut File, seen: &mut String, wanted: &str) {
     }
 }
 
-fn person(words: &[&str], far: &OwnedFd) -> Child {
+fn person(words: &[&str], (name, value): (&str, &str), far: &OwnedFd) -> Child {
     let mut command = halrobot(words);
-    command.env("TERM", "xterm").env_remove("NO_COLOR");
+    command.env("TERM", "xterm").env_remove("NO_COLOR").env(name, value);
     command.stdin(far.try_clone().unwrap()).stdout(far.try_clone().unwrap());
     command.spawn().unwrap()
 }
 
 #[test]
 fn a_person_sees_colours_and_has_a_history_that_is_kept() {
-    let history = Scratch::new("history", "");
-    std::fs::remove_file(&history.0).unwrap();
+    let state = std::env::temp_dir().join(format!("halrobot-state-{}", std::process::id()));
+    let (state, history) = (state.display().to_string(), state.join("ferrule/robot-history"));
+    let history = history.display().to_string();
     for round in 0..2 {
         let (address, served) = serve("", |_, line| {
             if line == "bad" { "error unknown\r\n" } else { "done\r\n" }.to_owned()
         });
         let (mut near, far, _) = terminal();
-        let mut child = person(&["--to", &address, "--history", &history.name()], &far);
+        // The file of the user's state folder, and then the same one by its name.
+        let mut child = if round == 0 {
+            person(&["--to", &address], ("XDG_STATE_HOME", &state), &far)
+        } else {
+            person(&["--to", &address, "--history", &history], ("NO_COLOR", "1"), &far)
+        };
         let mut seen = String::new();
         until(&mut near, &mut seen, "robot: ");
         if round == 0 {
@@ -242,7 +249,8 @@ fn a_person_sees_colours_and_has_a_history_that_is_kept() {
         } else {
             // Four lines up, in a terminal of its own.
             near.write_all(b"\x1b[A\x1b[A\x1b[A\x1b[A\r").unwrap();
-            until(&mut near, &mut seen, "\x1b[31m< done\x1b[0m");
+            until(&mut near, &mut seen, "< done");
+            assert!(!seen.contains("\x1b[31m"), "{seen:?}");
         }
         near.write_all(b":quit\r").unwrap();
         // The line is read to its end, or the program would wait for room.
@@ -256,4 +264,5 @@ fn a_person_sees_colours_and_has_a_history_that_is_kept() {
         let wanted: &[&str] = if round == 0 { &["hello", "bad"] } else { &["hello"] };
         assert_eq!(served.join().unwrap(), wanted);
     }
+    std::fs::remove_dir_all(state).unwrap();
 }

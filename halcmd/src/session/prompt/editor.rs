@@ -1,8 +1,8 @@
 //! The line editor: keys, history and colours. It requests everything else from the session's
 //! thread.
 
-use super::{Event, Order, aside, history};
-use crate::{language::table, manual::complete::Completion, terminal::colour};
+use super::{Event, Order, aside};
+use crate::{language::table, manual::complete::Completion};
 use rustyline::{
     Cmd, CompletionType, ConditionalEventHandler, Config, Context, Editor, EventContext,
     EventHandler, Helper, KeyEvent, RepeatCount,
@@ -17,6 +17,7 @@ use rustyline::{
 use std::{
     borrow::Cow,
     cell::Cell,
+    path::Path,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -37,7 +38,7 @@ pub(super) fn run(
     answers: Receiver<Completion>,
     local: bool,
 ) {
-    let coloured = colour::wanted(std::io::stdout());
+    let coloured = hal_output::is_coloured(std::io::stdout());
     let assistant = Assistant { say: say.clone(), answers, coloured, begun: Cell::new(true) };
     let Ok(mut editor) = editor(assistant, coloured) else {
         drop(say.send(Event::End));
@@ -53,7 +54,7 @@ pub(super) fn run(
     if let Ok(printer) = editor.create_external_printer() {
         aside::print_with(printer);
     }
-    let history = history::file();
+    let history = hal_output::state_file("history");
     if let Some(file) = &history {
         // The first time, there is no file.
         drop(editor.load_history(file));
@@ -66,7 +67,7 @@ pub(super) fn run(
             Ok(line) => {
                 let new = !line.trim().is_empty() && editor.add_history_entry(&line).is_ok();
                 if let (true, Some(file)) = (new, &history) {
-                    history::keep(&mut editor, file);
+                    keep(&mut editor, file);
                 }
                 Event::Line(line)
             }
@@ -80,6 +81,13 @@ pub(super) fn run(
             return;
         }
     }
+}
+
+/// Appends the last line, keeping lines that other prompts have appended. Errors are ignored,
+/// because a missing history should not stop the prompt.
+fn keep(editor: &mut Editor<Assistant, FileHistory>, file: &Path) {
+    let kept = if file.exists() { editor.append_history(file) } else { editor.save_history(file) };
+    drop(kept);
 }
 
 fn editor(

@@ -1,6 +1,6 @@
 //! The printer, and a browser that shows its panel.
 
-use super::printer::Printer;
+use super::printer::{LASTING, Printer};
 use hal_tests::{
     browser::{Browser, Screen},
     scratch::until,
@@ -43,9 +43,7 @@ impl Fixture {
     /// Starts the robot behind its own controller and its panel, and opens the page. `None` where there is no browser.
     pub(super) fn robot(screen: Screen) -> Option<Self> {
         Browser::is_there().then_some(())?;
-        // A computer that tests keep busy answers late, as in `Printer::begin`.
-        let lease = "loadrt remote motion=0 lease_timeout=60\naddf remote servo 1\n";
-        let printer = Printer::robot("integrator", lease);
+        let printer = Printer::robot("integrator", LASTING);
         let browser = Browser::open(&printer.scratch, screen);
         browser.go(&printer.address());
         browser.until("document.querySelector('#robot-state')?.textContent");

@@ -11,6 +11,8 @@ use std::{fs, path::Path};
 
 /// INI file of the machine, with the entries of the test.
 const INI: &str = "machine.ini";
+/// Lines of the robot's machine for a lease that lasts where a computer that tests keep busy answers late.
+pub(super) const LASTING: &str = "loadrt remote motion=0 lease_timeout=60\naddf remote servo 1\n";
 
 /// The machine and the panel; both end with it.
 #[derive(Debug)]

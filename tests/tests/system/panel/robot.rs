@@ -1,10 +1,15 @@
 //! The page of a robot behind its own controller: the arm, the run and its stops, the lease.
 
-use super::{fixture::Fixture, printer::Printer};
+use super::{
+    fixture::Fixture,
+    printer::{LASTING, Printer},
+};
 use hal_tests::{
     browser::{DESKTOP, PHONE},
     scratch::until,
+    web::Socket,
 };
+use serde_json::{Value, json};
 
 /// Returns a condition on the state that the page shows.
 fn is(state: &str) -> String {
@@ -48,6 +53,71 @@ fn the_lease_reaches_a_robot_without_motion() {
     let functs = printer.halcmd("show thread");
     let at = |name: &str| functs.lines().position(|line| line.trim_end().ends_with(name)).unwrap();
     assert!(at(" remote") < at(" robot"), "{functs}");
+}
+
+/// Sends a message that must not be refused; returns its reply.
+fn sent(socket: &mut Socket, message: Value) -> Value {
+    let text = message.to_string();
+    let reply = socket.ask(message);
+    assert!(reply["ok"].is_object(), "{text}: {reply}");
+    reply
+}
+
+fn lease(socket: &mut Socket, what: &str) {
+    sent(socket, json!({ "type": "lease", "do": what }));
+}
+
+/// Executes a command of the robot; to its end, unless that is the end of a connection, a run or a move.
+fn robot(socket: &mut Socket, what: &str) {
+    let args = if what == "load" { json!({ "program": "part.nc" }) } else { json!({}) };
+    let name = format!("robot-{what}");
+    let reply = sent(socket, json!({ "type": "command", "name": name, "args": args }));
+    if !["connect", "run", "pause"].contains(&what) {
+        assert_eq!(reply["pending"], true, "{name}: {reply}");
+        let done = socket.wait(|m| m["type"] == "done" && m["id"] == reply["id"]).unwrap();
+        assert!(done["ok"].is_object(), "{name}: {done}");
+    }
+}
+
+/// Waits until a pin has a value, and answers the panel's pulses meanwhile.
+fn shows(socket: &mut Socket, pin: &str, value: bool) {
+    socket.send(&json!({ "type": "watch", "names": [pin] }));
+    let has = |m: &Value| m["values"][pin]["bit"] == value;
+    assert!(socket.wait(has).is_some(), "{pin} does not become {value}");
+}
+
+#[test]
+fn a_lost_lease_holds_a_connection_and_one_resume_ends_a_hold_and_a_pause() {
+    let printer = Printer::robot("operator", LASTING);
+    printer.halcmd("iocontrol.estop-reset --wait");
+    let mut socket = printer.sign_in().socket();
+    let socket = &mut socket;
+    // The greeting is late, so that the connection is not ready before the lease is lost.
+    printer.halcmd("setp robot.sim.delay 3600");
+    lease(socket, "take");
+    robot(socket, "connect");
+    shows(socket, "robot.connecting", true);
+    lease(socket, "give");
+    shows(socket, "robot.hold", true);
+    robot(socket, "stop");
+    shows(socket, "robot.hold", false);
+
+    printer.halcmd("setp robot.sim.delay 0");
+    lease(socket, "take");
+    robot(socket, "connect");
+    shows(socket, "robot.ready", true);
+    robot(socket, "load");
+    robot(socket, "run");
+    robot(socket, "pause");
+    shows(socket, "robot.paused", true);
+    lease(socket, "give");
+    shows(socket, "robot.hold", true);
+    lease(socket, "take");
+    robot(socket, "resume");
+    shows(socket, "robot.running", true);
+    assert_eq!(printer.halcmd("getp robot.hold").trim(), "FALSE");
+    robot(socket, "stop");
+    shows(socket, "robot.stopped", true);
 }
 
 #[test]

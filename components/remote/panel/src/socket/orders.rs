@@ -34,27 +34,9 @@ const STARTS: &[&str] = &[
     "robot-run",
     "robot-resume",
 ];
-/// Commands that begin motion or the power of it: refused while the machine's wiring permits no motion from afar.
-const WORK: &[&str] = &[
-    "run",
-    "confirm",
-    "resume",
-    "step",
-    "mdi",
-    "home",
-    "touch-off",
-    "tool-offset",
-    "align-go",
-    "jog",
-    "on",
-    "estop-reset",
-    "spindle",
-    "override-limits",
-    "tool-changed",
-    "robot-connect",
-    "robot-run",
-    "robot-resume",
-];
+/// Further commands that begin motion or the power of it: refused, as those are, while the machine's wiring permits no motion
+/// from afar.
+const POWERS: &[&str] = &["jog", "on", "estop-reset", "spindle", "override-limits", "tool-changed"];
 /// Commands that end work: orders of which a part has not been sent end too.
 const ENDS: &[&str] = &["abort", "estop", "off", "pause", "robot-stop", "robot-pause"];
 /// State of the interpreter in the task's status that waits in a pause.
@@ -66,8 +48,12 @@ const TOOL_CHANGE: (&str, &str) = ("hal_manualtoolchange.change", "remote.tool-c
 /// Pin of the plugin that answers a tool change (its command has the same name), with the signal and the button.
 const TOOL_CHANGED: (&str, &str, &str) =
     ("remote.tool-changed", "remote-tool-changed", "hal_manualtoolchange.change_button");
+/// Pin of a robot behind its own controller that holds its run.
+const ROBOT_HOLD: &str = "robot.hold";
 /// Time between two looks at a command that has not ended.
 const LOOK: Duration = Duration::from_millis(50);
+/// Largest number of looks at a hold whose end is on its way.
+const MAX_LOOKS: u32 = 100;
 
 /// A client that has given a command.
 pub(super) struct Order {
@@ -170,7 +156,8 @@ impl Order {
         }
         let ends_spindle =
             name == "spindle" && args.get("speed").and_then(Json::as_f64) == Some(0.0);
-        if WORK.contains(&name) && !ends_spindle && !self.panel.heart.allowed.load(Relaxed) {
+        let begins = STARTS.contains(&name) || (POWERS.contains(&name) && !ends_spindle);
+        if begins && !self.panel.heart.allowed.load(Relaxed) {
             return Err(not_allowed());
         }
         let (given, lease) = (Input { args, is_inch: self.panel.is_inch }, lease.unwrap_or(0));
@@ -193,8 +180,9 @@ impl Order {
         }
         let stops = engine.stops();
         // A program that is held, and not paused, goes on by the release alone.
-        let resumes = (name == "resume" && !self.is_paused()) || name == "robot-resume";
-        let released = resumes && self.panel.heart.hold.load(Relaxed);
+        let is_enough =
+            name == "resume" && self.panel.heart.hold.load(Relaxed) && !self.is_paused();
+        let is_held = name == "robot-resume" && self.is_on(ROBOT_HOLD).await?;
         if STARTS.contains(&name) {
             let mut args = vec![format!("lease={lease}")];
             if matches!(name, "resume" | "robot-resume") {
@@ -203,8 +191,11 @@ impl Order {
             let start = Request::Command { name: "remote.start".to_owned(), args };
             engine.call_unless_stopped(start, stops).await?;
         }
-        if released {
+        if is_enough {
             return Ok(json!({ "lines": [] }));
+        }
+        if is_held {
+            self.let_go().await?;
         }
         let mut lines = Vec::new();
         let mut pending = None;
@@ -225,6 +216,24 @@ impl Order {
             self.follow(id, ticket);
         }
         Ok(ok)
+    }
+
+    /// Waits until the end of a hold has reached the robot, which resumes nothing before. A hold by another lasts: the robot
+    /// then refuses to resume.
+    async fn let_go(&self) -> Result<(), Error> {
+        for _ in 0..MAX_LOOKS {
+            sleep(LOOK).await;
+            if !self.is_on(ROBOT_HOLD).await? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns whether there is a pin of this name, and it is TRUE.
+    async fn is_on(&self, pin: &str) -> Result<bool, Error> {
+        let values = values::read(&self.panel.engine, &[pin.to_owned()]).await?;
+        Ok(values.get(pin) == Some(&json!({ "bit": true })))
     }
 
     /// Returns whether the task waits in a pause.
@@ -292,10 +301,7 @@ impl Order {
         let pressed = engine.call(pressed).await.map(|_| json!({ "lines": [] }));
         if is_linked_here {
             // A person at the machine may set the button too.
-            let button = TOOL_CHANGED.0.to_owned();
-            while values::read(engine, std::slice::from_ref(&button)).await?.get(&button)
-                == Some(&json!({ "bit": true }))
-            {
+            while self.is_on(TOOL_CHANGED.0).await? {
                 sleep(LOOK).await;
             }
             engine.call(Request::Unlink { pin: TOOL_CHANGED.2.to_owned() }).await?;

@@ -10,14 +10,8 @@ macro_rules! causes {
         pub(crate) enum Cause { $(#[doc = $doc] $name,)* }
 
         impl Cause {
-            /// Returns the number at the pin `error`.
-            pub(crate) const fn number(self) -> i32 {
-                match self { $(Self::$name => $number,)* }
-            }
-
-            /// Returns the text, with a place for the number of the line.
-            pub(crate) const fn text(self) -> &'static str {
-                match self { $(Self::$name => $text,)* }
+            const fn row(self) -> (i32, &'static str) {
+                match self { $(Self::$name => ($number, $text),)* }
             }
         }
     };
@@ -39,6 +33,16 @@ causes! {
 }
 
 impl Cause {
+    /// Returns the number at the pin `error`.
+    pub(crate) const fn number(self) -> i32 {
+        self.row().0
+    }
+
+    /// Returns the text, with a place for the number of the line.
+    pub(crate) const fn text(self) -> &'static str {
+        self.row().1
+    }
+
     /// Returns the reason that a driver gives.
     pub(crate) const fn of(stopped: &Stopped) -> Self {
         match stopped {

@@ -1,6 +1,7 @@
 //! Commands `robot.*`.
 
-use super::{gate::Shared, lock, report::Report};
+use super::{gate::Shared, report::Report};
+use crate::link::lock;
 use hal_component::{Arg, Builder, Call, Error, TicketHandle, abi::ArgSpec};
 use std::{
     path::PathBuf,
@@ -36,13 +37,10 @@ impl RobotOrder {
     }
 }
 
-/// Orders that wait, each with the tickets that tell their ends.
-#[derive(Debug, Default)]
-pub(crate) struct Inbox {
-    pub(crate) orders: Vec<Waiting>,
-}
+/// Orders that wait.
+pub(crate) type Inbox = Vec<Waiting>;
 
-/// Order that waits.
+/// Order that waits, with the ticket that tells its end.
 #[derive(Debug)]
 pub(crate) struct Waiting {
     pub(crate) order: RobotOrder,
@@ -124,14 +122,14 @@ pub(crate) fn open(
             if order.begins_a_move() && shared.loads.load(Relaxed) {
                 return Err(Error::new("a program is being loaded: wait until it is"));
             }
-            if inbox.orders.len() >= MAX_WAITING && order != RobotOrder::Stop {
+            if inbox.len() >= MAX_WAITING && order != RobotOrder::Stop {
                 return Err(Error::new("too many commands wait for the worker of robot"));
             }
             // What ends at once must not be refused unseen.
             let ends_at_once =
                 matches!(order, RobotOrder::Load(_) | RobotOrder::Resume | RobotOrder::Disconnect);
             let ticket = if ends_at_once { call.awaited_ticket()? } else { call.ticket()? };
-            inbox.orders.push(Waiting { order, ticket, since: clock.now_ns() });
+            inbox.push(Waiting { order, ticket, since: clock.now_ns() });
             Ok(())
         })?;
     }

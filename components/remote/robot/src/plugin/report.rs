@@ -1,24 +1,21 @@
 //! The state as lines, and as JSON.
 
-use crate::Zero;
+use super::cause::Cause;
+use crate::{Program, Zero};
 use serde_json::{Value as Json, json};
+use std::sync::Arc;
 
 /// Answer of `robot.status`.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub(crate) struct Report {
     /// Name of the state; empty before the first step.
     pub(crate) state: &'static str,
-    /// File of the program; empty without one.
-    pub(crate) file: String,
-    /// Number of lines to the robot.
-    pub(crate) lines: usize,
+    pub(crate) program: Option<Arc<Program>>,
     /// Number of the first line that is not known to be executed.
     pub(crate) line: usize,
-    /// Line to the robot with that number.
-    pub(crate) command: String,
     pub(crate) zero: Option<Zero>,
-    pub(crate) warnings: Vec<String>,
-    /// Last problem; empty without one.
+    pub(crate) cause: Option<Cause>,
+    /// Text of the last problem; empty without one.
     pub(crate) problem: String,
 }
 
@@ -29,25 +26,46 @@ impl Report {
         if let Some([x, y, z]) = self.zero {
             out.push(format!("part zero {x:.3} {y:.3} {z:.3}"));
         }
-        if !self.file.is_empty() {
-            let Self { file, line, lines, command, .. } = self;
-            out.push(
-                format!("program {file}: line {line} of {lines} {command}").trim_end().to_owned(),
-            );
+        if let Some(program) = &self.program {
+            let (file, lines) = (program.file.display(), program.records.len());
+            let text = format!("program {file}: line {} of {lines} {}", self.line, self.command());
+            out.push(text.trim_end().to_owned());
+            out.extend(program.warnings.iter().map(|warning| format!("warning: {warning}")));
         }
-        out.extend(self.warnings.iter().map(|warning| format!("warning: {warning}")));
-        if !self.problem.is_empty() {
-            out.push(format!("problem: {}", self.problem));
+        let problem = self.problem();
+        if !problem.is_empty() {
+            out.push(format!("problem: {problem}"));
         }
         out
     }
 
     /// Returns an object for programs.
     pub(crate) fn json(&self) -> Json {
-        let Self { state, file, lines, line, command, zero, warnings, problem } = self;
+        let program = self.program.as_deref();
         json!({
-            "state": state, "file": file, "lines": lines, "line": line, "command": command, "zero": zero,
-            "warnings": warnings, "problem": problem,
+            "state": self.state,
+            "file": program.map(|p| p.file.display().to_string()).unwrap_or_default(),
+            "lines": program.map_or(0, |p| p.records.len()),
+            "line": self.line,
+            "command": self.command(),
+            "zero": self.zero,
+            "warnings": program.map_or(&[][..], |p| &p.warnings),
+            "problem": self.problem(),
         })
+    }
+
+    /// Returns the line to the robot that is not known to be executed; empty without one.
+    fn command(&self) -> String {
+        let record = self.program.as_ref().and_then(|program| program.records.get(self.line));
+        record.map(|record| record.command.to_string()).unwrap_or_default()
+    }
+
+    /// Returns the last problem; empty without one.
+    fn problem(&self) -> String {
+        match (self.cause, self.problem.as_str()) {
+            (Some(cause), "") => cause.with(self.line),
+            (None | Some(Cause::Unreachable), problem) => problem.to_owned(),
+            (Some(cause), problem) => format!("{}; {problem}", cause.with(self.line)),
+        }
     }
 }

@@ -37,7 +37,7 @@ pub(crate) struct Session {
     thread: Weak<Mutex<bool>>,
     /// Controller of the instance; `None` where it is a real one.
     pub(super) simulated: Option<SimulatedLink>,
-    pub(super) program: Option<Program>,
+    pub(super) program: Option<Arc<Program>>,
     volume: Volume,
     /// Reason of an end, where it is not the driver's.
     pub(super) cause: Option<Cause>,
@@ -85,7 +85,7 @@ impl Session {
     }
 
     /// Returns whether a run is in progress.
-    pub(crate) const fn is_busy(&self) -> bool {
+    pub(crate) const fn runs(&self) -> bool {
         matches!(self.driver.state(), State::Running | State::Paused)
     }
 
@@ -229,9 +229,6 @@ impl Session {
             (Link::None | Link::Opening(_) | Link::Simulated, None) => {}
         }
         self.events();
-        if self.is_busy() {
-            self.line = self.driver.next_line();
-        }
         if !self.is_driven() && !self.is_opening() {
             let is_lost = self.driver.state() == State::Closed && !matches!(self.link, Link::None);
             self.cause = self.cause.or_else(|| is_lost.then_some(Cause::Lost));
@@ -280,7 +277,7 @@ impl Session {
 
     /// Loads a program for the part zero of this connection.
     pub(crate) fn load(&mut self, path: &Path, speed: f64, tool: f64) -> Result<&[String], String> {
-        if self.is_busy() {
+        if self.runs() {
             return Err("a run is in progress".to_owned());
         }
         let zero = self.driver.zero().filter(|_| self.driver.state() == State::Ready);
@@ -293,7 +290,7 @@ impl Session {
             Ok(program) => {
                 self.volume = volume;
                 self.problem.clear();
-                Ok(&self.program.insert(program).warnings)
+                Ok(&self.program.insert(Arc::new(program)).warnings)
             }
             Err(why) => {
                 self.problem.clone_from(&why);
@@ -310,7 +307,7 @@ impl Session {
         tool: f64,
         now: f64,
     ) -> Result<(), String> {
-        if self.is_busy() {
+        if self.runs() {
             return Err("a run is in progress".to_owned());
         }
         let program = self.program.as_ref().ok_or("there is no program: robot.load first")?;
@@ -348,7 +345,7 @@ impl Session {
 
     /// Pauses the run, or ends a pause.
     pub(crate) fn pause(&mut self, is_paused: bool) -> Result<(), String> {
-        if !self.is_busy() {
+        if !self.runs() {
             return Err("no run is in progress".to_owned());
         }
         self.is_paused = is_paused;
@@ -357,7 +354,7 @@ impl Session {
 
     /// Ends a connection while nothing runs.
     pub(crate) fn disconnect(&mut self, now: f64) -> Result<(), String> {
-        if self.is_busy() {
+        if self.runs() {
             return Err("a run is in progress: robot.stop ends it".to_owned());
         }
         self.give_up(None, now);

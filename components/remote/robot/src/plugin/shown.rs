@@ -34,7 +34,7 @@ impl Session {
             ready: state == State::Ready,
             running: state == State::Running,
             paused: self.is_at_rest(),
-            busy: self.is_busy() || self.is_connecting(),
+            busy: self.runs() || self.is_connecting(),
             connecting: self.is_connecting(),
             ended: state == State::Ended && cause.is_none(),
             stopped: cause.is_some(),
@@ -79,18 +79,8 @@ impl Session {
             (None, State::Paused) => "paused",
             (None, State::Ended) => "ended",
         };
-        report.zero = self.zero;
-        report.line = self.line;
-        let program = self.program.as_ref();
-        report.lines = program.map_or(0, |p| p.records.len());
-        report.file = program.map(|p| p.file.display().to_string()).unwrap_or_default();
-        report.warnings = program.map(|p| p.warnings.clone()).unwrap_or_default();
-        let record = program.and_then(|p| p.records.get(self.line));
-        report.command = record.map(|r| r.command.to_string()).unwrap_or_default();
-        report.problem = match (self.cause(), self.problem.as_str()) {
-            (Some(cause), "") => cause.with(self.line),
-            (None | Some(Cause::Unreachable), problem) => problem.to_owned(),
-            (Some(cause), problem) => format!("{}; {problem}", cause.with(self.line)),
-        };
+        (report.zero, report.line, report.cause) = (self.zero, self.line, self.cause());
+        report.program.clone_from(&self.program);
+        report.problem.clone_from(&self.problem);
     }
 }

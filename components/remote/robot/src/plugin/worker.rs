@@ -3,13 +3,12 @@
 use super::{
     cause::Cause,
     gate::{Ends, Shared, press},
-    lock,
     orders::{Inbox, RobotOrder, Waiting},
     pins::{Results, SimInputs, SimResults},
     report::Report,
     session::Session,
 };
-use crate::{State, Volume};
+use crate::{State, Volume, link::lock};
 use arc_swap::ArcSwapOption;
 use hal_component::{
     Builder, Clock, Error, Messages, ParamRw, SeqReader, SeqWriter, Texts, TicketHandle, Touch,
@@ -74,6 +73,21 @@ struct Pending {
     pause: Option<TicketHandle>,
     /// Tickets whose ends are known, and are reported once the pins show them.
     ended: Vec<(TicketHandle, Result<(), &'static str>)>,
+}
+
+impl Pending {
+    /// Returns the place for the ticket of an order that takes time.
+    const fn of(&mut self, order: &RobotOrder) -> Option<&mut Option<TicketHandle>> {
+        match order {
+            RobotOrder::Connect => Some(&mut self.connect),
+            RobotOrder::Run(_) => Some(&mut self.run),
+            RobotOrder::Pause => Some(&mut self.pause),
+            RobotOrder::Disconnect
+            | RobotOrder::Load(_)
+            | RobotOrder::Resume
+            | RobotOrder::Stop => None,
+        }
+    }
 }
 
 /// The worker.
@@ -194,9 +208,7 @@ impl Worker {
     ) {
         let (speed, tool) = (self.cutting_speed.get(), self.tool_length.get());
         let done = match order {
-            RobotOrder::Run(_) | RobotOrder::Resume | RobotOrder::Connect
-                if self.shared.hold.load(Relaxed) =>
-            {
+            _ if order.begins_a_move() && self.shared.hold.load(Relaxed) => {
                 Err("robot.hold is TRUE".to_owned())
             }
             RobotOrder::Connect => self
@@ -221,15 +233,6 @@ impl Worker {
                 Ok(())
             }
         };
-        let waits = match order {
-            RobotOrder::Connect => Some(&mut self.pending.connect),
-            RobotOrder::Run(_) => Some(&mut self.pending.run),
-            RobotOrder::Pause => Some(&mut self.pending.pause),
-            RobotOrder::Disconnect
-            | RobotOrder::Load(_)
-            | RobotOrder::Resume
-            | RobotOrder::Stop => None,
-        };
         let done = done.map_err(|why| self.texts.keep(&why));
         let Some(ticket) = ticket else {
             if let Err(why) = done {
@@ -237,6 +240,8 @@ impl Worker {
             }
             return;
         };
+        let waits = self.pending.of(order);
+        let takes_time = waits.is_some();
         if let (Ok(()), Some(waits)) = (done, waits) {
             if let Some(before) = waits.replace(ticket) {
                 before.fail("another command of this kind has followed");
@@ -244,7 +249,7 @@ impl Worker {
             return;
         }
         if let Err(why) = done
-            && matches!(order, RobotOrder::Run(_) | RobotOrder::Pause | RobotOrder::Connect)
+            && takes_time
             && !(*order == RobotOrder::Connect && self.session.cause() == Some(Cause::Unreachable))
         {
             // Perhaps nobody waits for the ticket. A connection that fails is logged as such.
@@ -268,11 +273,11 @@ impl Worker {
         let state = self.session.driver.state();
         let cause = self.session.cause();
         let number = self.session.line() as f64;
-        let (connected, run) = (self.session.is_connected(), self.session.is_busy());
+        let (connected, run) = (self.session.is_connected(), self.session.runs());
         let why = match cause {
             Some(Cause::Unreachable) => self.texts.keep(self.session.problem()),
             Some(cause) => cause.text(),
-            None => "the controller has closed the connection",
+            None => "robot.disconnect has ended the connection",
         };
         let end = |ticket: &mut Option<TicketHandle>, is_done: bool, is_over: bool| {
             if !is_done && !is_over {
@@ -322,7 +327,7 @@ impl Work for Worker {
             self.session.end_with_instance(now);
         }
         self.guard(now);
-        let orders = core::mem::take(&mut lock(&self.inbox).orders);
+        let orders = core::mem::take(&mut *lock(&self.inbox));
         for Waiting { order, ticket, since } in orders {
             if order.begins_a_move() && clock.now_ns() - since > PATIENCE_NS {
                 let why = "the order has waited too long for the worker: give it again";

@@ -8,7 +8,6 @@ use rustix::{
 use std::{
     fs::File,
     io::{self, Read, Write},
-    net::{TcpStream, ToSocketAddrs as _},
     path::Path,
     time::Duration,
 };
@@ -24,12 +23,8 @@ pub(crate) struct Device {
 
 /// Connects to `HOST:PORT`.
 pub(crate) fn connect(to: &str) -> Result<Device, String> {
-    let refused = |e: io::Error| format!("{to}: {}", hal_output::reason(&e));
-    let address = to.to_socket_addrs().map_err(refused)?.next();
-    let address = address.ok_or_else(|| format!("{to}: no such address"))?;
-    let stream = TcpStream::connect_timeout(&address, CONNECT).map_err(refused)?;
-    stream.set_nodelay(true).map_err(refused)?;
-    let far = stream.try_clone().map_err(refused)?;
+    let stream = robot::connect(to, CONNECT)?;
+    let far = stream.try_clone().map_err(|e| format!("{to}: {}", hal_output::reason(&e)))?;
     Ok(Device { from: Box::new(far), to: Box::new(stream) })
 }
 

@@ -9,9 +9,8 @@ use rustyline::{
     Editor, ExternalPrinter, config::BellStyle, error::ReadlineError, history::FileHistory,
 };
 use std::{
-    env, fs,
+    fs,
     io::{BufRead as _, ErrorKind, Read, Write as _},
-    os::unix::fs::DirBuilderExt as _,
     path::{Path, PathBuf},
     sync::mpsc::{RecvTimeoutError, Sender, channel},
     thread,
@@ -99,10 +98,13 @@ pub(crate) fn talk(options: &TerminalOptions) -> Result<(), String> {
     let now = || begin.elapsed().as_secs_f64();
     let mut console = Console::new(dialogue, now());
     let (send, receive) = channel();
-    let mut log = Log { printer: None, is_coloured: is_coloured() };
+    let mut log = Log { printer: None, is_coloured: hal_output::is_coloured(std::io::stdout()) };
     receive_from(from, send.clone());
     if is_person {
-        log.printer = Some(type_lines(send, options.history.clone().or_else(history_file))?);
+        log.printer = Some(type_lines(
+            send,
+            options.history.clone().or_else(|| hal_output::state_file("robot-history")),
+        )?);
     } else {
         read_lines(send);
     }
@@ -192,13 +194,6 @@ fn is_terminal(file: impl std::os::fd::AsFd) -> bool {
     rustix::termios::isatty(file)
 }
 
-/// Returns whether standard output shows colours, and its user wants them.
-fn is_coloured() -> bool {
-    let refused = env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-    let is_able = env::var("TERM").is_ok_and(|term| !matches!(term.as_str(), "" | "dumb"));
-    !refused && is_able && is_terminal(std::io::stdout())
-}
-
 /// Receives in a thread of its own.
 fn receive_from(mut from: Box<dyn Read + Send>, send: Sender<Happening>) {
     thread::spawn(move || {
@@ -270,16 +265,6 @@ fn type_lines(
         }
     });
     Ok(Box::new(printer))
-}
-
-/// Returns `ferrule/robot-history` in the user's state folder, which is created if necessary.
-fn history_file() -> Option<PathBuf> {
-    let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
-    let state =
-        absolute("XDG_STATE_HOME").or_else(|| Some(absolute("HOME")?.join(".local/state")))?;
-    let folder = state.join("ferrule");
-    fs::DirBuilder::new().recursive(true).mode(0o700).create(&folder).ok()?;
-    Some(folder.join("robot-history"))
 }
 
 /// Appends the last line, and keeps lines that other terminals have appended. A history that cannot be written stops nobody.

@@ -1,0 +1,32 @@
+//! Terminals: a person at one, colours, and the files of what programs remember for the person.
+
+use std::{env, fs, os::fd::AsFd, os::unix::fs::DirBuilderExt as _, path::PathBuf};
+
+/// Returns whether a person types and reads at a terminal that can move its cursor.
+#[must_use]
+pub fn is_person() -> bool {
+    let is_terminal = rustix::termios::isatty(std::io::stdin());
+    is_terminal && rustix::termios::isatty(std::io::stdout()) && is_able()
+}
+
+/// Returns whether this file descriptor is a terminal that shows colours, and its user wants them.
+#[must_use]
+pub fn is_coloured(fd: impl AsFd) -> bool {
+    let refused = env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
+    !refused && rustix::termios::isatty(fd) && is_able()
+}
+
+fn is_able() -> bool {
+    env::var("TERM").is_ok_and(|term| !matches!(term.as_str(), "" | "dumb"))
+}
+
+/// Returns `ferrule/NAME` in the user's state folder, which it creates if necessary. Returns `None` without a home folder.
+#[must_use]
+pub fn state_file(name: &str) -> Option<PathBuf> {
+    let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    let state =
+        absolute("XDG_STATE_HOME").or_else(|| Some(absolute("HOME")?.join(".local/state")))?;
+    let folder = state.join("ferrule");
+    fs::DirBuilder::new().recursive(true).mode(0o700).create(&folder).ok()?;
+    Some(folder.join(name))
+}
