@@ -1,4 +1,5 @@
-/* Homing of a user with faults, by the pin bad.fault: joint 0 goes 10 units in positive direction and is homed there at 5. */
+/* Homing of a user with faults, by the pin bad.fault: joint 0 goes 10 units in positive direction and is homed there at 5.
+ * A second joint is never homed. */
 #include "rtapi.h"
 #include "rtapi_app.h"
 #include "rtapi_math.h"
@@ -27,6 +28,8 @@ enum fault {
     CRASHES,
     STOPS_LATE,
     NAN_FEEDBACK,
+    MOVES_ANOTHER,
+    RENAMES_ANOTHER,
 };
 
 static struct pins {
@@ -39,7 +42,8 @@ RTAPI_MP_INT(crash, "1: crash as the pins are made; 2: never return from there."
 
 static int component;
 static emcmot_joint_t *joints;
-static bool is_wanted, is_homing, is_homed;
+static bool is_wanted, is_homing, is_homed, is_in_turn;
+static int n_joints;
 
 int rtapi_app_main(void)
 {
@@ -53,7 +57,7 @@ int rtapi_app_main(void)
         hal_exit(component);
         return made;
     }
-    is_wanted = is_homing = is_homed = false;
+    is_wanted = is_homing = is_homed = is_in_turn = false;
     return hal_ready(component);
 }
 
@@ -73,8 +77,9 @@ int homing_init(int id, double servo_period, int n, int n_extra, emcmot_joint_t 
     int made;
     (void)servo_period;
     (void)n_extra;
-    if (n != 1)
+    if (n > 2)
         return -1;
+    n_joints = n;
     if (crash == 1)
         *(volatile int *)8 = 1;
     while (crash == 2)
@@ -84,17 +89,17 @@ int homing_init(int id, double servo_period, int n, int n_extra, emcmot_joint_t 
     return made ? made : hal_pin_bit_newf(HAL_OUT, &pins->homing, id, "joint.0.homing");
 }
 
-static void go(double target, double velocity)
+static void go(int j, double target, double velocity)
 {
-    simple_tp_t *tp = &joints[0].free_tp;
+    simple_tp_t *tp = &joints[j].free_tp;
     tp->pos_cmd = target;
     tp->max_vel = velocity;
     tp->enable = 1;
 }
 
-static void rename_to(double place)
+static void rename_to(int j, double place)
 {
-    emcmot_joint_t *joint = &joints[0];
+    emcmot_joint_t *joint = &joints[j];
     double shift = place - joint->pos_fb;
     joint->pos_cmd += shift;
     joint->pos_fb += shift;
@@ -114,16 +119,24 @@ static void begin(void)
         target = INFINITY;
         break;
     case FAR_AND_FAST:
-        return go(1e9, 1e9);
+        return go(0, 1e9, 1e9);
     case NEGATIVE_VELOCITY:
-        return go(target, -20.0);
+        return go(0, target, -20.0);
     case CRASHES:
         *(volatile int *)8 = 1;
+        break;
+    case MOVES_ANOTHER:
+        if (n_joints > 1)
+            go(1, 30.0, 20.0);
+        break;
+    case RENAMES_ANOTHER:
+        if (n_joints > 1)
+            rename_to(1, 7.0);
         break;
     default:
         break;
     }
-    go(target, 20.0);
+    go(0, target, 20.0);
 }
 
 static void end(void)
@@ -145,25 +158,35 @@ static void end(void)
         break;
     case NEVER_ENDS:
     case KEEPS_ON:
-        go(joint->pos_cmd + (joint->pos_cmd > 5.0 ? -10.0 : 10.0), 20.0);
+        go(0, joint->pos_cmd + (joint->pos_cmd > 5.0 ? -10.0 : 10.0), 20.0);
         return;
     case GIVES_UP:
         is_homing = false;
         return;
     default:
-        rename_to(5.0);
+        rename_to(0, 5.0);
     }
     is_homing = false;
     is_homed = true;
 }
 
+/* Modules for older versions of LinuxCNC have it, before each call of do_homing. */
+void do_homing_sequence(void)
+{
+    is_in_turn = true;
+}
+EXPORT_SYMBOL(do_homing_sequence);
+
 bool do_homing(void)
 {
     emcmot_joint_t *joint = &joints[0];
+    if (!is_in_turn)
+        return false;
+    is_in_turn = false;
     if (*pins->fault == MOVES_UNASKED && is_homed && !is_homing)
-        go(0.0, 20.0);
+        go(0, 0.0, 20.0);
     if (*pins->fault == RENAMES_UNASKED && is_homed && !is_homing)
-        rename_to(7.0);
+        rename_to(0, 7.0);
     if (*pins->fault == NEVER_BEGINS)
         return false;
     if (is_wanted)
@@ -194,7 +217,7 @@ void set_unhomed(int joint, motion_state_t state)
 {
     (void)joint;
     (void)state;
-    if (*pins->fault != CLAIMS)
+    if (*pins->fault != CLAIMS && *pins->fault != RENAMES_UNASKED)
         is_homed = false;
 }
 
@@ -258,27 +281,11 @@ bool get_home_is_idle(int j)
     {                   \
         (void)j;        \
         return false;   \
-    }                   \
-    EXPORT_SYMBOL(name);
+    }
 
 NEVER(get_index_enable)
 NEVER(get_home_needs_unlock_first)
 NEVER(get_home_is_synchronized)
 NEVER(get_homing_at_index_search_wait)
 
-EXPORT_SYMBOL(homeMotFunctions);
-EXPORT_SYMBOL(homing_init);
-EXPORT_SYMBOL(do_homing);
-EXPORT_SYMBOL(get_allhomed);
-EXPORT_SYMBOL(get_homed);
-EXPORT_SYMBOL(get_home_is_idle);
-EXPORT_SYMBOL(get_home_sequence);
-EXPORT_SYMBOL(get_homing);
-EXPORT_SYMBOL(get_homing_is_active);
-EXPORT_SYMBOL(read_homing_in_pins);
-EXPORT_SYMBOL(do_home_joint);
-EXPORT_SYMBOL(do_cancel_homing);
-EXPORT_SYMBOL(set_unhomed);
-EXPORT_SYMBOL(set_joint_homing_params);
-EXPORT_SYMBOL(update_joint_homing_params);
-EXPORT_SYMBOL(write_homing_out_pins);
+#include "exports.h"

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""LinuxCNC's display for `peer::homing`: homes the machine, writes the positions of its joints to a file, and ends."""
+"""LinuxCNC's display for `peer.sh`: homes the machine, writes the positions of its joints to a file, and ends."""
 import linuxcnc
 import subprocess
 import sys

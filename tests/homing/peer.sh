@@ -14,8 +14,9 @@ chmod -R a+rwX "$here"
 : > linuxcnc.txt
 for name in search own at_once; do
     rm -f homed
+    { cat $name.ini; printf '[DISPLAY]\nDISPLAY = ./drive.py\n'; } > linuxcnc.ini
     unshare -m sh -c "mount --bind '$here/modules' /usr/lib/linuxcnc/modules &&
-        timeout 150 runuser -u nobody -- env HOME='$here' linuxcnc $name.ini" > /dev/null 2>&1
+        timeout 150 runuser -u nobody -- env HOME='$here' linuxcnc linuxcnc.ini" > /dev/null 2>&1
     echo "== $name" >> linuxcnc.txt
     cat homed >> linuxcnc.txt
 done

@@ -25,6 +25,7 @@ static struct pins {
     hal_bit_t *index_enable;
     hal_s32_t *home_state;
     hal_s32_t *flags;
+    hal_s32_t *updates;
 } *pins;
 
 static struct own {
@@ -42,6 +43,8 @@ static struct own {
     double latch_vel;
     int flags;
     int sequence;
+    /* Number of calls of update_joint_homing_params. */
+    int updates;
 } all[EMCMOT_MAX_JOINTS];
 
 int rtapi_app_main(void)
@@ -80,6 +83,7 @@ int homing_init(int id, double servo_period, int n, int n_extra, emcmot_joint_t 
         fault |= hal_pin_bit_newf(HAL_IO, &p->index_enable, id, "joint.%d.index-enable", j);
         fault |= hal_pin_s32_newf(HAL_OUT, &p->home_state, id, "joint.%d.home-state", j);
         fault |= hal_pin_s32_newf(HAL_OUT, &p->flags, id, "search.flags-%d", j);
+        fault |= hal_pin_s32_newf(HAL_OUT, &p->updates, id, "search.updates-%d", j);
         all[j] = (struct own){ .sequence = 100 };
     }
     return fault;
@@ -104,6 +108,7 @@ void update_joint_homing_params(int j, double offset, double home, int sequence)
     all[j].offset = offset;
     all[j].home = home;
     all[j].sequence = sequence;
+    all[j].updates++;
 }
 
 void read_homing_in_pins(int n)
@@ -121,6 +126,7 @@ void write_homing_out_pins(int n)
         *pins[j].homed = all[j].homed;
         *pins[j].home_state = all[j].step;
         *pins[j].flags = all[j].flags;
+        *pins[j].updates = all[j].updates;
         *pins[j].index_enable = all[j].index_enable;
     }
 }
@@ -402,23 +408,4 @@ bool get_homing_at_index_search_wait(int j)
     return all[j].step == INDEX;
 }
 
-EXPORT_SYMBOL(homeMotFunctions);
-EXPORT_SYMBOL(homing_init);
-EXPORT_SYMBOL(do_homing);
-EXPORT_SYMBOL(get_allhomed);
-EXPORT_SYMBOL(get_homed);
-EXPORT_SYMBOL(get_home_is_idle);
-EXPORT_SYMBOL(get_home_is_synchronized);
-EXPORT_SYMBOL(get_home_needs_unlock_first);
-EXPORT_SYMBOL(get_home_sequence);
-EXPORT_SYMBOL(get_homing);
-EXPORT_SYMBOL(get_homing_at_index_search_wait);
-EXPORT_SYMBOL(get_homing_is_active);
-EXPORT_SYMBOL(get_index_enable);
-EXPORT_SYMBOL(read_homing_in_pins);
-EXPORT_SYMBOL(do_home_joint);
-EXPORT_SYMBOL(do_cancel_homing);
-EXPORT_SYMBOL(set_unhomed);
-EXPORT_SYMBOL(set_joint_homing_params);
-EXPORT_SYMBOL(update_joint_homing_params);
-EXPORT_SYMBOL(write_homing_out_pins);
+#include "exports.h"

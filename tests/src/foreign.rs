@@ -1,6 +1,11 @@
 //! Components written in C, and LinuxCNC's programs: where tests find them, and how they compile, load and run them.
 
-use crate::programs::{programs, root};
+use crate::{
+    golden,
+    programs::{programs, root},
+    scratch::{Output, Scratch},
+    tools,
+};
 use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{Failure, FunctInfo, ItemInfo, Kind, Link, Place, Reply, Request, Value};
 use std::{
@@ -23,6 +28,61 @@ pub fn peer(program: &str, home: &Path) -> Command {
     }
     c.env("HOME", home).current_dir(home).env_remove("HAL_INSTANCE");
     c
+}
+
+/// Copies the folder `tests/FOLDER` and compiles its modules there with `halcompile`; returns `None` without a compiler.
+///
+/// # Panics
+/// A module does not compile, or not without a message.
+pub fn compiled(folder: &str, modules: &[&str]) -> Option<Scratch> {
+    tools::compiler()?;
+    let scratch = Scratch::copy_of(&root().join("tests").join(folder));
+    for module in modules {
+        let output = scratch.run(scratch.command(&[], "halcompile").args(["--compile", module]));
+        assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""), "{module}");
+    }
+    Some(scratch)
+}
+
+/// Runs a program that finds the modules of a folder.
+pub fn run_beside(scratch: &Scratch, program: &str, words: &[&str]) -> Output {
+    let mut command = scratch.command(&[], program);
+    scratch.run(command.env("HAL_RTMOD_DIR", scratch.path()).args(words))
+}
+
+/// Runs halrun on the virtual clock with the modules of a folder.
+pub fn run_virtual(scratch: &Scratch, words: &[&str]) -> Output {
+    run_beside(scratch, "halrun", &[&["--virtual"], words].concat())
+}
+
+/// Runs each script of `tests/FOLDER` that has a file of expected output twice, and compares both.
+///
+/// # Panics
+/// The output is not that of the file, or not the same twice.
+pub fn check_scripts(scratch: &Scratch, folder: &str) {
+    let files = std::fs::read_dir(root().join("tests").join(folder)).unwrap();
+    let files = files.map(|file| file.unwrap().path());
+    for file in files.filter(|file| file.extension().is_some_and(|e| e == "out")) {
+        let name = file.file_stem().unwrap().to_str().unwrap();
+        let run = || run_virtual(scratch, &["-k", "-f", &format!("{name}.hal")]);
+        let output = run();
+        assert_eq!(output, run(), "{name}: not the same twice");
+        let shown = scratch.path().display().to_string();
+        let text = format!("{}--- standard error\n{}", output.stdout, output.stderr);
+        golden::check(&file, &text.replace(&shown, "FOLDER"));
+    }
+}
+
+/// Checks files with `halcmd check`.
+///
+/// # Panics
+/// It finds something wrong.
+pub fn check_clean(scratch: &Scratch, files: &[&str]) {
+    for file in files {
+        let Output { stdout, stderr, status, .. } = run_beside(scratch, "halcmd", &["check", file]);
+        assert_eq!((status, stderr.as_str()), (Some(0), ""), "{file}: {stdout}");
+        assert!(!stdout.contains("error[") && !stdout.contains("warning["), "{file}: {stdout}");
+    }
 }
 
 /// An engine on the virtual clock that finds every plugin, and C components in some folders.
@@ -132,7 +192,7 @@ pub fn compile(folder: &Path, name: &str, source: &str, options: &[&str]) -> Opt
     cc.args(["-std=gnu11", "-DRTAPI", "-O1", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared"]);
     cc.args(["-Wl,-Bsymbolic"]).args(options).arg("-I").arg(include);
     let Ok(out) = cc.arg(&from).arg("-o").arg(&to).arg("-lm").output() else {
-        crate::tools::COMPILER.skip();
+        tools::COMPILER.skip();
         return None;
     };
     assert!(out.status.success(), "{name}: {}", String::from_utf8_lossy(&out.stderr));

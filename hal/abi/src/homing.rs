@@ -37,7 +37,7 @@ pub struct Homing {
     /// Reads the record of a joint, as the module has left it.
     pub take: Option<unsafe extern "C" fn(*const c_void, joint: u32, *mut HomingJoint)>,
     /// Calls a function of the module, one of [`homing_call`], for a joint, or for all with a number
-    /// below 0. Returns 1 while the module homes any joint, otherwise 0.
+    /// below 0. [`homing_call::RUN`] returns 1 while the module homes any joint; otherwise 0.
     pub call: Option<unsafe extern "C" fn(*const c_void, what: u32, joint: i32) -> u32>,
     /// Returns the bits of [`homing_state`] of a joint.
     pub state: Option<unsafe extern "C" fn(*const c_void, joint: u32) -> u32>,
@@ -147,7 +147,7 @@ unsafe impl Record for HomingSettings {
 /// Joint as a homing module sees it, in machine units and seconds. Of its changes, those of
 /// `pos_cmd`, `pos_fb`, `motor_offset` and the planner count.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HomingJoint {
     /// `size_of::<HomingJoint>()` at compile time.
     pub size: u32,

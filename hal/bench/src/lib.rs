@@ -26,6 +26,7 @@
 #![expect(unsafe_code, reason = "calls components through the binary contract")]
 
 mod describe;
+mod find;
 mod host;
 mod random;
 mod response;
@@ -34,6 +35,7 @@ pub mod trace;
 mod work;
 
 pub use describe::Described;
+pub use find::Service;
 pub use random::Random;
 pub use response::response;
 

@@ -1,13 +1,13 @@
 //! The service `homing`: a module homes the joints in the place of the motion controller.
 
 use crate::{
-    abi::{self, HomingJoint, HomingSettings, Host, Status, Use, homing_state},
+    abi::{self, HomingJoint, HomingSettings, Host, Status, homing_state},
     service::Found,
 };
 
 /// Homing module that another plugin offers.
-#[derive(Clone, Copy, Debug)]
-pub struct HomingRef(pub(crate) Found<abi::Homing, [Use; 0]>);
+#[derive(Clone, Debug)]
+pub struct HomingRef(pub(crate) Found<abi::Homing>);
 
 /// State of a joint that a homing module reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +83,7 @@ impl HomingRef {
     }
 
     /// Realtime. Calls a function of the module, one of [`abi::homing_call`], for a joint, or for all
-    /// with a number below 0. Returns whether the module homes any joint.
+    /// with a number below 0. [`abi::homing_call::RUN`] returns whether the module homes any joint.
     pub fn call(&self, what: u32, joint: i32) -> bool {
         // SAFETY: this is the provider's function with its own context.
         self.0.table.call.is_some_and(|call| unsafe { call(self.0.table.ctx, what, joint) } != 0)

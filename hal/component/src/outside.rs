@@ -156,9 +156,8 @@ impl Builder<'_> {
         joints: usize,
         extra: usize,
     ) -> Result<Option<HomingRef>, Error> {
-        let Some(Found { table, .. }) = self.bind::<abi::Homing>()? else { return Ok(None) };
+        let Some(found) = self.bind()?.map(HomingRef) else { return Ok(None) };
         let [joints, extra] = [joints, extra].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-        let found = HomingRef(Found::without_uses(table));
         check(found.open(self.host, period, joints, extra))?;
         Ok(Some(found))
     }

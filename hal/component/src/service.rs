@@ -92,13 +92,6 @@ impl<F: Table, U> Found<F, U> {
     }
 }
 
-impl<F> Found<F, [Use; 0]> {
-    /// Returns a table whose functions access nothing that is declared.
-    pub(crate) const fn without_uses(table: F) -> Self {
-        Self { table, uses: [] }
-    }
-}
-
 impl<F, U: AsRef<[Use]>> Touch for Found<F, U> {
     fn touch(&self, uses: &mut Uses) {
         uses.0.extend_from_slice(self.uses.as_ref());

@@ -119,6 +119,7 @@ impl Homer {
                         run_sequence();
                     }
                     (e.run)();
+                    return (e.is_active)();
                 }
                 homing_call::WRITE_PINS => (e.write_pins)(joints),
                 homing_call::HOME => (e.home)(joint),
@@ -127,7 +128,7 @@ impl Homer {
                 homing_call::UNHOME_FREE => (e.unhome)(joint, 1),
                 _ => {}
             }
-            (e.is_active)()
+            false
         };
         self.within(code).unwrap_or(false)
     }

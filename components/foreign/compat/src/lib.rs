@@ -26,6 +26,7 @@ mod registers;
 mod running;
 mod second_copy;
 mod second_setup;
+mod service;
 mod shared;
 mod stream;
 mod system;

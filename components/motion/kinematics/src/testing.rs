@@ -2,28 +2,8 @@
 
 use crate::rotation::{from_abc, to_vector};
 use hal_bench::{Bench, Random};
-use hal_component::{
-    Builder, Component, Error, KinematicsRef, Pose, Unsolved, abi::component_flags,
-};
+use hal_component::{Component, KinematicsRef, Pose, Unsolved};
 use nalgebra::DMatrix;
-use std::cell::Cell;
-
-thread_local! {
-    static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
-}
-
-/// Component that finds the kinematics on the bench, as `motmod` does.
-struct Finder;
-
-impl Component for Finder {
-    const NAME: &'static str = "finder";
-    const DOC: &'static str = "Finds kinematics.";
-    const FLAGS: u32 = component_flags::ONCE;
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        FOUND.set(Some(b.kinematics()?));
-        Ok(())
-    }
-}
 
 /// Kinematics on the bench.
 pub(crate) struct Rig {
@@ -35,8 +15,8 @@ impl Rig {
     pub(crate) fn new<C: Component>(args: &[&str]) -> Self {
         let mut bench = Bench::new();
         bench.load::<C>(args).unwrap_or_else(|e| panic!("{}: {e}", C::NAME));
-        bench.load::<Finder>(&[]).unwrap();
-        Self { bench, k: FOUND.take().unwrap() }
+        let k = bench.find();
+        Self { bench, k }
     }
 
     pub(crate) fn set(&self, pins: &[(&str, f64)]) {

@@ -2,29 +2,8 @@
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
 use hal_bench::Bench;
-use hal_component::{
-    Builder, Component, Error, KinematicsRef,
-    abi::{TicketState, component_flags},
-};
+use hal_component::{Component, KinematicsRef, abi::TicketState};
 use kinematics::{Corexykins, FiveAxiskins, Lineardeltakins, Pumakins, Scarakins, XyzacTrt};
-use std::cell::Cell;
-
-thread_local! {
-    static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
-}
-
-/// Component that finds the kinematics on the bench.
-struct Finder;
-
-impl Component for Finder {
-    const NAME: &'static str = "finder";
-    const DOC: &'static str = "Finds kinematics.";
-    const FLAGS: u32 = component_flags::ONCE;
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        FOUND.set(Some(b.kinematics()?));
-        Ok(())
-    }
-}
 
 const PERIOD: i64 = 1_000_000;
 
@@ -39,10 +18,10 @@ impl Machine {
     fn new<K: Component>(homes: &[f64]) -> Self {
         let mut bench = Bench::new();
         bench.load::<K>(&[]).unwrap();
-        bench.load::<Finder>(&[]).unwrap();
+        let k = bench.find();
         let joints = homes.len();
         bench.load::<motion::Motmod>(&[&format!("num_joints={joints}")]).unwrap();
-        let mut machine = Self { bench, k: FOUND.take().unwrap(), joints };
+        let mut machine = Self { bench, k, joints };
         for (n, home) in homes.iter().enumerate() {
             machine.say(&format!(
                 "motion.configure joint={n} max-velocity=200 max-acceleration=2000 \

@@ -2,29 +2,8 @@
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
 use hal_bench::{Bench, Random};
-use hal_component::{
-    Builder, Component, Error, KinematicsRef,
-    abi::{TicketState, component_flags},
-};
+use hal_component::{Component, KinematicsRef, abi::TicketState};
 use kinematics as k;
-use std::cell::Cell;
-
-thread_local! {
-    static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
-}
-
-/// Component that finds the kinematics on the bench.
-struct Finder;
-
-impl Component for Finder {
-    const NAME: &'static str = "finder";
-    const DOC: &'static str = "Finds kinematics.";
-    const FLAGS: u32 = component_flags::ONCE;
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        FOUND.set(Some(b.kinematics()?));
-        Ok(())
-    }
-}
 
 const PERIOD: i64 = 1_000_000;
 const DT: f64 = 1e-3;
@@ -162,10 +141,10 @@ fn homes<K: Component>(random: &mut Random) -> Vec<f64> {
     if random.below(2) == 0 {
         let mut bench = Bench::new();
         bench.load::<K>(&[]).unwrap();
-        bench.load::<Finder>(&[]).unwrap();
+        let kinematics: KinematicsRef = bench.find();
         let mut pose = [0.0; 9].map(|_: f64| random.between(-20.0, 20.0));
         pose[2] += random.pick(&[-300.0, 0.0, 20.0, 300.0]);
-        if FOUND.take().unwrap().inverse(&pose, &mut joints).is_ok() {
+        if kinematics.inverse(&pose, &mut joints).is_ok() {
             return joints[..6].to_vec();
         }
     }

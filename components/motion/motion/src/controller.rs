@@ -103,7 +103,7 @@ impl Controller {
         let enabled = s.enabled;
         let joints = s.joints.iter_mut().zip(&self.pins.joints).enumerate();
         let changed = joints.fold(0, |changed, (n, (joint, pins))| {
-            changed | u32::from(joint.write_pins(pins, (&self.pins.homing, n), enabled)) << n
+            changed | u32::from(joint.write_pins(pins, enabled)) << n
         });
         if s.module.is_some() {
             s.write_module_pins();

@@ -30,9 +30,8 @@ impl State {
         if self.module.is_some() {
             self.read_module_pins();
         }
-        let mut homing = pins.homing.iter();
-        for (joint, own) in self.joints.iter_mut().zip(&pins.joints) {
-            joint.read_pins(own, homing.next());
+        for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
+            joint.read_pins(pins);
         }
         let locks = self.joints.iter_mut().map(|j| &mut j.lock).filter(|l| l.exists);
         for (lock, pins) in locks.zip(&pins.unlocks) {

@@ -8,7 +8,7 @@ use crate::{
     homing::one_joint::Homing,
     jogger::{By, Jogger, TravelLimits},
     lock::Lock,
-    pins::{HomingPins, JointPins, Shown, packed},
+    pins::{JointPins, Shown, packed},
     setup::is_zero,
     simple_tp::SimpleTp,
 };
@@ -75,7 +75,8 @@ impl Joint {
     }
 
     /// Reads the pins, and computes the following error of the last command.
-    pub(crate) fn read_pins(&mut self, pins: &JointPins, homing: Option<&HomingPins>) {
+    pub(crate) fn read_pins(&mut self, pins: &JointPins) {
+        let homing = pins.homing.as_ref();
         let [at_home, index_enable] =
             homing.map_or([false; 2], |own| [own.home_sw_in.get(), own.index_enable.get()]);
         self.inputs = JointInputs {
@@ -304,15 +305,10 @@ impl Joint {
         }
     }
 
-    /// Writes the pins; `homing` are those of all joints, `n` is this one. Returns whether a state of the joint has changed: more than its motion.
-    pub(crate) fn write_pins(
-        &mut self,
-        pins: &JointPins,
-        (homing, n): (&[HomingPins], usize),
-        enabled: bool,
-    ) -> bool {
+    /// Writes the pins. Returns whether a state of the joint has changed: more than its motion.
+    pub(crate) fn write_pins(&mut self, pins: &JointPins, enabled: bool) -> bool {
         if let Some(value) = self.homing.take_index_enable()
-            && let Some(pins) = homing.get(n)
+            && let Some(pins) = &pins.homing
         {
             pins.index_enable.set(value);
         }
@@ -353,12 +349,12 @@ impl Joint {
             tp.max_vel.to_bits(),
         ]);
         if changed {
-            self.write_state(pins, homing.get(n), enabled);
+            self.write_state(pins, enabled);
         }
         changed
     }
 
-    fn write_state(&self, pins: &JointPins, homing: Option<&HomingPins>, enabled: bool) {
+    fn write_state(&self, pins: &JointPins, enabled: bool) {
         let tp = &self.free.tp;
         pins.motor_offset.set(self.motor_offset);
         pins.backlash_corr.set(self.backlash_want);
@@ -372,7 +368,7 @@ impl Joint {
         pins.error.set(self.error);
         pins.f_errored.set(self.was_ferrored);
         pins.faulted.set(self.active && self.inputs.amp_fault);
-        if let Some(pins) = homing {
+        if let Some(pins) = &pins.homing {
             pins.homed.set(self.homing.homed);
             pins.homing.set(self.homing.is_under_way());
             pins.home_state.set(self.homing.code());

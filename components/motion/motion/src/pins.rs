@@ -20,7 +20,8 @@ use hal_component::{Builder, Decl, Error, Field, Touch};
 /// The axis letters, in the order of a pose.
 pub(crate) const LETTERS: [char; 9] = ['x', 'y', 'z', 'a', 'b', 'c', 'u', 'v', 'w'];
 
-/// Declares a struct of pins with their names, defaults, old names and documentation.
+/// Declares a struct of pins with their names, defaults, old names and documentation, and with other pins that it may
+/// have.
 macro_rules! pins {
     (
         $(#[$about:meta])* $name:ident {
@@ -28,11 +29,13 @@ macro_rules! pins {
             $field:ident: $ty:ty = $initial:expr, $pin:literal
                 $(was $old:literal)? $([$safety:ident])?;)*
         }
+        $($(#[doc = $about_part:literal])+ optional $part:ident: $part_ty:ty)?
     ) => {
         $(#[$about])*
         #[derive(Clone, Debug, hal_component::Touch)]
         pub(crate) struct $name {
             $($(#[doc = $doc])+ pub(crate) $field: $ty,)*
+            $($(#[doc = $about_part])+ pub(crate) $part: Option<$part_ty>,)?
         }
 
         impl $name {
@@ -51,6 +54,7 @@ macro_rules! pins {
                         $crate::pins::pins!(@safety $($safety)?),
                         $initial,
                     )?,)*
+                    $($part: None,)?
                 })
             }
         }
@@ -86,8 +90,6 @@ pub(crate) struct Pins {
     pub(crate) watch: WatchPins,
     pub(crate) lists: Lists,
     pub(crate) joints: Vec<JointPins>,
-    /// Empty with a homing module of the user.
-    pub(crate) homing: Vec<HomingPins>,
     pub(crate) unlocks: Vec<UnlockPins>,
     pub(crate) extras: Vec<ExtraPins>,
     pub(crate) axes: Vec<AxisPins>,
@@ -103,14 +105,14 @@ impl Pins {
         types: u32,
         homes: bool,
     ) -> Result<Self, Error> {
-        let (mut joints, mut homing) = (Vec::new(), Vec::new());
-        let (mut unlocks, mut extras) = (Vec::new(), Vec::new());
+        let (mut joints, mut unlocks, mut extras) = (Vec::new(), Vec::new(), Vec::new());
         for n in 0..setup.joints {
             let prefix = format!("joint.{n}.");
-            joints.push(JointPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
+            let mut joint = JointPins::make(b, &prefix, Some(&format!("axis.{n}.")))?;
             if homes {
-                homing.push(HomingPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
+                joint.homing = Some(HomingPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
             }
+            joints.push(joint);
             if setup.unlock_mask >> n & 1 == 1 {
                 unlocks.push(UnlockPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
             }
@@ -133,7 +135,6 @@ impl Pins {
             watch: WatchPins::make(b, "motion.", None)?,
             lists: Lists::make(b, setup)?,
             joints,
-            homing,
             unlocks,
             extras,
             axes,

@@ -196,8 +196,7 @@ impl State {
     }
 
     pub(crate) fn is_homing(&self) -> bool {
-        self.joints.iter().any(|j| j.homing.is_under_way())
-            || self.module.as_ref().is_some_and(|m| m.request.is_some())
+        self.joints.iter().any(|j| j.homing.is_under_way()) || self.is_module_asked()
     }
 
     pub(crate) fn is_jogging(&self) -> bool {

@@ -8,30 +8,12 @@ mod task;
 
 use crate::{halui::Halui, inihal::Inihal};
 use hal_bench::Bench;
-use hal_component::{Builder, Component, Error, OperatorRef, OperatorRequest, OperatorView};
+use hal_component::{OperatorRef, OperatorRequest, OperatorView};
 use motion::Motmod;
-use std::cell::RefCell;
 use toolchange::Iocontrol;
 use trivkins::Trivkins;
 
 const PERIOD: i64 = 1_000_000;
-
-thread_local! {
-    static FOUND: RefCell<Option<OperatorRef>> = const { RefCell::new(None) };
-}
-
-/// Stands for the task.
-struct Task;
-
-impl Component for Task {
-    const NAME: &'static str = "task";
-    const DOC: &'static str = "Stands for the task.";
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let operator = b.operator()?;
-        FOUND.with(|found| *found.borrow_mut() = operator);
-        Ok(())
-    }
-}
 
 struct Rig(Bench);
 

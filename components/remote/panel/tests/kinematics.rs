@@ -3,33 +3,15 @@
 
 use hal_arm::Arm;
 use hal_bench::{Bench, Random};
-use hal_component::{Builder, Component, Error, KinematicsRef, Pose, abi::component_flags};
+use hal_component::{Component, KinematicsRef, Pose};
 use hal_golden::tools::Tool;
 use kinematics as k;
 use serde_json::{Map, Value, json};
 use std::{
-    cell::Cell,
     io::Write as _,
     path::Path,
     process::{Command, Stdio},
 };
-
-thread_local! {
-    static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
-}
-
-/// Component that finds the kinematics on the bench.
-struct Finder;
-
-impl Component for Finder {
-    const NAME: &'static str = "finder";
-    const DOC: &'static str = "Finds kinematics.";
-    const FLAGS: u32 = component_flags::ONCE;
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        FOUND.set(Some(b.kinematics()?));
-        Ok(())
-    }
-}
 
 /// Kinematics on the bench, with the values of their pins.
 struct Rig {
@@ -43,8 +25,8 @@ impl Rig {
     fn new<C: Component>(args: &[&str]) -> Self {
         let mut bench = Bench::new();
         bench.load::<C>(args).unwrap();
-        bench.load::<Finder>(&[]).unwrap();
-        Self { bench, k: FOUND.take().unwrap(), name: C::NAME, values: Map::new() }
+        let k = bench.find();
+        Self { bench, k, name: C::NAME, values: Map::new() }
     }
 
     fn set(&mut self, pin: &str, value: f64) {
@@ -136,6 +118,19 @@ fn tilting<C: Component>(
     rig.case(own, samples)
 }
 
+/// Returns a machine at random joints, with these values of its pins.
+fn placed<C: Component>(pins: &[(&str, f64)], joints: &[(f64, f64)], random: &mut Random) -> Value {
+    let mut rig = Rig::new::<C>(&[]);
+    pins.iter().for_each(|(pin, value)| rig.set(pin, *value));
+    let sample = |_| {
+        let joints: Vec<f64> =
+            joints.iter().map(|(low, high)| random.between(*low, *high)).collect();
+        json!({ "joints": joints, "pose": rig.pose(&joints) })
+    };
+    let samples = (0..300).map(sample).collect();
+    rig.case(0, samples)
+}
+
 /// Returns how far the tip goes when a joint does.
 fn change(rig: &Rig, joints: &[f64], joint: usize) -> [f64; 3] {
     let (mut other, from) = (joints.to_vec(), rig.pose(joints));
@@ -200,6 +195,25 @@ fn the_page_knows_where_tools_are_and_point() {
         tilting::<k::XyzabTdr>(&[0, 1, 2, 3, 4], 1, &tables, random, by_table),
         tilting::<k::XyzacbTrsrn>(&[0, 1, 2, 3, 5, 4], 1, &head("y"), random, by_pivot),
         tilting::<k::XyzbcaTrsrn>(&[0, 1, 2, 4, 5, 3], 1, &head("x"), random, by_pivot),
+    ]);
+    let turn = (-170.0, 170.0);
+    let links: Vec<_> = (0..6)
+        .flat_map(|n| {
+            [(format!("A-{n}"), 100.0), (format!("ALPHA-{n}"), 2.0), (format!("D-{n}"), 200.0)]
+        })
+        .map(|(pin, most)| (pin, random.between(-most, most)))
+        .collect();
+    let links: Vec<_> = links.iter().map(|(pin, value)| (pin.as_str(), *value)).collect();
+    let puma = [("A2", 400.0), ("A3", 50.0), ("D3", 100.0), ("D4", 400.0), ("D6", 100.0)];
+    let lengths = ["D1", "D2", "D3", "D4", "D5", "D6"];
+    let scara: Vec<_> = lengths.into_iter().zip([490.0, 340.0, 50.0, 250.0, 60.0, 40.0]).collect();
+    let height = (300.0, 350.0);
+    let still = (0.0, 0.0);
+    cases.extend([
+        placed::<k::Genserkins>(&links, &[turn; 6], random),
+        placed::<k::Pumakins>(&puma, &[turn; 6], random),
+        placed::<k::Scarakins>(&scara, &[turn, turn, (0.0, 300.0), turn, still, still], random),
+        placed::<k::Lineardeltakins>(&[("R", 130.0), ("L", 270.0)], &[height; 3], random),
     ]);
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/page/kinematics.mjs");
     let mut node = Command::new("node");

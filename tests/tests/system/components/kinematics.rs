@@ -8,34 +8,16 @@
 #![expect(clippy::print_stderr, reason = "what is skipped is said")]
 
 use hal_bench::Bench;
-use hal_component::{Builder, Component, Error, KinematicsRef, Pose, abi::component_flags};
+use hal_component::{KinematicsRef, Pose};
 use hal_tests::{foreign::installed, golden, programs::root, tools};
 use kinematics as k;
 use std::{
-    cell::Cell,
     collections::BTreeMap,
     fmt::Write as _,
     io::{BufRead, BufReader, Write as _},
     path::{Path, PathBuf},
     process::{Child, ChildStdin, ChildStdout, Command, Stdio},
 };
-
-thread_local! {
-    static FOUND: Cell<Option<KinematicsRef>> = const { Cell::new(None) };
-}
-
-/// Library that finds the kinematics on the bench.
-struct Finder;
-
-impl Component for Finder {
-    const NAME: &'static str = "finder";
-    const DOC: &'static str = "Finds kinematics.";
-    const FLAGS: u32 = component_flags::ONCE;
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        FOUND.set(Some(b.kinematics()?));
-        Ok(())
-    }
-}
 
 /// A LinuxCNC kinematics module, in a process of its own.
 struct Theirs {
@@ -202,8 +184,7 @@ impl Seen {
 fn compare(program: &Path, place: &KinematicsCase) -> String {
     let mut bench = Bench::new();
     (place.load)(&mut bench).unwrap();
-    bench.load::<Finder>(&[]).unwrap();
-    let ours = FOUND.take().unwrap();
+    let ours: KinematicsRef = bench.find();
     let mut theirs = Theirs::new(program, place.module);
     let (pins, missing, more) = pins(&bench, &theirs.pins());
     for (name, value) in place.set {

@@ -1,9 +1,9 @@
 //! The page of requirements: each row has proofs, and each proof is a file or a test that exists.
-#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use crate::tidy::manifests;
 use hal_tests::programs::{files_below, root};
-use std::{collections::BTreeMap, fs};
+use std::{collections::BTreeMap, fs, path::PathBuf};
 
 /// File with tests: the names of its folders and its own name, and the names of its tests.
 struct TestFile {
@@ -24,7 +24,7 @@ impl TestFile {
 
 /// Returns the files with tests of each crate.
 fn files() -> BTreeMap<String, Vec<TestFile>> {
-    let of_crate = |(name, (folder, _))| {
+    let of_crate = |(name, (folder, _)): (String, (PathBuf, toml::Table))| {
         let files = files_below(&folder, ".rs").into_iter().map(|file| {
             let text = fs::read_to_string(&file).unwrap();
             let behind = text.split("#[test]").skip(1).filter_map(|t| t.split_once("fn "));

@@ -2,8 +2,9 @@
 
 use super::{
     fixture::Fixture,
+    operator::choose,
     printer::Printer,
-    stock::{LOADED, number},
+    stock::{LOADED, number, state_box},
 };
 use hal_tests::{browser::DESKTOP, programs::root, scratch::until};
 
@@ -36,19 +37,11 @@ fn an_arm_cuts_a_plate_as_its_simulation_does() {
     let start = || Printer::of_script("rx90", PART, CELL);
     let Some(fixture) = Fixture::with(DESKTOP, start) else { return };
     let b = &fixture.browser;
-    b.until("[...document.querySelectorAll('.files .plain')].some((f) => f.textContent === 'plate.apt')");
-    b.run("[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === 'plate.apt').click()");
+    choose(&fixture, "plate.apt");
     b.until(LOADED);
     b.until("document.querySelector('#programs').textContent.includes('TLAXIS')");
     // The stock is 3 mm higher than the touched corners.
-    for (name, value) in
-        [("x-0", 0), ("y-0", 0), ("z-0", -10), ("x-1", 216), ("y-1", 102), ("z-1", 3)]
-    {
-        b.run(&format!(
-            "const input = document.querySelector('#stock-{name}'); input.value = '{value}'; \
-             input.dispatchEvent(new Event('change'))"
-        ));
-    }
+    state_box(&fixture, [[0, 0, -10], [216, 102, 3]]);
 
     // While it plays, the arm is where the tool is.
     // The page itself pauses: a busy computer would be late.
@@ -118,8 +111,7 @@ fn a_cell_that_is_not_the_machine_is_named() {
     let b = &fixture.browser;
     fixture.printer.halcmd("setp armkins.tool.z 200");
     b.run("location.reload()");
-    b.until("[...document.querySelectorAll('.files .plain')].some((f) => f.textContent === 'plate.apt')");
-    b.run("[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === 'plate.apt').click()");
+    choose(&fixture, "plate.apt");
     b.until(LOADED);
     b.run("document.querySelector('#sim-start').click()");
     b.until("document.querySelector('.view').dataset.simulation === 'playing'");

@@ -4,10 +4,10 @@ use super::{
     fixture::Fixture,
     operator::open,
     printer::Printer,
-    stock::{LOADED, number, simulate},
+    stock::{LOADED, number, simulate, state_box},
 };
 use core::f64::consts::PI;
-use hal_tests::browser::DESKTOP;
+use hal_tests::{browser::DESKTOP, scratch::until};
 
 const HAL: &str = "\
 loadrt KINEMATICS
@@ -22,8 +22,8 @@ net c joint.4.motor-pos-cmd => joint.4.motor-pos-fb
 net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in
 ";
 
-/// Returns a machine of five axes, A and C beside X Y Z.
-fn machine(kinematics: &str) -> Printer {
+/// Returns a machine of five axes, A and C beside X Y Z, with these lines after its script.
+fn machine(kinematics: &str, lines: &str) -> Printer {
     let mut ini = format!(
         "[EMCMOT]\nSERVO_PERIOD = 1000000\n[TASK]\nCYCLE_TIME = 0.010\n[HAL]\nHALFILE = machine.hal\n[KINS]\nJOINTS = 5\n\
          KINEMATICS = {kinematics}\n[TRAJ]\nCOORDINATES = X Y Z A C\nLINEAR_UNITS = mm\n\
@@ -38,7 +38,7 @@ fn machine(kinematics: &str) -> Printer {
              MIN_FERROR = 1000\nHOME = 0\n"
         );
     }
-    let hal = HAL.replace("KINEMATICS", kinematics);
+    let hal = HAL.replace("KINEMATICS", kinematics) + lines;
     Printer::made(&[("machine.ini", &ini), ("machine.hal", &hal)])
 }
 
@@ -61,22 +61,18 @@ G0 Z60
 M2
 ";
 
+/// Size of the stock around both.
+const BOX: [[i32; 3]; 2] = [[-40, -40, -20], [60, 40, 0]];
+
 #[test]
 fn a_table_that_tilts_lets_the_tool_lean_in_the_part() {
-    let Some(fixture) = Fixture::with(DESKTOP, || machine("xyzac-trt-kins")) else { return };
+    let Some(fixture) = Fixture::with(DESKTOP, || machine("xyzac-trt-kins", "")) else { return };
     let b = &fixture.browser;
     fixture.ready();
     open(&fixture, "leans.ngc", LEANS);
     b.until(LOADED);
-    // A box around both: the program's own begins at the tip of the tool.
-    for (name, value) in
-        [("x-0", -40), ("y-0", -40), ("z-0", -20), ("x-1", 60), ("y-1", 40), ("z-1", 0)]
-    {
-        b.run(&format!(
-            "const input = document.querySelector('#stock-{name}'); input.value = '{value}'; \
-             input.dispatchEvent(new Event('change'))"
-        ));
-    }
+    // The program's own box begins at the tip of the tool.
+    state_box(&fixture, BOX);
     simulate(&fixture, "max");
     let removed = number(&fixture, "removed");
     fixture.picture("five-axis");
@@ -88,9 +84,47 @@ fn a_table_that_tilts_lets_the_tool_lean_in_the_part() {
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 
+/// The first of both points, with a tool of another length; it dwells at the ends, so that reports have them.
+const LONGER: &str = "\
+G21 G90 G94 G54 F1800
+G43.1 Z20
+G0 X0 Y0 Z60
+A30
+G1 Y17.320508 Z20
+G4 P1
+Y0 Z-10
+G4 P1
+Y17.320508 Z20
+G0 Z60
+M2
+";
+
+#[test]
+fn the_kinematics_are_read_anew_for_another_tool() {
+    let length = "net length motion.tooloffset.z => xyzac-trt-kins.tool-offset\n";
+    let Some(fixture) = Fixture::with(DESKTOP, || machine("xyzac-trt-kins", length)) else {
+        return;
+    };
+    let b = &fixture.browser;
+    fixture.ready();
+    open(&fixture, "longer.ngc", LONGER);
+    b.until(LOADED);
+    state_box(&fixture, BOX);
+    b.run("document.querySelector('#stock-live').click()");
+    b.until("document.querySelector('.view').dataset.removed === '0'");
+    fixture.hold("#run-start", "!document.querySelector('#run-stop').disabled");
+    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    b.until("!document.querySelector('#sim-start').disabled");
+    // With the offset as it was when the stock was made, the tip would be 10 mm aside and 2.7 mm deeper or higher.
+    let closed = PI * 9.0 * 10.0 / 30_f64.to_radians().cos();
+    let removed = number(&fixture, "removed");
+    assert!((removed - closed).abs() < 0.08 * closed, "{removed} instead of {closed} mm³");
+    assert_eq!(b.errors(), Vec::<String>::new());
+}
+
 #[test]
 fn what_axes_without_known_kinematics_do_is_named() {
-    let Some(fixture) = Fixture::with(DESKTOP, || machine("trivkins coordinates=xyzac")) else {
+    let Some(fixture) = Fixture::with(DESKTOP, || machine("trivkins coordinates=xyzac", "")) else {
         return;
     };
     let b = &fixture.browser;

@@ -25,13 +25,19 @@ pub(super) fn open(fixture: &Fixture, name: &str, text: &str) {
     let b = &fixture.browser;
     fixture.printer.scratch.write(name, text);
     b.fill("#upload", fixture.printer.scratch.path().join(name).to_str().unwrap());
-    let listed = format!(
-        "[...document.querySelectorAll('.files .plain')].some((f) => f.textContent === '{name}')"
-    );
-    b.until(&listed);
+    choose(fixture, name);
     assert_eq!(fixture.printer.scratch.read(&format!("programs/{name}")), text);
-    b.run(&format!("[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === '{name}').click()"));
     b.until(&format!("document.querySelector('.file').textContent === '{name}'"));
+}
+
+/// Presses a name in the list of programs as soon as it is there.
+pub(super) fn choose(fixture: &Fixture, name: &str) {
+    let b = &fixture.browser;
+    let found = format!(
+        "[...document.querySelectorAll('.files .plain')].find((f) => f.textContent === '{name}')"
+    );
+    b.until(&found);
+    b.run(&format!("{found}.click()"));
 }
 
 /// Sets the override of feeds or of rapid moves in the page, and waits until the task has it.
@@ -152,7 +158,7 @@ fn a_start_in_the_middle_is_shown_and_confirmed() {
     let confirm = "document.querySelector('#run-from-confirm')";
     open(&fixture, "plate.apt", "CUTTER/8\nGOTO/1,2,3\nFINI\n");
     b.until(&format!("{confirm}.hidden && {confirm}.disabled"));
-    for button in ["#run-from", "#run-recover"] {
+    for button in ["#run-from", "#run-recover", "#run-start", "#run-step"] {
         assert_eq!(b.run(&format!("return document.querySelector('{button}').disabled")), true);
     }
     open(&fixture, "middle.ngc", text);

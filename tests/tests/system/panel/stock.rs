@@ -40,6 +40,18 @@ pub(super) fn number(fixture: &Fixture, name: &str) -> f64 {
     value.as_str().unwrap_or_else(|| panic!("{name} is {value}")).parse().unwrap()
 }
 
+/// States the size of the stock: its two ends.
+pub(super) fn state_box(fixture: &Fixture, ends: [[i32; 3]; 2]) {
+    for (side, end) in ends.iter().enumerate() {
+        for (axis, value) in ["x", "y", "z"].into_iter().zip(end) {
+            fixture.browser.run(&format!(
+                "const input = document.querySelector('#stock-{axis}-{side}'); \
+                 input.value = '{value}'; input.dispatchEvent(new Event('change'))"
+            ));
+        }
+    }
+}
+
 /// Begins to remember the commands that the page sends.
 fn listen(fixture: &Fixture) {
     fixture.browser.run(

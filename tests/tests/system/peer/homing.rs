@@ -3,9 +3,10 @@
 //! `tests/homing` has the modules, a machine, and scripts with the output expected of them.
 
 use hal_tests::{
+    foreign::{check_clean, check_scripts, compiled, run_beside, run_virtual as run},
     golden,
     programs::root,
-    scratch::{Output, Scratch},
+    scratch::Scratch,
     tools,
 };
 use std::collections::BTreeMap;
@@ -18,44 +19,13 @@ const NEAR: f64 = 0.004;
 
 /// Returns a folder with the compiled modules, or `None` without a compiler.
 fn folder() -> Option<Scratch> {
-    tools::compiler()?;
-    let scratch = Scratch::copy_of(&root().join("tests/homing"));
-    for module in MODULES {
-        let output = scratch.run(scratch.command(&[], "halcompile").args(["--compile", module]));
-        assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""), "{module}");
-    }
-    Some(scratch)
-}
-
-/// Runs halrun on the virtual clock with the modules of the folder.
-fn run(scratch: &Scratch, words: &[&str]) -> Output {
-    let mut command = scratch.command(&[], "halrun");
-    command.env("HAL_RTMOD_DIR", scratch.path()).arg("--virtual").args(words);
-    scratch.run(&mut command)
+    compiled("homing", &MODULES)
 }
 
 #[test]
 fn scripts_say_what_is_expected() {
     let Some(scratch) = folder() else { return };
-    let files = std::fs::read_dir(root().join("tests/homing")).unwrap();
-    let files = files.map(|file| file.unwrap().path());
-    for file in files.filter(|file| file.extension().is_some_and(|e| e == "out")) {
-        let name = file.file_stem().unwrap().to_str().unwrap();
-        let script = format!("{name}.hal");
-        let output = run(&scratch, &["-k", "-f", &script]);
-        assert_eq!(output, run(&scratch, &["-k", "-f", &script]), "{name}: not the same twice");
-        let shown = scratch.path().display().to_string();
-        let text = format!("{}--- standard error\n{}", output.stdout, output.stderr);
-        golden::check(&file, &text.replace(&shown, "FOLDER"));
-    }
-}
-
-/// Takes LinuxCNC's display out of the INI files.
-fn without_display(scratch: &Scratch) {
-    for name in ["search.ini", "own.ini", "at_once.ini"] {
-        let text = scratch.read(name).replace("[DISPLAY]\nDISPLAY = ./drive.py\n", "");
-        scratch.write(name, text);
-    }
+    check_scripts(&scratch, "homing");
 }
 
 /// Returns the homed positions that a file of LinuxCNC's or a listing shows, by pin.
@@ -73,7 +43,6 @@ fn positions(text: &str) -> BTreeMap<String, f64> {
 fn a_machine_homes_where_it_does_in_linuxcnc() {
     let Some(scratch) = folder() else { return };
     let recorded = scratch.read("linuxcnc.txt");
-    without_display(&scratch);
     for part in recorded.split("== ").skip(1) {
         let (name, theirs) = part.split_once('\n').unwrap();
         let output = run(&scratch, &["--for", "60s", &format!("{name}.ini")]);
@@ -93,16 +62,7 @@ fn a_machine_homes_where_it_does_in_linuxcnc() {
 #[test]
 fn check_finds_nothing_wrong() {
     let Some(scratch) = folder() else { return };
-    let check = |file: &str| {
-        let mut command = scratch.command(&[], "halcmd");
-        command.env("HAL_RTMOD_DIR", scratch.path()).args(["check", file]);
-        scratch.run(&mut command)
-    };
-    for ini in ["search.ini", "own.ini", "at_once.ini"] {
-        let Output { stdout, stderr, status, .. } = check(ini);
-        assert_eq!((status, stderr.as_str()), (Some(0), ""), "{ini}: {stdout}");
-        assert!(!stdout.contains("error[") && !stdout.contains("warning["), "{ini}: {stdout}");
-    }
+    check_clean(&scratch, &["search.ini", "own.ini", "at_once.ini"]);
     for (crash, said) in [
         (1, "the homing module 'bad': homing_init crashes: segmentation fault"),
         (2, "the homing module 'bad': homing_init does not return"),
@@ -111,17 +71,24 @@ fn check_finds_nothing_wrong() {
             "crash.hal",
             format!("loadrt trivkins coordinates=X\nloadrt bad crash={crash}\nloadrt motmod num_joints=1\n"),
         );
-        let output = check("crash.hal");
+        let output = run_beside(&scratch, "halcmd", &["check", "crash.hal"]);
         assert!(output.stdout.contains(said), "{}{}", output.stdout, output.stderr);
     }
 }
 
-/// An INI file that names a module without homing, or none that exists, does not start.
+/// An INI file that names a module without homing, one that does not exist, or another one than its HAL file, does not
+/// start.
 #[test]
 fn a_module_that_does_not_home_is_refused_by_name() {
     let Some(scratch) = folder() else { return };
-    without_display(&scratch);
     let ini = scratch.read("at_once.ini");
+    let machine = scratch.read("machine.hal");
+    let refuses = |module: &str, said: &str| {
+        scratch.write("other.ini", ini.replace("at_once home_parms=quick", module));
+        let output = run(&scratch, &["--for", "1s", "other.ini"]);
+        assert_ne!(output.status, Some(0), "{module}: {}", output.stdout);
+        assert!(output.stderr.contains(said), "{module}: {}", output.stderr);
+    };
     for (module, said) in [
         ("and2", "the module 'and2' offers no homing: it needs the functions of homing.h"),
         ("half", "it has homing without homing_init"),
@@ -129,13 +96,13 @@ fn a_module_that_does_not_home_is_refused_by_name() {
             "elsewhere",
             "the homing module 'elsewhere': it was compiled for joint records of another kind",
         ),
-        ("nowhere", "nowhere"),
+        ("nowhere", "other.ini:6: nowhere: no plugin library offers this component"),
     ] {
-        scratch.write("other.ini", ini.replace("at_once home_parms=quick", module));
-        let output = run(&scratch, &["--for", "1s", "other.ini"]);
-        assert_ne!(output.status, Some(0), "{module}: {}", output.stdout);
-        assert!(output.stderr.contains(said), "{module}: {}", output.stderr);
+        refuses(module, said);
     }
+    scratch.write("machine.hal", format!("loadrt bad\n{machine}"));
+    refuses("search", "homing is loaded already, by component 'search'");
+    refuses("and2", "the module 'bad' offers homing, and 'and2' is to home: load that one alone");
 }
 
 #[test]
@@ -154,21 +121,19 @@ fn a_crash_in_homing_names_the_module() {
     assert!(output.stderr.contains(said), "{}", output.stderr);
 }
 
-/// LinuxCNC's own module touches no joint; all joints are homed at once.
+/// LinuxCNC's `homecomp` touches no joint; all joints are homed at once. Its `homemod` is refused.
 #[test]
-fn linuxcncs_homecomp_homes() {
+fn linuxcncs_own_modules() {
     if tools::linuxcnc().is_none() {
         return;
     }
     let scratch = Scratch::copy_of(&root().join("tests/homing"));
     let lines = scratch.read("at_once.hal");
     let (start, _) = lines.split_once("print ").unwrap();
-    scratch.write(
-        "theirs.hal",
-        start
-            .replace("loadrt at_once home_parms=\"any text\"", "loadrt --c homecomp")
-            .replace("at-once.*", "homecomp.*"),
-    );
+    let start = start.replace("loadrt at_once home_parms=\"any text\"", "loadrt --c homecomp");
+    let end =
+        "unloadrt motmod\nunloadrt homecomp\nloadrt --c homemod\nloadrt motmod num_joints=1\n";
+    scratch.write("theirs.hal", start.replace("at-once.*", "homecomp.*") + end);
     let mut command = scratch.command(&[], "halrun");
     command.env("HAL_LINUXCNC_MODULES", "1").args(["--virtual", "-k", "-f", "theirs.hal"]);
     let output = scratch.run(&mut command);

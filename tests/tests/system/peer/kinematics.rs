@@ -4,10 +4,10 @@
 #![expect(clippy::indexing_slicing, clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
-    foreign::installed,
+    foreign::{check_clean, check_scripts, compiled, installed, run_beside, run_virtual as run},
     golden,
     programs::root,
-    scratch::{Output, Scratch},
+    scratch::Scratch,
     tools,
     vcd::Vcd,
 };
@@ -57,20 +57,7 @@ const SHOWN: f64 = 2e-5;
 
 /// Returns a folder with the compiled modules, or `None` without a compiler.
 fn folder() -> Option<Scratch> {
-    tools::compiler()?;
-    let scratch = Scratch::copy_of(&root().join("tests/kinematics"));
-    for module in MODULES {
-        let output = scratch.run(scratch.command(&[], "halcompile").args(["--compile", module]));
-        assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""), "{module}");
-    }
-    Some(scratch)
-}
-
-/// Runs halrun on the virtual clock with the modules of the folder.
-fn run(scratch: &Scratch, words: &[&str]) -> Output {
-    let mut command = scratch.command(&[], "halrun");
-    command.env("HAL_RTMOD_DIR", scratch.path()).arg("--virtual").args(words);
-    scratch.run(&mut command)
+    compiled("kinematics", &MODULES)
 }
 
 /// Returns the recording of the program `part.ngc` on a machine.
@@ -126,17 +113,7 @@ fn assert_positions(vcd: &Vcd, what: &str, closed: fn(&[f64]) -> Vec<f64>) {
 #[test]
 fn scripts_run_unchanged_and_say_what_is_expected() {
     let Some(scratch) = folder() else { return };
-    let files = std::fs::read_dir(root().join("tests/kinematics")).unwrap();
-    let files = files.map(|file| file.unwrap().path());
-    for file in files.filter(|file| file.extension().is_some_and(|e| e == "out")) {
-        let name = file.file_stem().unwrap().to_str().unwrap();
-        let script = format!("{name}.hal");
-        let output = run(&scratch, &["-k", "-f", &script]);
-        assert_eq!(output, run(&scratch, &["-k", "-f", &script]), "{name}: not the same twice");
-        let shown = scratch.path().display().to_string();
-        let text = format!("{}--- standard error\n{}", output.stdout, output.stderr);
-        golden::check(&file, &text.replace(&shown, "FOLDER"));
-    }
+    check_scripts(&scratch, "kinematics");
 }
 
 /// Returns a point turned by an angle in degrees.
@@ -188,21 +165,13 @@ fn alike(places: &[(i64, Vec<f64>)], other: &Vcd, what: &str) {
 #[test]
 fn check_finds_nothing_wrong() {
     let Some(scratch) = folder() else { return };
-    for ini in ["turned.ini", "leaning.ini", "round.ini"] {
-        let mut command = scratch.command(&[], "halcmd");
-        command.env("HAL_RTMOD_DIR", scratch.path()).args(["check", ini]);
-        let Output { stdout, stderr, status, .. } = scratch.run(&mut command);
-        assert_eq!((status, stderr.as_str()), (Some(0), ""), "{ini}: {stdout}");
-        assert!(!stdout.contains("error[") && !stdout.contains("warning["), "{ini}: {stdout}");
-    }
+    check_clean(&scratch, &["turned.ini", "leaning.ini", "round.ini"]);
     for (line, said) in [
         ("loadrt partial type=99", "partial: kinematicsType crashes: segmentation fault"),
         ("loadrt unusual fault=3", "unusual: kinematicsSwitch crashes: segmentation fault"),
     ] {
-        let mut command = scratch.command(&[], "halcmd");
         scratch.write("crash.hal", line);
-        command.env("HAL_RTMOD_DIR", scratch.path()).args(["check", "crash.hal"]);
-        let output = scratch.run(&mut command);
+        let output = run_beside(&scratch, "halcmd", &["check", "crash.hal"]);
         assert!(output.stdout.contains(said), "{}{}", output.stdout, output.stderr);
     }
 }
@@ -220,9 +189,7 @@ fn the_planner_and_motion_have_a_copy_each() {
     for (a, b) in solved.iter().zip(&solved[1..]) {
         assert!(b.1 - a.1 <= 4.0, "{} poses in the cycle at {} ns", b.1 - a.1, b.0);
     }
-    let mut command = scratch.command(&[], "halrun");
-    command.env("HAL_RTMOD_DIR", scratch.path()).args(["-f", "at-once.hal"]);
-    let output = scratch.run(&mut command);
+    let output = run_beside(&scratch, "halrun", &["-f", "at-once.hal"]);
     assert_eq!((output.status, output.stdout.as_str()), (Some(0), "0\n"), "{}", output.stderr);
 }
 

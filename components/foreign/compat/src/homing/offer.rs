@@ -10,6 +10,7 @@ use crate::{
     module::Module,
     running,
     second_copy::{FirstValue, Made},
+    service::{self, Service},
     system,
 };
 use core::{
@@ -21,8 +22,7 @@ use core::{
     },
 };
 use hal_component::abi::{
-    ActionSpec, CallHost, Homing, Host, Record, ServiceRef, ServiceSpec, Status, Str, host_flags,
-    size,
+    ActionSpec, CallHost, Homing, Host, Record, ServiceRef, Status, Str, host_flags, size,
 };
 use std::sync::Arc;
 
@@ -143,30 +143,24 @@ pub(crate) fn offer(host: &Host, module: &Arc<Module>, entries: Entries) -> Resu
         call: Some(call),
         state: Some(state),
     };
-    let service = Box::into_raw(Box::new(Homer {
+    let homer = Homer {
         table,
         entries,
         records: Box::new(UnsafeCell::new([0; ROOM / 8])),
         knows_joints: knows_joints(module.handle),
         module: module.clone(),
-    }));
-    // SAFETY: made just now, and not shared yet.
-    let made = unsafe { &mut *service };
-    made.table.ctx = service.cast_const().cast();
-    let spec = ServiceSpec {
-        size: size::<ServiceSpec>(),
-        version: 1,
-        name: Str::new("homing"),
-        table: (&raw const made.table).cast(),
-        state: service.cast(),
-        free: Some(free),
-        uses: core::ptr::null(),
-        n_uses: 0,
     };
-    // SAFETY: the engine's function; ownership of the state passes with the call.
-    let status = host.offer.map_or(Status::EINVAL, |f| unsafe { f(host.ctx, &raw const spec) });
-    // The engine has a text of its own for its refusal.
-    if status.is_ok() { Ok(()) } else { Err((status, String::new())) }
+    service::offer(host, homer)
+}
+
+impl Service for Homer {
+    const NAME: &'static str = "homing";
+    type Table = Homing;
+
+    fn table(&mut self) -> &Homing {
+        self.table.ctx = (&raw const *self).cast();
+        &self.table
+    }
 }
 
 /// Returns whether the motion controller is loaded.
@@ -177,13 +171,6 @@ fn has_motion(host: &Host) -> bool {
         unsafe { bind(host.ctx, Str::new("motion"), 1, &raw mut found) }
     });
     status.is_ok() && !found.table.is_null()
-}
-
-/// # Safety
-/// The engine calls this once, with a state made by [`offer`].
-unsafe extern "C" fn free(state: *mut c_void) {
-    // SAFETY: made by `Box::into_raw` as a `Homer`; freed once.
-    drop(unsafe { Box::from_raw(state.cast::<Homer>()) });
 }
 
 /// Has the module create its pins, as those of the component that `host` creates.
@@ -217,12 +204,9 @@ impl Homer {
         if !self.knows_joints && module.name.to_bytes() != TOUCHES_NONE {
             return Err(OTHER_RECORDS.to_owned());
         }
-        if joints.iter().any(|n| usize::try_from(*n).is_ok_and(|n| n > JOINTS)) {
-            return Err(format!("it has at most {JOINTS} joints"));
-        }
+        let [all, extra] = numbers(joints)?;
         self.reset();
         module.locks.joints.store(joints[0], Relaxed);
-        let [all, extra] = joints.map(|n| c_int::try_from(n).unwrap_or(0));
         let records = self.records.get().cast();
         let init = || {
             (self.entries.locks)(set_rotary_unlock, get_rotary_unlock);
@@ -253,6 +237,18 @@ impl Homer {
         unsafe { &mut *self.records.get() }.fill(0);
         let locks = &self.module.locks;
         [&locks.open, &locks.exists, &locks.wanted].into_iter().for_each(|l| l.store(0, Relaxed));
+    }
+}
+
+/// Returns numbers of joints for the module.
+///
+/// # Errors
+/// They are more than its arrays hold.
+pub(super) fn numbers(joints: [u32; 2]) -> Result<[c_int; 2], String> {
+    let numbers = joints.map(|n| c_int::try_from(n).unwrap_or(c_int::MAX));
+    match numbers.iter().find(|n| usize::try_from(**n).is_ok_and(|n| n > JOINTS)) {
+        Some(many) => Err(format!("it homes {JOINTS} joints at most, not {many}")),
+        None => Ok(numbers),
     }
 }
 

@@ -1,6 +1,9 @@
 //! Layout of the records of joints.
 
-use super::record::{JointRecord, PlannerRecord};
+use super::{
+    offer::numbers,
+    record::{JointRecord, PlannerRecord},
+};
 use core::{ffi::c_ulong, mem::offset_of};
 use hal_component::abi::{HomingJoint, homing_flags, size};
 
@@ -31,41 +34,75 @@ fn the_record_is_that_of_the_header() {
 
 #[test]
 fn a_module_changes_positions_and_the_planner_alone() {
-    let ones = [1.0; 26];
-    let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, v, w, x, y, z] = ones;
     let given = HomingJoint {
         size: size::<HomingJoint>(),
         flags: homing_flags::ACTIVE | homing_flags::AT_MIN | homing_flags::PLANNER_ON,
-        max_limit: a,
-        min_limit: b,
-        max_jog: c,
-        min_jog: d,
-        max_velocity: e,
-        max_acceleration: f,
-        min_ferror: g,
-        max_ferror: h,
-        backlash: i,
-        pos_cmd: j,
-        vel_cmd: k,
-        acc_cmd: l,
-        backlash_corr: m,
-        backlash_filt: n,
-        backlash_vel: o,
-        motor_pos_cmd: p,
-        motor_pos_fb: q,
-        pos_fb: r,
-        ferror: s,
-        ferror_limit: t,
-        motor_offset: u,
-        target: v,
-        planner_velocity: w,
-        planner_acceleration: x,
-        planner_pos: y,
-        planner_vel: z,
+        max_limit: 1.0,
+        min_limit: 2.0,
+        max_jog: 3.0,
+        min_jog: 4.0,
+        max_velocity: 5.0,
+        max_acceleration: 6.0,
+        min_ferror: 7.0,
+        max_ferror: 8.0,
+        backlash: 9.0,
+        pos_cmd: 10.0,
+        vel_cmd: 11.0,
+        acc_cmd: 12.0,
+        backlash_corr: 13.0,
+        backlash_filt: 14.0,
+        backlash_vel: 15.0,
+        motor_pos_cmd: 16.0,
+        motor_pos_fb: 17.0,
+        pos_fb: 18.0,
+        ferror: 19.0,
+        ferror_limit: 20.0,
+        motor_offset: 21.0,
+        target: 22.0,
+        planner_velocity: 23.0,
+        planner_acceleration: 24.0,
+        planner_pos: 25.0,
+        planner_vel: 26.0,
     };
     let record = JointRecord::of(&given);
-    let bits = (record.flag, record.on_neg_limit, record.on_pos_limit, record.free_tp.enable);
-    assert_eq!(bits, (0x22, 1, 0, 1));
+    let expected = JointRecord {
+        max_pos_limit: 1.0,
+        min_pos_limit: 2.0,
+        max_jog_limit: 3.0,
+        min_jog_limit: 4.0,
+        vel_limit: 5.0,
+        acc_limit: 6.0,
+        min_ferror: 7.0,
+        max_ferror: 8.0,
+        backlash: 9.0,
+        pos_cmd: 10.0,
+        vel_cmd: 11.0,
+        acc_cmd: 12.0,
+        backlash_corr: 13.0,
+        backlash_filt: 14.0,
+        backlash_vel: 15.0,
+        motor_pos_cmd: 16.0,
+        motor_pos_fb: 17.0,
+        pos_fb: 18.0,
+        ferror: 19.0,
+        ferror_limit: 20.0,
+        motor_offset: 21.0,
+        free_tp: PlannerRecord {
+            pos_cmd: 22.0,
+            max_vel: 23.0,
+            max_acc: 24.0,
+            enable: 1,
+            curr_pos: 25.0,
+            curr_vel: 26.0,
+            active: 0,
+        },
+        kb_jjog_active: 0,
+        wheel_jjog_active: 0,
+        on_pos_limit: 0,
+        on_neg_limit: 1,
+        flag: 0x22,
+    };
+    assert_eq!(record, expected);
     let mut same = given;
     record.store(&mut same);
     assert_eq!(same, given);
@@ -74,4 +111,12 @@ fn a_module_changes_positions_and_the_planner_alone() {
     changed.store(&mut same);
     let flags = given.flags & !homing_flags::PLANNER_ON;
     assert_eq!(same, HomingJoint { pos_cmd: 2.0, flags, ..given });
+}
+
+#[test]
+fn a_module_gets_no_more_joints_than_its_arrays_hold() {
+    assert_eq!(numbers([16, 3]), Ok([16, 3]));
+    let refused = |joints| numbers(joints).unwrap_err();
+    assert_eq!(refused([17, 0]), "it homes 16 joints at most, not 17");
+    assert_eq!(refused([1, u32::MAX]), "it homes 16 joints at most, not 2147483647");
 }

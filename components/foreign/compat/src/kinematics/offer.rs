@@ -9,13 +9,14 @@ use crate::{
     module::{self, Module},
     running,
     second_copy::{Input, SecondCopy},
+    service::{self, Service},
     system,
 };
 use core::{
     ffi::{CStr, c_int, c_void},
     sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
 };
-use hal_component::abi::{ForeignFile, Host, Kinematics, ServiceSpec, Status, Str, size};
+use hal_component::abi::{ForeignFile, Host, Kinematics, Status, size};
 use std::{path::Path, sync::Arc};
 
 /// Highest number of kinematics types that are looked for.
@@ -127,37 +128,23 @@ pub(crate) fn offer(
         worker_ctx: core::ptr::null(),
     };
     let inputs = inputs.into_boxed_slice();
-    let service = Box::into_raw(Box::new(BothSolvers {
+    let solvers = BothSolvers {
         table,
         planner_copy: Solver::new(second_entries, inputs, common.clone(), second_copy),
         motion_copy: Solver::new(entries, Box::default(), common, module.clone()),
-    }));
-    // SAFETY: made just now, and not shared yet.
-    let made = unsafe { &mut *service };
-    made.table.ctx = (&raw const made.motion_copy).cast();
-    made.table.worker_ctx = (&raw const made.planner_copy).cast();
-    let spec = ServiceSpec {
-        size: size::<ServiceSpec>(),
-        version: 1,
-        name: Str::new("kinematics"),
-        table: (&raw const made.table).cast(),
-        state: service.cast(),
-        free: Some(free),
-        uses: core::ptr::null(),
-        n_uses: 0,
     };
-    // SAFETY: the engine's function; ownership of the state passes with the call.
-    let status =
-        load.host.offer.map_or(Status::EINVAL, |f| unsafe { f(load.host.ctx, &raw const spec) });
-    // The engine has a text of its own for its refusal.
-    if status.is_ok() { Ok(()) } else { Err((status, String::new())) }
+    service::offer(&load.host, solvers)
 }
 
-/// # Safety
-/// The engine calls this once, with a state made by [`offer`].
-unsafe extern "C" fn free(state: *mut c_void) {
-    // SAFETY: made by `Box::into_raw` as a `BothSolvers`; freed once.
-    drop(unsafe { Box::from_raw(state.cast::<BothSolvers>()) });
+impl Service for BothSolvers {
+    const NAME: &'static str = "kinematics";
+    type Table = Kinematics;
+
+    fn table(&mut self) -> &Kinematics {
+        self.table.ctx = (&raw const self.motion_copy).cast();
+        self.table.worker_ctx = (&raw const self.planner_copy).cast();
+        &self.table
+    }
 }
 
 /// Returns the kind of kinematics whose `kinematicsType` has returned `kind`.

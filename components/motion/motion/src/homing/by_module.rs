@@ -17,7 +17,7 @@ use crate::{
 use hal_component::{TicketHandle, abi::homing_call};
 
 /// Time in which a module must begin to home a joint, in seconds.
-const PATIENCE: f64 = 1.0;
+const TIMEOUT: f64 = 1.0;
 
 /// Result of a cycle of the module.
 enum Ended {
@@ -30,6 +30,11 @@ enum Ended {
 }
 
 impl State {
+    /// Returns whether a command to home joints by the module is in progress.
+    pub(crate) fn is_module_asked(&self) -> bool {
+        self.module.as_ref().is_some_and(|m| m.request.is_some())
+    }
+
     /// Has the module read its pins, before the joints are measured.
     pub(crate) fn read_module_pins(&mut self) {
         let Some(module) = &mut self.module else { return };
@@ -91,12 +96,7 @@ impl State {
                 self.stops.keep(self.now_ns, UNFINISHED);
                 self.end_homing(UNFINISHED);
             }
-            Ended::Failed(n, why) => {
-                let code = self.joints.get(n).map_or(0, |j| j.homing.code());
-                self.say.error(why.say(), &[n as f64, f64::from(code)]);
-                self.stops.keep(self.now_ns, why.text());
-                self.end_homing(why.text());
-            }
+            Ended::Failed(n, why) => self.fail_homing(n, why),
             Ended::Wrong(n, why) => {
                 let text = self.module.as_ref().map_or("", |m| why.say(&m.texts));
                 self.say.error(text, &[n as f64]);
@@ -181,10 +181,10 @@ impl State {
         let missing = (0..self.joints.len()).find(is_missing);
         // Joints that are still homed from before, and that the module has yet to begin.
         let is_to_come = |n: usize| has(waiting, n) && !module.service.state(n).is_idle();
-        let is_to_come = request.quiet <= PATIENCE && (0..self.joints.len()).any(is_to_come);
+        let is_to_come = request.quiet <= TIMEOUT && (0..self.joints.len()).any(is_to_come);
         match missing {
             None if is_to_come => Ended::No,
-            Some(n) if waiting == 0 || request.quiet > PATIENCE => Ended::Unfinished(n),
+            Some(n) if waiting == 0 || request.quiet > TIMEOUT => Ended::Unfinished(n),
             Some(_) => Ended::No,
             None => {
                 module.distrusted &= !set;

@@ -3,6 +3,7 @@
 use crate::{
     commands::command::{Joints, Mode},
     commands::refusal::Refusal,
+    homing::error::HomingError,
     homing::sequence::{HomingSequence, Progress, check, has, with_partners},
     state::State,
 };
@@ -15,8 +16,7 @@ impl State {
         if self.inputs.homing_inhibit {
             return Err(Refusal::new("homing denied by motion.homing-inhibit"));
         }
-        let is_asked = self.module.as_ref().is_some_and(|m| m.request.is_some());
-        if self.homing.is_some() || is_asked {
+        if self.homing.is_some() || self.is_module_asked() {
             return Err(Refusal::new("cannot home: homing is under way"));
         }
         let asked = self.wanted(set)?;
@@ -45,13 +45,16 @@ impl State {
                     sequence.done();
                 }
             }
-            Progress::Failed(n, why) => {
-                let code = self.joints.get(n).map_or(0, |j| j.homing.code());
-                self.say.error(why.say(), &[n as f64, f64::from(code)]);
-                self.stops.keep(self.now_ns, why.text());
-                self.end_homing(why.text());
-            }
+            Progress::Failed(n, why) => self.fail_homing(n, why),
         }
+    }
+
+    /// Aborts homing because a joint cannot be homed.
+    pub(crate) fn fail_homing(&mut self, n: usize, why: HomingError) {
+        let code = self.joints.get(n).map_or(0, |j| j.homing.code());
+        self.say.error(why.say(), &[n as f64, f64::from(code)]);
+        self.stops.keep(self.now_ns, why.text());
+        self.end_homing(why.text());
     }
 
     /// Aborts homing, and brakes.

@@ -43,7 +43,7 @@ pub(crate) struct Request {
 }
 
 /// Last record of a joint, the module's last target, and its last settings.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Exchange {
     sent: HomingJoint,
     target: f64,
@@ -83,11 +83,10 @@ impl ModuleError {
 
 impl ModuleHoming {
     pub(crate) fn new(service: HomingRef) -> Self {
-        let sent = HomingJoint { size: hal_component::abi::size::<HomingJoint>(), ..EMPTY };
         Self {
             texts: Texts::new(service.name()),
             service,
-            joints: [Exchange { sent, target: 0.0, settings: None }; MAX_JOINTS],
+            joints: [Exchange::default(); MAX_JOINTS],
             distrusted: 0,
             request: None,
             has_records: false,
@@ -132,38 +131,6 @@ impl ModuleHoming {
         self.service.configure(n, &settings(config), is_update);
     }
 }
-
-/// A record of zeros.
-const EMPTY: HomingJoint = HomingJoint {
-    size: 0,
-    flags: 0,
-    max_limit: 0.0,
-    min_limit: 0.0,
-    max_jog: 0.0,
-    min_jog: 0.0,
-    max_velocity: 0.0,
-    max_acceleration: 0.0,
-    min_ferror: 0.0,
-    max_ferror: 0.0,
-    backlash: 0.0,
-    pos_cmd: 0.0,
-    vel_cmd: 0.0,
-    acc_cmd: 0.0,
-    backlash_corr: 0.0,
-    backlash_filt: 0.0,
-    backlash_vel: 0.0,
-    motor_pos_cmd: 0.0,
-    motor_pos_fb: 0.0,
-    pos_fb: 0.0,
-    ferror: 0.0,
-    ferror_limit: 0.0,
-    motor_offset: 0.0,
-    target: 0.0,
-    planner_velocity: 0.0,
-    planner_acceleration: 0.0,
-    planner_pos: 0.0,
-    planner_vel: 0.0,
-};
 
 fn record(joint: &Joint, enabled: bool, target: f64) -> HomingJoint {
     let (c, tp, jog) = (&joint.config, &joint.free.tp, joint.jog_limits());
@@ -357,18 +324,21 @@ mod tests {
     use super::*;
 
     /// Joint at 10, measured at 9.5, whose motor reads 12.
-    const SENT: HomingJoint = HomingJoint {
-        pos_cmd: 10.0,
-        pos_fb: 9.5,
-        motor_offset: 2.4,
-        backlash_filt: 0.1,
-        motor_pos_fb: 12.0,
-        planner_pos: 10.0,
-        ..EMPTY
-    };
+    fn sent() -> HomingJoint {
+        HomingJoint {
+            pos_cmd: 10.0,
+            pos_fb: 9.5,
+            motor_offset: 2.4,
+            backlash_filt: 0.1,
+            motor_pos_fb: 12.0,
+            planner_pos: 10.0,
+            ..HomingJoint::default()
+        }
+    }
 
     #[test]
     fn a_renaming_leaves_the_motor_or_goes_to_its_feedback() {
+        let sent = sent();
         for ([cmd, fb, offset, planner], expected) in [
             ([0.0, 0.0, 0.0, 0.0], Some(Renaming::None)),
             ([3.0, 3.0, -3.0, 3.0], Some(Renaming::Shift)),
@@ -391,15 +361,15 @@ mod tests {
             ([3.0, f64::NAN, -3.0, 3.0], None),
         ] {
             let left = HomingJoint {
-                pos_cmd: SENT.pos_cmd + cmd,
-                pos_fb: SENT.pos_fb + fb,
-                motor_offset: SENT.motor_offset + offset,
-                planner_pos: SENT.planner_pos + planner,
-                ..SENT
+                pos_cmd: sent.pos_cmd + cmd,
+                pos_fb: sent.pos_fb + fb,
+                motor_offset: sent.motor_offset + offset,
+                planner_pos: sent.planner_pos + planner,
+                ..sent
             };
-            assert_eq!(renaming(&SENT, &left), expected, "{cmd} {fb} {offset} {planner}");
+            assert_eq!(renaming(&sent, &left), expected, "{cmd} {fb} {offset} {planner}");
         }
-        let unmeasured = HomingJoint { pos_fb: f64::NAN, ..SENT };
+        let unmeasured = HomingJoint { pos_fb: f64::NAN, ..sent };
         assert_eq!(renaming(&unmeasured, &unmeasured), Some(Renaming::None));
     }
 }

@@ -93,10 +93,12 @@ pins! {
         /// TRUE while the jog wheel moves the joint.
         wheel_jog_active: Out<bool> = false, "wheel-jog-active" was "wheel-jog-active";
     }
+    /// Pins for homing; none with a homing module of the user, which makes those that it has.
+    optional homing: HomingPins
 }
 
 pins! {
-    /// Pins of one joint for homing. With a homing module of the user, the module makes those that it has.
+    /// Pins of one joint for homing by the controller itself.
     HomingPins {
         /// TRUE when the joint's position is known.
         homed: Out<bool> = false, "homed" was "homed";

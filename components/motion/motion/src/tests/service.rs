@@ -3,34 +3,10 @@
 use super::{PERIOD, Rig};
 use hal_bench::{Bench, Random};
 use hal_component::{
-    Builder, Component, Error, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal,
-    MotionStatus, MotionToken, abi::TicketState, motion_flags as flags, motion_kind as kind,
-    motion_setting, motion_source,
+    MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal, MotionStatus, MotionToken,
+    abi::TicketState, motion_flags as flags, motion_kind as kind, motion_setting, motion_source,
 };
-use std::cell::RefCell;
 use trivkins::Trivkins;
-
-thread_local! {
-    static FOUND: RefCell<Option<MotionRef>> = const { RefCell::new(None) };
-}
-
-/// Component that uses the service.
-struct Client;
-
-impl Component for Client {
-    const NAME: &'static str = "client";
-    const DOC: &'static str = "Uses motion.";
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let motion = b.motion()?;
-        FOUND.with(|found| *found.borrow_mut() = motion);
-        Ok(())
-    }
-}
-
-fn motion_of(rig: &mut Rig) -> MotionRef {
-    rig.bench.load::<Client>(&[]).unwrap();
-    FOUND.with(|found| found.borrow_mut().take()).unwrap()
-}
 
 fn new(kind: u32) -> MotionCommand {
     MotionCommand::new(kind)
@@ -212,7 +188,7 @@ fn rows() -> Vec<Row> {
 #[test]
 fn each_command_equals_its_text() {
     let (mut by_text, mut by_record) = (Rig::homed(&[]), Rig::homed(&[]));
-    let motion = motion_of(&mut by_record);
+    let motion: MotionRef = by_record.bench.find();
     let mut ends = Vec::new();
     let mut moved = 0;
     for (text, record, cycles) in rows() {
@@ -264,7 +240,7 @@ fn no_kind_is_left_out() {
 #[test]
 fn refusals_are_those_of_the_text() {
     let mut rig = Rig::off(&["coordinates=xyz"]);
-    let motion = motion_of(&mut rig);
+    let motion: MotionRef = rig.bench.find();
     let joint = |c: MotionCommand| MotionCommand { flags: flags::JOINT, ..c };
     let by_axis = |n| MotionCommand { index: n, flags: flags::AXIS, ..jog(0, 1.0) };
     for (record, why) in [
@@ -341,7 +317,7 @@ const PROGRAM: &str = "a program is in progress: motion.abort ends it";
 #[test]
 fn settings_read_as_given() {
     let mut rig = Rig::off(&[]);
-    let motion = motion_of(&mut rig);
+    let motion: MotionRef = rig.bench.find();
     let of = |flags, name: &str, value| MotionCommand { flags, ..setting(name, value) };
     let (mut joint, mut axis, mut spindle, mut traj) = (0, 0, 0, 0);
     for (n, name) in motion_setting::NAMES.iter().enumerate() {
@@ -375,7 +351,7 @@ fn settings_read_as_given() {
 #[test]
 fn one_source_moves_at_a_time() {
     let mut rig = Rig::homed(&[]);
-    let motion = motion_of(&mut rig);
+    let motion: MotionRef = rig.bench.find();
     let task = motion.acquire("task").unwrap();
     let remote = |c: MotionCommand| MotionCommand { source: motion_source::REMOTE, ..c };
     // A program: local motion is refused, pause and resume are not.
@@ -452,7 +428,7 @@ fn one_source_moves_at_a_time() {
 #[test]
 fn a_local_move_ends_a_remote_path_that_is_paused() {
     let mut rig = Rig::homed(&[]);
-    let motion = motion_of(&mut rig);
+    let motion: MotionRef = rig.bench.find();
     let task = motion.acquire("task").unwrap();
     let remote = MotionCommand { source: motion_source::REMOTE, ..line(30.0, 0.0, 30.0) };
     let id = motion.push(task, &remote).unwrap();
@@ -479,7 +455,7 @@ fn a_local_move_ends_a_remote_path_that_is_paused() {
 #[test]
 fn a_full_queue_refuses_moves_and_accepts_an_abort() {
     let mut rig = Rig::homed(&[]);
-    let motion = motion_of(&mut rig);
+    let motion: MotionRef = rig.bench.find();
     let task = motion.acquire("task").unwrap();
     let (mut x, mut ids) = (0.0, Vec::new());
     let mut refused = 0;
@@ -518,7 +494,7 @@ fn commands_that_nobody_takes_are_refused() {
     let mut bench = Bench::new();
     bench.load::<Trivkins>(&[]).unwrap();
     let mut rig = Rig::with(bench);
-    let motion = motion_of(&mut rig);
+    let motion: MotionRef = rig.bench.find();
     assert_eq!(motion.status(), None, "no cycle has run");
     let mut sent = 0;
     while motion.push(MotionToken::LOCAL, &new(kind::PAUSE)).is_ok() {
@@ -574,7 +550,7 @@ fn garbage(random: &mut Random) -> MotionCommand {
 fn garbage_moves_nothing_wrongly() {
     let mut rig = Rig::homed(&[]);
     rig.strict = false;
-    let motion = motion_of(&mut rig);
+    let motion: MotionRef = rig.bench.find();
     let task = motion.acquire("task").unwrap();
     let mut random = Random::new(7);
     let (mut accepted, mut refused) = (0, 0);

@@ -7,8 +7,7 @@ fn the_task_has_its_buttons_and_lamps() {
     let mut rig = Rig::on();
     rig.press("mdi-command-00");
     assert_eq!(rig.0.said().len(), 1, "there is no task yet");
-    rig.0.load::<Task>(&[]).unwrap();
-    let operator = FOUND.with(|found| found.borrow_mut().take()).unwrap();
+    let operator: OperatorRef = rig.0.find();
     let mut view = OperatorView { mode: 2, program: 1, ..OperatorView::IDLE };
     view.zero[0] = 1.0;
     view.zero[1] = 2.0;
@@ -53,8 +52,7 @@ fn the_task_has_its_buttons_and_lamps() {
 #[test]
 fn a_task_keeps_a_machine_in_estop_off() {
     let mut rig = Rig::new();
-    rig.0.load::<Task>(&[]).unwrap();
-    let operator = FOUND.with(|found| found.borrow_mut().take()).unwrap();
+    let operator: OperatorRef = rig.0.find();
     operator.show(&OperatorView::IDLE);
     rig.press("machine.on");
     assert!(!rig.is("machine.is-on"));

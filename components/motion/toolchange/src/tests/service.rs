@@ -1,30 +1,12 @@
 //! The service for the worker that controls jobs.
 
 use super::Rig;
-use hal_component::{Builder, Component, Error, IoControlRef, IoRequest, IoResult};
-use std::{cell::RefCell, thread};
-
-thread_local! {
-    static FOUND: RefCell<Option<IoControlRef>> = const { RefCell::new(None) };
-}
-
-/// A user of the service.
-struct User;
-
-impl Component for User {
-    const NAME: &'static str = "user";
-    const DOC: &'static str = "Finds the service.";
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let found = b.iocontrol()?;
-        FOUND.with(|f| *f.borrow_mut() = found);
-        Ok(())
-    }
-}
+use hal_component::{IoControlRef, IoRequest, IoResult};
+use std::thread;
 
 fn rig() -> (Rig, IoControlRef) {
     let mut rig = Rig::enabled();
-    rig.0.load::<User>(&[]).unwrap();
-    let io = FOUND.with(|f| f.borrow_mut().take()).unwrap();
+    let io = rig.0.find();
     (rig, io)
 }
 

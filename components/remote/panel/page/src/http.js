@@ -2,6 +2,8 @@
 
 const BASE = "/api/v1";
 const KEY = "ferrule-key";
+/** What the browser keeps of a sign-in by token that has no answer yet. */
+const LOGIN = "ferrule-login";
 /** Time after which a request that the network has lost is sent again. */
 export const RETRY_MS = 1000;
 
@@ -85,9 +87,15 @@ export const programPath = (name, tail = "") => `/programs/${encodeURIComponent(
 
 /** Opens a session with the token of the address, or with a user and a password. */
 export async function signIn(how) {
-  const answer = await answerOf(await request("POST", "/session", { json: how }));
-  sessionStorage.setItem(KEY, answer.key);
-  return answer;
+  try {
+    const answer = await answerOf(await request("POST", "/session", { json: how }));
+    sessionStorage.setItem(KEY, answer.key);
+    sessionStorage.removeItem(LOGIN);
+    return answer;
+  } catch (error) {
+    if (error.code !== "no-server") sessionStorage.removeItem(LOGIN);
+    throw error;
+  }
 }
 
 /** Returns the session of this tab, or null. */
@@ -107,10 +115,16 @@ export async function signOut() {
   sessionStorage.removeItem(KEY);
 }
 
-/** Takes the one-time token out of the page's address. */
-export function takeToken() {
+/**
+ * Takes the one-time token out of the page's address, and returns the sign-in with it; without one, a sign-in that has no answer
+ * yet, or null. Sent again, also by the page that is loaded again meanwhile, it is the same attempt: an answer that was lost is no
+ * use of the token.
+ */
+export function login() {
   const found = /^#token=(.+)$/.exec(location.hash);
-  if (!found) return null;
+  if (!found) return JSON.parse(sessionStorage.getItem(LOGIN));
+  const made = { token: found[1], attempt: [...crypto.getRandomValues(new Uint8Array(16))].join("-") };
+  sessionStorage.setItem(LOGIN, JSON.stringify(made));
   history.replaceState(null, "", location.pathname + location.search);
-  return decodeURIComponent(found[1]);
+  return made;
 }

@@ -1,7 +1,7 @@
 // The start of the page: session, socket, and the two faces, the operator's and the integrator's.
 
 import { el } from "./dom.js";
-import { currentSession, getJson, listPath, persistent, signIn, takeToken } from "./http.js";
+import { currentSession, getJson, listPath, login, persistent, signIn } from "./http.js";
 import { Link } from "./link.js";
 import { Messages, machineMessages } from "./operator/messages.js";
 import { Prefs } from "./prefs.js";
@@ -19,17 +19,15 @@ let built = new AbortController();
 
 async function start() {
   applyLook();
-  const token = takeToken();
+  const token = login();
   let session = null;
   let refusal = null;
   try {
-    // Sent again, it is the same attempt: an answer that the network has lost is no use of the token.
-    const login = { token, attempt: [...crypto.getRandomValues(new Uint8Array(16))].join("-") };
-    session = await persistent(() => (token ? signIn(login) : currentSession()), say);
+    session = await persistent(() => (token ? signIn(token) : currentSession()), say);
   } catch (error) {
     // A token that was used is no reason to lose the session of this tab.
     refusal = error;
-    session = await currentSession().catch(() => null);
+    session = await persistent(currentSession, say).catch(() => null);
   }
   if (session) await run(session);
   else document.body.replaceChildren(signInForm(translator(prefs.get("language")), refusal, run));
@@ -96,4 +94,9 @@ function applyLook() {
   document.documentElement.dataset.theme = prefs.get("theme");
 }
 
-start();
+/** Returns whether all parts of the page have arrived; otherwise `boot.js` loads it again, and what begins now would be cut off. */
+function isWhole() {
+  return !document.documentElement.dataset.missing && [...document.querySelectorAll("link[rel=stylesheet]")].every((link) => link.sheet);
+}
+
+if (isWhole()) start();

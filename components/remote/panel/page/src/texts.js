@@ -324,6 +324,7 @@ const TEXTS = {
   "stock.cells": ["cells of {0} {1}", "celdas de {0} {1}"],
   "stock.diameter": ["Diameter of tools without one", "Diámetro de herramientas sin él"],
   "stock.from": ["from", "desde"],
+  "stock.joints": ["X Y Z of {0} are joints now: stock is not simulated", "X Y Z de {0} son ahora articulaciones: el material no se simula"],
   "stock.live": ["Carve while the machine cuts", "Tallar mientras la máquina corta"],
   "stock.new": ["New stock", "Material nuevo"],
   "stock.none": ["no stock: the program cuts nothing, or the size is none", "sin material: el programa no corta nada o las medidas no valen"],

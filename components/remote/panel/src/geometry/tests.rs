@@ -1,6 +1,7 @@
 //! Geometry of small programs.
 
 use super::{Cut, Geometry, distance, is_cutter, read};
+use std::path::Path;
 
 /// Returns the geometry of a program.
 fn of(name: &str, text: &str, tolerance: f64) -> Geometry {
@@ -11,6 +12,18 @@ fn of(name: &str, text: &str, tolerance: f64) -> Geometry {
     let geometry = read(None, &file, tolerance);
     std::fs::remove_file(&file).unwrap();
     geometry.unwrap()
+}
+
+/// Calls a function with the cell of an arm and a cutter-location file.
+fn in_cell<T>(name: &str, text: &str, look: impl FnOnce(&Path, &Path) -> T) -> T {
+    let folder = std::env::temp_dir().join(format!("panel-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (cell, file) = (folder.join("cell.conf"), folder.join("part.apt"));
+    std::fs::write(&cell, "[ARM]\nMODEL = rx90\n[PART]\nFRAME = 500 -100 -100 0 0 30\n").unwrap();
+    std::fs::write(&file, text).unwrap();
+    let found = look(&cell, &file);
+    std::fs::remove_dir_all(&folder).unwrap();
+    found
 }
 
 fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
@@ -111,17 +124,14 @@ fn further_axes_and_joints_follow_the_kinds() {
 
 #[test]
 fn a_cutter_location_file_has_the_joints_of_its_arm() {
-    let folder = std::env::temp_dir().join(format!("panel-cutter-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let (cell, file) = (folder.join("cell.conf"), folder.join("part.apt"));
-    std::fs::write(&cell, "[ARM]\nMODEL = rx90\n[PART]\nFRAME = 500 -100 -100 0 0 30\n").unwrap();
     let text = "CUTTER/6,3\nFROM/0,0,100\nFEDRAT/600,MMPM\nGOTO/20,20,0\nFINI\n";
-    std::fs::write(&file, text).unwrap();
     assert!(is_cutter("a.APT") && is_cutter("b.c.cl") && !is_cutter("a.ngc") && !is_cutter("apt"));
-    assert!(Cut::read(None, &file, false).unwrap_err().contains("--cell"));
-    let cut = Cut::read(Some(&cell), &file, false).unwrap();
-    let inch = Cut::read(Some(&cell), &file, true).unwrap();
-    std::fs::remove_dir_all(&folder).unwrap();
+    let [none, cut, inch] = in_cell("cutter", text, |cell, file| {
+        [(None, false), (Some(cell), false), (Some(cell), true)]
+            .map(|(cell, is_inch)| Cut::read(cell, file, is_inch))
+    });
+    assert!(none.unwrap_err().contains("--cell"));
+    let (cut, inch) = (cut.unwrap(), inch.unwrap());
     assert_eq!(serde_json::json!(cut.cutters)[0]["diameter"], 6.0);
     assert_eq!(serde_json::json!(cut.cutters)[0]["is_ball"], true);
     assert_eq!(cut.frame[5].round(), 30.0);
@@ -148,15 +158,9 @@ fn a_cutter_location_file_has_the_joints_of_its_arm() {
 
 #[test]
 fn a_step_that_only_turns_the_tool_is_no_rapid_move() {
-    let folder = std::env::temp_dir().join(format!("panel-turn-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let (cell, file) = (folder.join("cell.conf"), folder.join("part.apt"));
-    std::fs::write(&cell, "[ARM]\nMODEL = rx90\n[PART]\nFRAME = 500 -100 -100 0 0 30\n").unwrap();
     let text = "FROM/0,0,100\nMULTAX/ON\nFEDRAT/600,MMPM\nGOTO/20,20,0,0,0,1\n\
                 GOTO/20,20,0,0.3,0,0.95\nFINI\n";
-    std::fs::write(&file, text).unwrap();
-    let cut = Cut::read(Some(&cell), &file, false).unwrap();
-    std::fs::remove_dir_all(&folder).unwrap();
+    let cut = in_cell("turn", text, |cell, file| Cut::read(Some(cell), file, false)).unwrap();
     let turns: Vec<_> = cut.geometry.points.iter().filter(|p| p.line == 5 && p.kind != 1).collect();
     let stands = turns.windows(2).filter(|pair| pair[0].at == pair[1].at);
     assert!(stands.clone().count() > 1, "{turns:?}");

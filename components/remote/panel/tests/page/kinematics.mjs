@@ -12,21 +12,51 @@ function near(found, wanted, tolerance, what) {
   found.forEach((v, i) => assert.ok(Math.abs(v - wanted[i]) <= tolerance, `${what}: ${found} instead of ${wanted}`));
 }
 
+/** Kinematics that have no types. */
+const PLAIN = ["maxkins", "lineardeltakins"];
+
 /** Returns the records of pins and parameters, as the server lists them. */
 function records(name, values, type) {
   const pins = Object.entries(values).map(([pin, float]) => ({ name: `${name}.${pin}`, value: { float } }));
   const types = [0, 1, 2].map((n) => ({ name: `kinstype.is-${n}`, value: { bit: n === type } }));
-  return name === "maxkins" ? pins : [...pins, ...types];
+  return PLAIN.includes(name) ? pins : [...pins, ...types];
+}
+
+/** Checks a tip by its joints, or the joints by their pose where the tool is upright. */
+function checkPlace(own, { joints, pose }, what) {
+  if (own.hasTip) {
+    const [tip, wanted] = [own.kind.tip(own.values, joints), frame(...pose.slice(0, 6))];
+    near(tip.origin, wanted.origin, 1e-9, what);
+    near(tip.turn, wanted.turn, 1e-9, what);
+    return;
+  }
+  assert.deepEqual(own.toolAt(pose.slice(0, 3), pose), { tip: pose.slice(0, 3), axis: null }, what);
+  const found = own.jointsAt({ letters: pose }, joints);
+  assert.ok(found.length > 2, what);
+  // Whole turns are none in a picture.
+  near(found.map((v, i) => (v - joints[i]) % 360).map((v) => Math.min(Math.abs(v), 360 - Math.abs(v))), found.map(() => 0), 1e-6, what);
+  assert.equal(own.jointsAt({ letters: [5000, ...pose.slice(1)] }, joints), null, what);
+}
+
+// The INI file says which type is the one of joints, and which axis a joint has.
+{
+  const told = (type, kinematics) => kinematicsOf(records("xyzac-trt-kins", { "z-offset": 0 }, type), { kinematics: `xyzac-trt-kins ${kinematics}` });
+  assert.ok(told(0, "sparm=identityfirst").isJoints && !told(1, "sparm=identityfirst").isJoints && !told(0, "").isJoints);
+  assert.deepEqual([told(0, "coordinates=xyzca").letters, told(0, "").letters], ["XYZCA", "XYZAC"]);
 }
 
 const counts = { near: 0, same: 0, none: 0 };
 for (const { name, type, values, samples } of JSON.parse(readFileSync(0, "utf8"))) {
   const own = kinematicsOf(records(name, values, type));
   const others = kinematicsOf(records(name, values, name === "armkins" ? 1 : 1 - type));
-  assert.ok(own.isKnown && !own.isJoints && (others.isJoints || name === "maxkins"), name);
+  assert.ok(own.isKnown && !own.isJoints && others.isJoints === !PLAIN.includes(name), name);
   samples.forEach((sample, n) => {
     const { joints, pose } = sample;
     const what = `${name} ${n}`;
+    if (!sample.axis && !sample.last) {
+      checkPlace(own, sample, what);
+      return;
+    }
     if (name !== "armkins") {
       // Where axes are joints, the tip and the direction are the same.
       const offset = [1, -2, 3];

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { Vector3 } from "../../page/vendor/three.module.min.js";
 import { frameOf, workPose } from "../../page/src/frame.js";
 import { ROBOT_PINS, asMachine, robotOf, robotState } from "../../page/src/robot/state.js";
-import { kinematicsOf } from "../../page/src/view/kinematics.js";
+import { kinematicsOf, patternsOf } from "../../page/src/view/kinematics.js";
 
 /** Returns values as the server sends them. */
 function values(pins) {
@@ -36,6 +36,8 @@ const lengths = { A1: 120, A2: 250, A3: 0, D1: 0, D4: 250, D6: 76.5 };
 const angles = [[90, -1], [-90, 1], [90, -1], [0, 1], [0, -1], [-90, 1]];
 const records = [...Object.entries(lengths), ...angles.flatMap(([offset, sign], n) => [[`offset-${n}`, offset], [`sign-${n}`, sign]])]
   .map(([name, value]) => ({ name: `robot.${name}`, value: { float: value } }));
+// Beside motion it is not the machine, whose kinematics are others.
+assert.ok(patternsOf({ isRobot: true }).includes("robot.*") && !patternsOf({ isRobot: false }).includes("robot.*"));
 const kinematics = kinematicsOf(records);
 assert.equal(kinematics.name, "robot");
 // Its pose is the tip already; its joints end at the flange. They tell where the tool points.

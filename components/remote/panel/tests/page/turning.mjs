@@ -8,6 +8,9 @@ const { NORMALS, blockFaces, isBlock } = await import("../../page/src/view/block
 const { Dexels, boxOf } = await import("../../page/src/view/dexels.js");
 const { cellApart, kinematicsOf } = await import("../../page/src/view/kinematics.js");
 const { Path } = await import("../../page/src/view/path.js");
+const { drawRested } = await import("../../page/src/view/stock.js");
+const { translator } = await import("../../page/src/texts.js");
+const { whyNoStock } = await import("../../page/src/view/card.js");
 const { Carver, Player, Poser } = await import("../../page/src/view/player.js");
 const { cross, dot } = await import("../../page/src/view/sweep.js");
 
@@ -173,6 +176,13 @@ function turns(step, { about = 0, lift = 0 } = {}) {
   near(cellApart(same, arm, 0), 0, 1e-3);
   near(cellApart(other, arm, 100), 100 * ((0.2 * Math.PI) / 180), 1e-2);
   assert.equal(cellApart(other, null, 100), 0);
+  // A tool that is bent has its tip where a straight one has it, and another direction.
+  const bend = kinematicsOf(records("armkins", { ...lengths, "tool.z": 200, "tool.b": 30 }));
+  const { origin: end } = bend.kind.tip(bend.values, straight);
+  const leaning = (b) => path([0, 2].map((kind) => ({ at: end, kind, further: [180, b, 0, 0, 0, 0], joints: straight })));
+  near(cellApart(leaning(-30), bend, 100), 0, 1e-3);
+  near(cellApart(leaning(0), bend, 0), 0, 1e-3);
+  near(cellApart(leaning(0), bend, 100), 200 * Math.sin(Math.PI / 12), 1e-2);
 
   // A tool's offset (G43) is on the pose, whatever the joints are: program, reports and picture mean the same tip.
   const offset = [0, 0, 50];
@@ -207,6 +217,11 @@ function turns(step, { about = 0, lift = 0 } = {}) {
   // A scara whose axes are its joints has no tip for a pose: its stock is refused.
   const scara = (type) => kinematicsOf(records("scarakins", { D1: 1, D2: 1, D3: 1, D4: 1, D5: 1, D6: 1 }, type));
   assert.ok(scara(0).isKnown && !scara(1).isKnown && !scara(2).isKnown);
+  const ctx = { info: { axes: "XYZABC" }, t: translator("en"), mm: { read: (v) => v } };
+  for (const [type, text] of [[0, ""], [1, "X Y Z of scarakins are joints now: stock is not simulated"], [2, "X Y Z of scarakins are joints now: stock is not simulated"]]) {
+    assert.equal(whyNoStock(path(swing), scara(type), ctx), text);
+  }
+  assert.match(whyNoStock(path(swing), kinematicsOf(records("xyzacb_trsrn", { "nut-angle": 45 }, 2)), ctx), /^X Y Z of xyzacb_trsrn are along the tool now/);
 }
 
 // The machine carves from report to report while its tool turns.
@@ -230,6 +245,34 @@ function turns(step, { about = 0, lift = 0 } = {}) {
   carver.lose();
   carver.report(motion(-60), ball(2 * R));
   assert.equal(stock.removed, removed);
+}
+
+// However far the tool turns from one report to the next, its way is cut in 48 steps at most, else in those of 0.25 degrees.
+{
+  let cuts = 0;
+  const stock = { cut: () => { cuts += 1; return 0; } };
+  const carver = new Carver(stock, new Frame(), ({ lean }) => ({ tip: [0, 0, 0], axis: [Math.sin((lean * Math.PI) / 180), 0, Math.cos((lean * Math.PI) / 180)] }));
+  for (const [lean, wanted] of [[0, 0], [0.6, 3], [11, 42], [170, 48], [170, 0]]) {
+    cuts = 0;
+    carver.report({ pose: [0, 0, 0], lean }, flat(8));
+    assert.equal(cuts, wanted, `${lean}`);
+  }
+}
+
+// A picture that took long rests three times as long; what has changed meanwhile is drawn after it.
+{
+  let [time, drawn] = [1000, 0];
+  const stock = { field: { changed: [5, 9] }, picture: { draw: () => { drawn += 1; time += 100; } } };
+  const clock = { now: () => time };
+  assert.equal(drawRested(stock, clock), 0);
+  time += 50;
+  assert.equal(drawRested(stock, clock), 250);
+  stock.field.changed = [40, -1];
+  assert.equal(drawRested(stock, clock), 0);
+  assert.equal(drawn, 1);
+  time += 250;
+  assert.equal(drawRested(stock, clock), 0);
+  assert.equal(drawn, 2);
 }
 
 // The faces of columns that are cut below close around what is left of them.

@@ -2,9 +2,9 @@
 
 use crate::Remote;
 use hal_bench::Bench;
-use hal_component::{Builder, Component, Error, MotionRef, MotionToken};
+use hal_component::{MotionRef, MotionToken};
 use motion::Motmod;
-use std::{cell::RefCell, collections::VecDeque};
+use std::collections::VecDeque;
 use trivkins::Trivkins;
 
 /// Period of the servo thread in nanoseconds.
@@ -12,23 +12,6 @@ pub(super) const PERIOD: i64 = 1_000_000;
 /// Velocity and acceleration of joints.
 pub(super) const VELOCITY: f64 = 20.0;
 pub(super) const ACCELERATION: f64 = 400.0;
-
-thread_local! {
-    static FOUND: RefCell<Option<MotionRef>> = const { RefCell::new(None) };
-}
-
-/// Stands for the task: it owns motion.
-struct Task;
-
-impl Component for Task {
-    const NAME: &'static str = "task";
-    const DOC: &'static str = "Stands for the task.";
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let motion = b.motion()?;
-        FOUND.with(|found| *found.borrow_mut() = motion);
-        Ok(())
-    }
-}
 
 /// The machine, and the way between the servo thread and the operator's page.
 pub(super) struct Rig {
@@ -51,7 +34,6 @@ impl Rig {
         bench.load::<Trivkins>(&["coordinates=xyz"]).unwrap();
         bench.load::<Motmod>(&["num_joints=3"]).unwrap();
         bench.load::<Remote>(args).unwrap();
-        bench.load::<Task>(&[]).unwrap();
         for n in 0..3 {
             let joint = format!("joint={n}");
             let args = [
@@ -66,7 +48,7 @@ impl Rig {
             bench.command("motion.configure", &args).unwrap();
         }
         bench.command("motion.configure", &["max-velocity=80"]).unwrap();
-        let motion = FOUND.with(|found| found.borrow_mut().take()).unwrap();
+        let motion: MotionRef = bench.find();
         let token = motion.acquire("task").unwrap();
         let way = VecDeque::new();
         let mut rig =

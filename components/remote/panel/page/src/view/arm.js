@@ -63,7 +63,7 @@ export function configurationOf(p, joints) {
 }
 
 /** Returns the joints that bring the flange to a frame in one configuration, 4 · back + 2 · elbow down + flipped; null out of reach or limits. */
-export function solve(p, flange, configuration, last) {
+function solve(p, flange, configuration, last) {
   const front = configuration & 4 ? -1 : 1;
   const up = configuration & 2 ? -front : front;
   const wrist = pointOf(flange, [0, 0, -p.D6]);

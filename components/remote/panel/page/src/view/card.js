@@ -7,7 +7,7 @@ import { asMachine, robotOf } from "../robot/state.js";
 import { getJson, listPath, programPath, request } from "../http.js";
 import { Vector3 } from "../../vendor/three.module.min.js";
 import { Gantry, Lathe, Rods, Tool, Trail, lights } from "./bodies.js";
-import { PATTERNS, cellApart, kinematicsOf } from "./kinematics.js";
+import { cellApart, kinematicsOf, patternsOf } from "./kinematics.js";
 import { Path } from "./path.js";
 import { simulationPart } from "./simulation.js";
 import { View } from "./view.js";
@@ -76,7 +76,7 @@ export function viewCard(ctx) {
   /** Reads the kinematics anew: the tool may be another, or the type. Without an answer the picture has the tool alone. */
   async function kinematics() {
     try {
-      const [pins, params] = await Promise.all(["pins", "params"].map((kind) => getJson(listPath(kind, PATTERNS), { signal })));
+      const [pins, params] = await Promise.all(["pins", "params"].map((kind) => getJson(listPath(kind, patternsOf(info)), { signal })));
       const found = kinematicsOf([...pins, ...params], info);
       if (found && state.kinematics) machine?.become?.(found);
       if (found) state.kinematics = found;
@@ -234,9 +234,9 @@ function zero(task) {
 }
 
 /** Returns why a program's stock is not carved, or an empty text. */
-function whyNoStock(path, kinematics, { info, t, mm, units }) {
+export function whyNoStock(path, kinematics, { info, t, mm, units }) {
   if (isLathe(info)) return t("stock.turned");
-  if (kinematics && !kinematics.isKnown) return t("stock.plane", kinematics.name);
+  if (kinematics && !kinematics.isKnown) return t(kinematics.isUpright ? "stock.joints" : "stock.plane", kinematics.name);
   const apart = cellApart(path, kinematics, SHANK_MM * mm.read(1));
   if (apart > SAME_CELL_MM * mm.read(1)) return t("stock.cell", units().text(apart), units().unit("x"));
   // Where other axes take the part or the tool is known from the kinematics alone.

@@ -4,10 +4,7 @@
 // Each returns what turns the tool in the machine, what turns the machine's frame to that of the part, and the tip on the
 // part when the axes are at a place.
 
-import { IDENTITY, RADIANS, about, aboutVector, times, turned, upward } from "./rotation.js";
-
-const plus = (a, b) => a.map((v, i) => v + b[i]);
-const minus = (a, b) => a.map((v, i) => v - b[i]);
+import { IDENTITY, RADIANS, about, aboutVector, minus, plus, times, turned, upward } from "./rotation.js";
 
 /** A bridge mill whose head turns by C and tilts by B. */
 function bridge(p, [, , , , b, c, , , w]) {

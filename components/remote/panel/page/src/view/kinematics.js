@@ -3,7 +3,7 @@
 import { Vector3 } from "../../vendor/three.module.min.js";
 import { jointsAlong, links, tipOf } from "./arm.js";
 import { FIVE_AXIS, onPart } from "./five_axis.js";
-import { IDENTITY, RADIANS, about, frame, ofRollPitchYaw, times, turned, upward } from "./rotation.js";
+import { IDENTITY, RADIANS, about, frame, joined, minus, ofRollPitchYaw, upward } from "./rotation.js";
 import { searchJoints } from "./search.js";
 
 /**
@@ -33,8 +33,8 @@ function serial(rows, lengths) {
 
 /** Width of a tool, in that of a link. */
 const TOOL_SHARE = 0.3;
-/** Names of pins and parameters that tell kinematics. */
-export const PATTERNS = ["*kins.*", "*_trsrn.*", "kinstype.is-*", "robot.*"];
+/** Returns patterns for the names of pins and parameters that tell kinematics; a robot tells them where it is the machine itself. */
+export const patternsOf = ({ isRobot }) => ["*kins.*", "*_trsrn.*", "kinstype.is-*", ...(isRobot ? ["robot.*"] : [])];
 
 /** Returns the kinematics that the names of pins and parameters tell, with their values; null for others. `info` is that of the machine. */
 export function kinematicsOf(records, info = {}) {
@@ -100,11 +100,11 @@ class Kinematics {
       const { axis, tip } = onPart(kind, values, letters);
       if (!this.isJoints) return { tip: point, axis };
       // The offset is along Z, whatever the axes are.
-      const offset = point.map((v, i) => letters[i] - v);
-      return { tip: tip(letters.slice(0, 3)).map((v, i) => v - offset[i]), axis };
+      const place = letters.slice(0, 3);
+      return { tip: minus(tip(place), minus(place, point)), axis };
     }
     if (this.isJoints) return toolOf(kind.tip(values, letters));
-    return { tip: point, axis: upward(ofRollPitchYaw(...letters.slice(3, 6))).map((v) => -v) };
+    return toolOf({ origin: point, turn: ofRollPitchYaw(...letters.slice(3, 6)) });
   }
 
   /** Returns tip and direction of the tool as the machine reports its joints; null where they do not tell. */
@@ -116,11 +116,11 @@ class Kinematics {
     if (kind.tip) {
       const { tip, axis } = toolOf(kind.tip(values, joints));
       // A pose of joints has no place for the offset: it is on the joints already.
-      return this.isJoints ? { tip, axis, isForward: true } : { tip: tip.map((v, i) => v - offset[i]), axis };
+      return this.isJoints ? { tip, axis, isForward: true } : { tip: minus(tip, offset), axis };
     }
     const letters = [..."XYZABCUVW"].map((letter) => joints[this.letters.indexOf(letter)] ?? 0);
     const { axis, tip } = onPart(kind, values, letters);
-    return { tip: tip(letters.slice(0, 3)).map((v, i) => v - offset[i]), axis };
+    return { tip: minus(tip(letters.slice(0, 3)), offset), axis };
   }
 
   /** Returns the joints of a pose that is played, the nearest to others; null where they are not known or out of reach. */
@@ -144,8 +144,9 @@ export function cellApart(path, kinematics, shank) {
   for (const i of [0, path.count >> 1, path.count - 1]) {
     const six = (values) => [...values.subarray(6 * i, 6 * i + 6)];
     const own = kinematics.toolAt([0, 0, 0], [], six(path.joints));
-    const told = { tip: path.tip(i), axis: upward(ofRollPitchYaw(...six(path.further).slice(0, 3))).map((v) => -v) };
-    for (const far of [0, shank]) most = Math.max(most, Math.hypot(...told.tip.map((v, k) => v - own.tip[k] + far * (told.axis[k] - own.axis[k]))));
+    const told = toolOf({ origin: path.tip(i), turn: ofRollPitchYaw(...six(path.further).slice(0, 3)) });
+    const [tips, axes] = [minus(told.tip, own.tip), minus(told.axis, own.axis)];
+    for (const far of [0, shank]) most = Math.max(most, Math.hypot(...tips.map((v, k) => v + far * axes[k])));
   }
   return most;
 }
@@ -226,17 +227,11 @@ function arm(p, joints, tip) {
 
 /** Returns the frames of links from the base; each joint turns about its own axis. The last is that of the tool. */
 function chain(all, joints) {
-  let at = { origin: [0, 0, 0], turn: IDENTITY };
-  const frames = [at];
-  const go = (turn, way) => {
-    const wide = times(at.turn, turn);
-    at = { origin: turned(wide, way).map((v, i) => v + at.origin[i]), turn: wide };
-  };
+  const frames = [{ origin: [0, 0, 0], turn: IDENTITY }];
+  const go = (origin, turn) => frames.push(joined(frames.at(-1), { origin, turn }));
   all.forEach(({ a, alpha, d }, i) => {
-    go(about(0, alpha), [a, 0, 0]);
-    frames.push(at);
-    go(about(2, (joints[i] ?? 0) * RADIANS), [0, 0, d]);
-    frames.push(at);
+    go([a, 0, 0], about(0, alpha));
+    go([0, 0, d], about(2, (joints[i] ?? 0) * RADIANS));
   });
   return frames;
 }

@@ -3,6 +3,9 @@
 export const RADIANS = Math.PI / 180;
 export const IDENTITY = [1, 0, 0, 0, 1, 0, 0, 0, 1];
 
+export const plus = (a, b) => a.map((v, i) => v + b[i]);
+export const minus = (a, b) => a.map((v, i) => v - b[i]);
+
 /** Returns the rotation about X, Y or Z (0, 1, 2) by an angle in radians. */
 export function about(axis, angle) {
   const [s, c] = [Math.sin(angle), Math.cos(angle)];
@@ -42,7 +45,7 @@ export const ofRollPitchYaw = (a, b, c) => times(about(2, c * RADIANS), times(ab
 export const frame = (x, y, z, a, b, c) => ({ origin: [x, y, z], turn: ofRollPitchYaw(a, b, c) });
 
 /** Returns a point given in a frame, relative to the frame's reference. */
-export const pointOf = ({ origin, turn }, point) => turned(turn, point).map((v, i) => v + origin[i]);
+export const pointOf = ({ origin, turn }, point) => plus(turned(turn, point), origin);
 
 /** Returns a frame given in another, relative to the other's reference. */
 export const joined = (outer, inner) => ({ origin: pointOf(outer, inner.origin), turn: times(outer.turn, inner.turn) });

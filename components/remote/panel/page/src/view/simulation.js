@@ -5,7 +5,7 @@ import { getJson, pause } from "../http.js";
 import { Dexels, boxInParts } from "./dexels.js";
 import { Carver, Player, Poser, tipOf } from "./player.js";
 import { INTERPRETER } from "../operator/states.js";
-import { Crashes, Cutter, StockPicture } from "./stock.js";
+import { Crashes, Cutter, StockPicture, drawRested } from "./stock.js";
 
 /** Margin around a program's cuts, and the diameter of a tool that the table has none for, in millimetres. */
 const [MARGIN_MM, DIAMETER_MM] = [2, 6];
@@ -13,8 +13,6 @@ const [MARGIN_MM, DIAMETER_MM] = [2, 6];
 const [SLICE_MS, SLICE_CELLS] = [15, 4000];
 /** Time between two pictures of a simulation that is as fast as possible. */
 const PICTURE_MS = 100;
-/** Rest after the stock was drawn, in the time that this took: the page answers in between. */
-const REST = 3;
 /** Longest step of the clock: a page that was hidden does not leap. */
 const STEP_MS = 200;
 /** Distance of a machine that has moved, in millimetres. */
@@ -262,16 +260,8 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   /** Draws the stock, but not without a rest: what has changed meanwhile is drawn after it. */
   function drawStock(shown) {
     clearTimeout(resting);
-    if (!shown) return;
-    const begun = performance.now();
-    const rest = (shown.restsUntil ?? 0) - begun;
-    if (rest > 0) {
-      if (shown.field.changed[1] >= 0) resting = setTimeout(draw, rest);
-      return;
-    }
-    shown.picture.draw();
-    const ended = performance.now();
-    shown.restsUntil = ended + REST * (ended - begun);
+    const rest = shown ? drawRested(shown) : 0;
+    if (rest > 0) resting = setTimeout(draw, rest);
   }
 
   function tell(shown, rapids) {

@@ -16,6 +16,8 @@ const UP = new Vector3(0, 0, 1);
 const MAX_RAPIDS = 1000;
 /** Most bands of rows whose blocks are drawn by themselves. */
 const BANDS = 256;
+/** Rest after stock was drawn, in the time that this took: the page answers in between. */
+const REST = 3;
 /** Corners of the two triangles of a face. */
 const QUAD = [0, 1, 2, 0, 2, 3];
 /** Length of the tool that a simulation moves, in its radius. */
@@ -139,6 +141,17 @@ export class StockPicture {
     for (const band of this.bands) band?.geometry.dispose();
     this.mesh.material.dispose();
   }
+}
+
+/** Draws stock unless its picture rests; returns after how many milliseconds what has changed meanwhile is to be drawn, or 0. */
+export function drawRested(stock, clock = performance) {
+  const begun = clock.now();
+  const rest = (stock.restsUntil ?? 0) - begun;
+  if (rest > 0) return stock.field.changed[1] >= 0 ? rest : 0;
+  stock.picture.draw();
+  const ended = clock.now();
+  stock.restsUntil = ended + REST * (ended - begun);
+  return 0;
 }
 
 /** Gives the graphics processor a part of what it has. */
