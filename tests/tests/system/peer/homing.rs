@@ -102,7 +102,11 @@ fn a_module_that_does_not_home_is_refused_by_name() {
     }
     scratch.write("machine.hal", format!("loadrt bad\n{machine}"));
     refuses("search", "homing is loaded already, by component 'search'");
-    refuses("and2", "the module 'bad' offers homing, and 'and2' is to home: load that one alone");
+    scratch.write("machine.hal", format!("loadrt at_once\n{machine}"));
+    refuses(
+        "and2",
+        "the module 'at_once' offers homing, and 'and2' is to home: load that one alone",
+    );
 }
 
 #[test]

@@ -180,7 +180,7 @@ function turns(step, { about = 0, lift = 0 } = {}) {
   const bend = kinematicsOf(records("armkins", { ...lengths, "tool.z": 200, "tool.b": 30 }));
   const { origin: end } = bend.kind.tip(bend.values, straight);
   const leaning = (b) => path([0, 2].map((kind) => ({ at: end, kind, further: [180, b, 0, 0, 0, 0], joints: straight })));
-  near(cellApart(leaning(-30), bend, 100), 0, 1e-3);
+  near(cellApart(leaning(30), bend, 100), 0, 1e-3);
   near(cellApart(leaning(0), bend, 0), 0, 1e-3);
   near(cellApart(leaning(0), bend, 100), 200 * Math.sin(Math.PI / 12), 1e-2);
 
