@@ -87,8 +87,9 @@ fn a_table_that_tilts_lets_the_tool_lean_in_the_part() {
 /// The first of both points, with a tool of another length; it dwells at the ends, so that reports have them.
 const LONGER: &str = "\
 G21 G90 G94 G54 F1800
-G43.1 Z20
 G0 X0 Y0 Z60
+G43.1 Z20
+G0 Z60
 A30
 G1 Y17.320508 Z20
 G4 P1
