@@ -110,16 +110,6 @@ impl Transform {
         larger - smaller <= EVEN * larger
     }
 
-    /// Returns whether the transform only turns and shifts, as a coordinate system of the machine can, with scales that
-    /// differ from 1 by at most `scale` and angles by at most `degrees`.
-    #[must_use]
-    pub fn is_rigid(&self, scale: f64, degrees: f64) -> bool {
-        let parts = self.parts();
-        fabs(parts.scale_x - 1.0) <= scale
-            && fabs(parts.scale_y - 1.0) <= scale
-            && fabs(parts.shear) <= degrees
-    }
-
     /// Returns doubts about it.
     #[must_use]
     pub fn warnings(&self) -> Vec<Warning> {

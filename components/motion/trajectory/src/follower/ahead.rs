@@ -19,7 +19,8 @@ pub(super) struct Alike {
     last: u64,
     /// Length of all of them.
     pub(super) length: f64,
-    /// Least acceleration at rest in them, and greatest loss of it per squared speed.
+    /// Least acceleration at rest in them, and greatest loss of it per squared speed. Cells that the input has left still count:
+    /// it may brake earlier before a move that is held, where it waits anyway.
     rest: f64,
     fade: f64,
 }

@@ -3,7 +3,7 @@
 import { el } from "./dom.js";
 
 /** Time in ms for which a button is held before it acts. */
-export const HOLD_MS = 600;
+const HOLD_MS = 600;
 /** Time in ms for which a jog button is held before the jog begins. */
 export const JOG_HOLD_MS = 150;
 

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 
+const { records } = await import("./tools.mjs");
 const { jointsOf, jointsAlong, configurationOf, tipOf } = await import("../../page/src/view/arm.js");
 const { kinematicsOf } = await import("../../page/src/view/kinematics.js");
 const { frame } = await import("../../page/src/view/rotation.js");
@@ -14,13 +15,7 @@ function near(found, wanted, tolerance, what) {
 
 /** Kinematics that have no types. */
 const PLAIN = ["maxkins", "lineardeltakins"];
-
-/** Returns the records of pins and parameters, as the server lists them. */
-function records(name, values, type) {
-  const pins = Object.entries(values).map(([pin, float]) => ({ name: `${name}.${pin}`, value: { float } }));
-  const types = [0, 1, 2].map((n) => ({ name: `kinstype.is-${n}`, value: { bit: n === type } }));
-  return PLAIN.includes(name) ? pins : [...pins, ...types];
-}
+const recordsOf = (name, values, type) => records(name, values, type).filter((record) => !PLAIN.includes(name) || record.name.startsWith(name));
 
 /** Checks a tip by its joints, or the joints by their pose where the tool is upright. */
 function checkPlace(own, { joints, pose }, what) {
@@ -47,8 +42,8 @@ function checkPlace(own, { joints, pose }, what) {
 
 const counts = { near: 0, same: 0, none: 0 };
 for (const { name, type, values, samples } of JSON.parse(readFileSync(0, "utf8"))) {
-  const own = kinematicsOf(records(name, values, type));
-  const others = kinematicsOf(records(name, values, name === "armkins" ? 1 : 1 - type));
+  const own = kinematicsOf(recordsOf(name, values, type));
+  const others = kinematicsOf(recordsOf(name, values, name === "armkins" ? 1 : 1 - type));
   assert.ok(own.isKnown && !own.isJoints && others.isJoints === !PLAIN.includes(name), name);
   samples.forEach((sample, n) => {
     const { joints, pose } = sample;

@@ -2,19 +2,14 @@
 
 import assert from "node:assert/strict";
 
+const { ball, flat, near } = await import("./tools.mjs");
 const { Frame } = await import("../../page/src/frame.js");
 const { CRASHED, CUT, Dexels, MAX_CELLS, boxOf } = await import("../../page/src/view/dexels.js");
 const { Path } = await import("../../page/src/view/path.js");
 const { bytes } = await import("./bytes.mjs");
 const { Carver, Player } = await import("../../page/src/view/player.js");
 
-const flat = (diameter) => ({ radius: diameter / 2, isBall: false });
-const ball = (diameter) => ({ radius: diameter / 2, isBall: true });
 const block = (most) => new Dexels([0, 0, -10], [100, 50, 0], most);
-
-function near(found, wanted, tolerance) {
-  assert.ok(Math.abs(found - wanted) <= tolerance, `${found} instead of ${wanted} ± ${tolerance}`);
-}
 
 /** Sum of what is missing, cell by cell. */
 function missing(stock) {

@@ -2,11 +2,10 @@
 
 import assert from "node:assert/strict";
 
+const { ball, flat, near } = await import("./tools.mjs");
 const { CRASHED, CUT, Dexels, MAX_CELLS } = await import("../../page/src/view/dexels.js");
 const { Sweep, beside, cross, dot, length } = await import("../../page/src/view/sweep.js");
 
-const flat = (diameter) => ({ radius: diameter / 2, isBall: false });
-const ball = (diameter) => ({ radius: diameter / 2, isBall: true });
 const FINE = 1_000_000;
 const block = (most) => new Dexels([0, 0, -20], [100, 60, 0], most);
 const radians = (angle) => (angle * Math.PI) / 180;
@@ -14,10 +13,6 @@ const radians = (angle) => (angle * Math.PI) / 180;
 const lean = (angle, about = 0) => [
   Math.sin(radians(angle)) * Math.cos(radians(about)), Math.sin(radians(angle)) * Math.sin(radians(about)), Math.cos(radians(angle)),
 ];
-
-function near(found, wanted, tolerance) {
-  assert.ok(Math.abs(found - wanted) <= tolerance, `${found} instead of ${wanted} ± ${tolerance}`);
-}
 
 /** Returns the volume of all pieces. */
 function left(stock) {

@@ -2,6 +2,7 @@
 
 import assert from "node:assert/strict";
 
+const { ball, flat, near, records } = await import("./tools.mjs");
 const { bytes } = await import("./bytes.mjs");
 const { FreeFrame, Frame } = await import("../../page/src/frame.js");
 const { NORMALS, blockFaces, isBlock } = await import("../../page/src/view/blocks.js");
@@ -14,20 +15,10 @@ const { whyNoStock } = await import("../../page/src/view/card.js");
 const { Carver, Player, Poser } = await import("../../page/src/view/player.js");
 const { cross, dot } = await import("../../page/src/view/sweep.js");
 
-const flat = (diameter) => ({ radius: diameter / 2, isBall: false });
-const ball = (diameter) => ({ radius: diameter / 2, isBall: true });
 const block = (most) => new Dexels([0, 0, -30], [100, 40, 0], most);
 const path = (points, more) => new Path(bytes(points, more));
-const records = (name, values, type = 0) => [
-  ...Object.entries(values).map(([pin, float]) => ({ name: `${name}.${pin}`, value: { float } })),
-  ...[0, 1, 2].map((n) => ({ name: `kinstype.is-${n}`, value: { bit: n === type } })),
-];
 /** A bridge mill whose head tilts by B and turns by C. */
 const bridge = kinematicsOf(records("5axiskins", { "pivot-length": 250 }));
-
-function near(found, wanted, tolerance) {
-  assert.ok(Math.abs(found - wanted) <= tolerance, `${found} instead of ${wanted} ± ${tolerance}`);
-}
 
 function player(points, { machine = bridge, stock = block(), tool = ball(8), frame = new Frame(), still = [], more } = {}) {
   const made = path(points, more);

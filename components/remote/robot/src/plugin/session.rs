@@ -1,6 +1,6 @@
 //! A connection, the program that is loaded, and its run.
 
-use super::{cause::Cause, pins::SimInputs};
+use super::{cause::Cause, pins::SimInputs, shown::SessionState};
 use crate::{
     Command, Driver, Event, Faults, Program, SimulatedLink, State, TcpLink, TcpOpening, Volume,
     Zero,
@@ -45,6 +45,7 @@ pub(crate) struct Session {
     pub(super) problem: String,
     /// A command has paused the run.
     is_paused: bool,
+    /// Number of the first line that is not known to be executed.
     pub(super) line: usize,
     pub(super) point: [f64; 3],
     pub(super) speed: f64,
@@ -73,27 +74,6 @@ impl Session {
         }
     }
 
-    /// Returns whether the controller is connected, or about to be: the robot may move.
-    pub(crate) const fn is_connected(&self) -> bool {
-        matches!(self.link, Link::Opening(_)) || self.is_driven()
-    }
-
-    /// Returns whether the driver has a connection.
-    pub(super) const fn is_driven(&self) -> bool {
-        use State::{Connected, Paused, Ready, Running};
-        matches!(self.driver.state(), Connected | Ready | Running | Paused)
-    }
-
-    /// Returns whether a run is in progress.
-    pub(crate) const fn runs(&self) -> bool {
-        matches!(self.driver.state(), State::Running | State::Paused)
-    }
-
-    /// Returns whether a thread connects.
-    pub(crate) const fn is_opening(&self) -> bool {
-        matches!(self.link, Link::Opening(_))
-    }
-
     /// Returns the flag that gives up a connection that a thread makes.
     pub(crate) const fn opening(&self) -> Option<&Arc<Mutex<bool>>> {
         match &self.link {
@@ -110,25 +90,6 @@ impl Session {
         }
     }
 
-    /// Returns the number of the first line that is not known to be executed.
-    pub(crate) const fn line(&self) -> usize {
-        self.line
-    }
-
-    /// Returns the reason of the end of a run or a connection that did not end as it should.
-    pub(crate) const fn cause(&self) -> Option<Cause> {
-        match (self.cause, self.driver.state()) {
-            (Some(cause), _) => Some(cause),
-            (None, State::Stopped(why)) => Some(Cause::of(&why)),
-            _ => None,
-        }
-    }
-
-    /// Returns the text of the last problem.
-    pub(crate) fn problem(&self) -> &str {
-        &self.problem
-    }
-
     /// Begins to connect.
     pub(crate) fn connect(
         &mut self,
@@ -137,7 +98,7 @@ impl Session {
         sim: &SimInputs,
         now: f64,
     ) -> Result<(), String> {
-        if self.is_connected() {
+        if self.state().is_connected() {
             return Err("the controller is connected already".to_owned());
         }
         if self.thread.strong_count() > 0 {
@@ -173,7 +134,7 @@ impl Session {
 
     /// Gives up a connection that a thread makes: the robot would move.
     pub(crate) fn give_up_opening(&mut self, why: &str) {
-        if self.is_opening() {
+        if self.opening().is_some() {
             self.link = Link::None;
             drop(self.unreachable(why.to_owned()));
         }
@@ -229,7 +190,7 @@ impl Session {
             (Link::None | Link::Opening(_) | Link::Simulated, None) => {}
         }
         self.events();
-        if !self.is_driven() && !self.is_opening() {
+        if !self.state().is_connected() {
             let is_lost = self.driver.state() == State::Closed && !matches!(self.link, Link::None);
             self.cause = self.cause.or_else(|| is_lost.then_some(Cause::Lost));
             self.link = Link::None;
@@ -277,10 +238,10 @@ impl Session {
 
     /// Loads a program for the part zero of this connection.
     pub(crate) fn load(&mut self, path: &Path, speed: f64, tool: f64) -> Result<&[String], String> {
-        if self.runs() {
+        if self.state().runs() {
             return Err("a run is in progress".to_owned());
         }
-        let zero = self.driver.zero().filter(|_| self.driver.state() == State::Ready);
+        let zero = self.driver.zero().filter(|_| self.state() == SessionState::Ready);
         let zero = zero.ok_or("the part zero is not known: robot.connect first")?;
         self.program = None;
         self.line = 0;
@@ -307,11 +268,11 @@ impl Session {
         tool: f64,
         now: f64,
     ) -> Result<(), String> {
-        if self.runs() {
+        if self.state().runs() {
             return Err("a run is in progress".to_owned());
         }
         let program = self.program.as_ref().ok_or("there is no program: robot.load first")?;
-        if self.driver.state() != State::Ready {
+        if self.state() != SessionState::Ready {
             return Err("the controller does not wait for a run: robot.connect first".to_owned());
         }
         program.check_zero(
@@ -345,7 +306,7 @@ impl Session {
 
     /// Pauses the run, or ends a pause.
     pub(crate) fn pause(&mut self, is_paused: bool) -> Result<(), String> {
-        if !self.runs() {
+        if !self.state().runs() {
             return Err("no run is in progress".to_owned());
         }
         self.is_paused = is_paused;
@@ -354,7 +315,7 @@ impl Session {
 
     /// Ends a connection while nothing runs.
     pub(crate) fn disconnect(&mut self, now: f64) -> Result<(), String> {
-        if self.runs() {
+        if self.state().runs() {
             return Err("a run is in progress: robot.stop ends it".to_owned());
         }
         self.give_up(None, now);
@@ -375,7 +336,7 @@ impl Session {
     }
 
     fn give_up(&mut self, cause: Option<Cause>, now: f64) {
-        if !self.is_connected() {
+        if !self.state().is_connected() {
             return;
         }
         self.cause = cause;

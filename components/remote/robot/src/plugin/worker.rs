@@ -7,8 +7,9 @@ use super::{
     pins::{Results, SimInputs, SimResults},
     report::Report,
     session::Session,
+    shown::SessionState,
 };
-use crate::{State, Volume, link::lock};
+use crate::{Volume, link::lock};
 use arc_swap::ArcSwapOption;
 use hal_component::{
     Builder, Clock, Error, Messages, ParamRw, SeqReader, SeqWriter, Texts, TicketHandle, Touch,
@@ -270,12 +271,10 @@ impl Worker {
                 Err(why) => ticket.fail(why),
             }
         }
-        let state = self.session.driver.state();
-        let cause = self.session.cause();
-        let number = self.session.line() as f64;
-        let (connected, run) = (self.session.is_connected(), self.session.runs());
+        let (state, cause) = (self.session.state(), self.session.cause());
+        let number = self.session.line as f64;
         let why = match cause {
-            Some(Cause::Unreachable) => self.texts.keep(self.session.problem()),
+            Some(Cause::Unreachable) => self.texts.keep(&self.session.problem),
             Some(cause) => cause.text(),
             None => "robot.disconnect has ended the connection",
         };
@@ -290,10 +289,12 @@ impl Worker {
                 ticket.fail_with(why, &[number]);
             }
         };
-        end(&mut self.pending.connect, state == State::Ready || run, !connected);
-        end(&mut self.pending.run, state == State::Ended, !run);
-        let rests = self.session.is_at_rest() || state == State::Ended;
-        end(&mut self.pending.pause, rests, !run);
+        let has_ended = state == SessionState::Ended;
+        let is_ready = state == SessionState::Ready || state.runs();
+        end(&mut self.pending.connect, is_ready, !state.is_connected());
+        end(&mut self.pending.run, has_ended, !state.runs());
+        let rests = has_ended || state == SessionState::Paused;
+        end(&mut self.pending.pause, rests, !state.runs());
         if cause != self.reported {
             self.reported = cause;
             match cause {

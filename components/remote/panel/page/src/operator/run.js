@@ -69,7 +69,7 @@ function toggle(id, label, change) {
 }
 
 /** Returns what the task does, in words. */
-export function stateText(task, t) {
+function stateText(task, t) {
   if (task.stepping && task.interpreter) return t("interpreter.step");
   return t(`interpreter.${["idle", "reading", "paused", "waiting"][task.interpreter ?? 0]}`);
 }
