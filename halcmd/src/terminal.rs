@@ -4,6 +4,7 @@ pub(crate) mod colour;
 pub(crate) mod screen;
 pub mod termination;
 
+use crate::language::syntax::shown;
 use hal_output::{Unwritten, print, reader_is_gone};
 use std::{io::Write, process::ExitCode};
 
@@ -69,10 +70,11 @@ pub(crate) fn ended(result: Result<(), String>) -> ExitCode {
     }
 }
 
-/// Prints the error of a program, unless the error is only that the reader of its output is gone.
+/// Prints the error of a program, unless the error is only that the reader of its output is gone. It may quote a file:
+/// control characters in it do not reach the terminal.
 pub(crate) fn print_error(text: &str) {
     if !reader_is_gone() {
-        Stdio.err(text);
+        Stdio.err(&text.split('\n').map(shown).collect::<Vec<_>>().join("\n"));
     }
 }
 

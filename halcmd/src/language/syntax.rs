@@ -104,7 +104,7 @@ pub fn excerpt(line: &Line, at: &Span) -> Option<String> {
     let extra = at.start.saturating_sub(to);
     let length = text.get(at.start.min(to)..at.end.min(to))?.chars().count().max(1);
     let continued = if piece < line.breaks.len() { "\\" } else { "" };
-    let shown: String = text.get(from..to)?.chars().map(visible).collect();
+    let shown = shown(text.get(from..to)?);
     let (cut, more) =
         if shown.chars().count() > WIDTH { (start.saturating_sub(BEFORE), "…") } else { (0, "") };
     let part: String = shown.chars().skip(cut).take(WIDTH).collect();
@@ -121,9 +121,9 @@ pub fn excerpt(line: &Line, at: &Span) -> Option<String> {
     ))
 }
 
-/// Replaces control characters, which could affect the terminal, by a dot.
-fn visible(c: char) -> char {
-    if c.is_control() && c != '\t' { '·' } else { c }
+/// Returns a text with a dot for each control character, which could affect the terminal.
+pub(crate) fn shown(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\t' { '·' } else { c }).collect()
 }
 
 /// Parses all lines of a text.

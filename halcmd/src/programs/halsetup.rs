@@ -2,6 +2,7 @@
 //! answers, and keeps them if they are clean.
 
 mod answers;
+mod lines;
 mod questions;
 mod search;
 mod timing;
@@ -144,15 +145,9 @@ fn asked_search(given: &[(Flag, Option<String>)]) -> Result<Option<trial::Search
 }
 
 fn text_of(file: &str) -> Result<String, String> {
-    let opened = fs::File::open(file).map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?;
-    let mut bytes = Vec::new();
-    opened
-        .take(MAX_ANSWERS + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?;
-    if bytes.len() as u64 > MAX_ANSWERS {
-        return Err(format!("{file}: answers have at most {MAX_ANSWERS} bytes"));
-    }
+    let bytes = hal_ini::file::contents(Path::new(file), MAX_ANSWERS)
+        .map_err(|e| format!("{file}: {}", hal_output::reason(&e)))?
+        .ok_or_else(|| format!("{file}: answers have at most {MAX_ANSWERS} bytes"))?;
     String::from_utf8(bytes).map_err(|_| format!("{file}: answers are text in UTF-8"))
 }
 

@@ -26,7 +26,9 @@ pub enum PictureProblem {
     /// Neither a JPEG nor a PNG file.
     Format,
     /// More bytes than are allowed.
-    Large(usize),
+    Large,
+    /// A JPEG file with this number of colours, which is neither grey nor red, green and blue.
+    Colours(u8),
     /// A side of 0 or too many pixels.
     Sides(u32, u32),
     /// A file that is cut off or broken.
@@ -37,8 +39,9 @@ impl fmt::Display for PictureProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Format => f.write_str("the picture is neither JPEG nor PNG"),
-            Self::Large(n) => {
-                write!(f, "the picture has {n} bytes: at most {MAX_BYTES} are allowed")
+            Self::Large => write!(f, "the picture has more than {MAX_BYTES} bytes"),
+            Self::Colours(n) => {
+                write!(f, "the picture has {n} colours: 1 (grey) or 3 (red, green, blue) are read")
             }
             Self::Sides(w, h) => write!(
                 f,
@@ -63,7 +66,7 @@ impl Picture {
     /// The bytes are no such file, too many, or broken.
     pub fn decode(bytes: &[u8]) -> Result<Self, PictureProblem> {
         if bytes.len() > MAX_BYTES {
-            return Err(PictureProblem::Large(bytes.len()));
+            return Err(PictureProblem::Large);
         }
         match bytes {
             [0xff, 0xd8, 0xff, ..] => jpeg(bytes),
@@ -128,16 +131,20 @@ fn jpeg(bytes: &[u8]) -> Result<Picture, PictureProblem> {
     if !bytes.get(..end).is_some_and(|whole| whole.ends_with(&[0xff, 0xd9])) {
         return Err(PictureProblem::Broken);
     }
-    let side = usize::try_from(MAX_SIDE).unwrap_or(0);
+    // Any side that a file can state: `sides` refuses it by its number.
+    let side = usize::from(u16::MAX);
     let options = DecoderOptions::default()
         .set_strict_mode(true)
-        .set_max_width(2 * side)
-        .set_max_height(2 * side)
+        .set_max_width(side)
+        .set_max_height(side)
         .jpeg_set_out_colorspace(ColorSpace::Luma);
     let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), options);
     decoder.decode_headers().map_err(|_| PictureProblem::Broken)?;
     let info = decoder.info().ok_or(PictureProblem::Broken)?;
     let (width, height) = sides(info.width.into(), info.height.into())?;
+    if !matches!(info.components, 1 | 3) {
+        return Err(PictureProblem::Colours(info.components));
+    }
     let pixels = decoder.decode().map_err(|_| PictureProblem::Broken)?;
     if pixels.len() != width * height {
         return Err(PictureProblem::Broken);
@@ -253,8 +260,16 @@ mod tests {
                 let _ = Picture::decode(&bad).map(|p| p.pixels().len());
             }
         }
+        let mut jpeg = jpeg_of(&picture());
+        let frame = jpeg.windows(2).position(|w| w == [0xff, 0xc0]).unwrap();
+        jpeg[frame + 5..frame + 9].fill(0xff);
+        assert_eq!(Picture::decode(&jpeg), Err(PictureProblem::Sides(65535, 65535)));
+        let mut cmyk = Vec::new();
+        let encoder = jpeg_encoder::Encoder::new(&mut cmyk, 90);
+        encoder.encode(&[9; 64 * 4], 8, 8, jpeg_encoder::ColorType::Cmyk).unwrap();
+        assert_eq!(Picture::decode(&cmyk), Err(PictureProblem::Colours(4)));
         let many = vec![0xff; MAX_BYTES + 1];
-        assert_eq!(Picture::decode(&many), Err(PictureProblem::Large(MAX_BYTES + 1)));
+        assert_eq!(Picture::decode(&many), Err(PictureProblem::Large));
     }
 
     #[test]

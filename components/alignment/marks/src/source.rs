@@ -3,8 +3,7 @@
 use crate::picture::{MAX_BYTES, Picture, PictureProblem};
 use core::fmt;
 use std::{
-    fs,
-    io::{self, Read},
+    fs, io,
     path::{Path, PathBuf},
 };
 
@@ -120,12 +119,40 @@ impl Source for Files {
 /// # Errors
 /// The file cannot be read, or is no picture.
 pub fn read_picture(path: &Path) -> Result<(Vec<u8>, Picture), SourceProblem> {
-    let problem = |e| SourceProblem::File(path.to_owned(), e);
-    let mut bytes = Vec::new();
-    let limit = u64::try_from(MAX_BYTES).unwrap_or(u64::MAX).saturating_add(1);
-    let file = fs::File::open(path).map_err(problem)?;
-    file.take(limit).read_to_end(&mut bytes).map_err(problem)?;
+    let most = u64::try_from(MAX_BYTES).unwrap_or(u64::MAX);
+    // A pipe would keep a worker until somebody writes.
+    let bytes = hal_ini::file::contents(path, most)
+        .map_err(|e| SourceProblem::File(path.to_owned(), e))?
+        .ok_or_else(|| SourceProblem::Picture(path.to_owned(), PictureProblem::Large))?;
     let picture =
         Picture::decode(&bytes).map_err(|e| SourceProblem::Picture(path.to_owned(), e))?;
     Ok((bytes, picture))
+}
+
+#[cfg(test)]
+mod tests {
+    //! Names of pictures that are none.
+
+    use super::{Files, Source as _};
+    use std::{fs, os::unix::fs::symlink, process::Command};
+
+    #[test]
+    fn what_would_never_end_is_refused_by_name() {
+        let folder = std::env::temp_dir().join(format!("marks-source-{}", std::process::id()));
+        drop(fs::remove_dir_all(&folder));
+        fs::create_dir_all(folder.join("c.jpeg")).unwrap();
+        assert!(Command::new("mkfifo").arg(folder.join("a.jpg")).status().unwrap().success());
+        symlink("/dev/zero", folder.join("b.png")).unwrap();
+        let mut files = Files::open(&folder, false).unwrap();
+        for why in [
+            "a.jpg: it is a pipe, not a file",
+            "b.png: it is a device, not a file",
+            "c.jpeg: Is a directory",
+        ] {
+            let said = files.take().unwrap_err().to_string();
+            assert_eq!(said, format!("{}/{why}", folder.display()));
+        }
+        assert!(files.take().unwrap().is_none());
+        fs::remove_dir_all(folder).unwrap();
+    }
 }

@@ -113,6 +113,20 @@ impl Arm {
             && limits.flat_map(|(low, high)| [low, high]).all(is_number)
     }
 
+    /// Returns the number of ways in which whole turns of its joints, as far as the limits allow them, reach the same place.
+    #[must_use]
+    pub fn turns(&self) -> u32 {
+        let of = |(low, high): (&f64, &f64)| match floor((high - low) / 360.0) {
+            // The plan looks at two turns to either side.
+            n if n >= 4.0 => 5,
+            n if n >= 3.0 => 4,
+            n if n >= 2.0 => 3,
+            n if n >= 1.0 => 2,
+            _ => 1,
+        };
+        self.min.iter().zip(&self.max).map(of).product()
+    }
+
     /// Returns the flange at these joints.
     #[must_use]
     pub fn flange(&self, joints: &Joints) -> Frame {

@@ -125,7 +125,12 @@ fn errors_name_line_and_column() {
         ("\nCYCLE/DRILL,5", "2:1: CYCLE is not supported, and the path depends on it"),
         ("MACRO/A", "1:1: MACRO is not supported, and the path depends on it"),
         ("GODLTA/1,2,3", "1:1: there is no position to move from: FROM is missing"),
-        ("FEDRAT/0", "1:1: a feed must be above 0"),
+        ("FEDRAT/0", "1:1: a feed must be at least 0.001 mm a minute"),
+        ("FEDRAT/1E-300", "1:1: a feed must be at least 0.001 mm a minute"),
+        (
+            "FROM/0,0,0\nSPINDL/1E-300\nFEDRAT/1,MMPR\nGOTO/1,2,3",
+            "4:1: a feed must be at least 0.001 mm a minute",
+        ),
         ("FEDRAT/5,FPM", "1:10: the unit 'FPM' is not supported"),
         (
             "FROM/0,0,0\nFEDRAT/1,MMPR\nGOTO/1,0,0",
@@ -167,6 +172,77 @@ fn errors_name_line_and_column() {
     assert_eq!(Part::parse(points.as_bytes()).unwrap_err().problem, Problem::TooManyPoints);
     let huge = "FROM/1E7,0,0\nCIRCLE/0,0,0,1E7\nGOTO/-1E7,0,0\nFINI\n".repeat(20);
     assert!(Part::parse(huge.as_bytes()).is_ok(), "one arc of 70,000 chords");
+}
+
+/// Statements with arguments by chance: each file is read or refused at one of its lines, and soon.
+#[test]
+fn statements_by_chance_are_refused_or_read() {
+    const WORDS: &[&str] = &[
+        "FROM/",
+        "GOTO/",
+        "GODLTA/",
+        "RAPID",
+        "FEDRAT/",
+        "SPINDL/",
+        "TLAXIS/",
+        "MULTAX/",
+        "UNITS/",
+        "CIRCLE/",
+        "INDIRV/",
+        "TLON,GOFWD/",
+        "PARTNO ",
+        "PPRINT ",
+        "CUTTER/",
+        "LOOPST",
+        "X=",
+    ];
+    const PARTS: &[&str] = &[
+        "0", "1", "-1", "1E7", "-1E7", "1E-300", "1E400", "NAN", "INF", "+-", ".", "E", "5D2", ",",
+        ",", ",", "/", "(", ")", "(CIRCLE/", "ON", "OFF", "MM", "INCHES", "MMPR", "MMPM", "$",
+        "$\n", "$$", "\r", "\t", "\0", "\x1b[2J", "\u{e9}", "\u{feff}",
+    ];
+    let (mut read, mut points) = (0, 0);
+    for seed in 1..4000_u64 {
+        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        let mut draw = |n: usize| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            usize::try_from(state >> 33).unwrap_or(0) % n
+        };
+        let mut text = String::from("FROM/0,0,0\n");
+        for _ in 0..draw(6) {
+            text.push_str(WORDS[draw(WORDS.len())]);
+            let is_right = draw(3) > 0;
+            for n in 0..draw(8) {
+                let number = ["0", "1", "2.5", "-3", "1E7", "1E-300"][draw(6)];
+                let comma = if n > 0 { "," } else { "" };
+                if is_right {
+                    text.push_str(&format!("{comma}{number}"));
+                } else {
+                    text.push_str(PARTS[draw(PARTS.len())]);
+                }
+            }
+            text.push('\n');
+        }
+        text.push_str("FINI\n");
+        let lines = u32::try_from(text.split('\n').count()).unwrap_or(0);
+        match Part::parse(text.as_bytes()) {
+            Ok(part) => {
+                (read, points) = (read + 1, points + part.points.len());
+                for p in &part.points {
+                    let is_slow =
+                        matches!(p.motion, Motion::Feed(Some(f)) if !(1e-5..1e7).contains(&f));
+                    assert!(!is_slow && p.place.iter().all(|x| x.is_finite()), "{text}: {p:?}");
+                    assert!((p.axis.norm() - 1.0).abs() < 1e-9, "{text}: {p:?}");
+                }
+                let moves_the_cursor = |c: char| c.is_control() && c != '\t';
+                assert!(!part.name.contains(moves_the_cursor), "{text:?}");
+            }
+            Err(error) => assert!((1..=lines).contains(&error.line), "{text}: {error}"),
+        }
+    }
+    assert!(read > 500 && points > 1000, "{read} files with {points} points");
 }
 
 #[test]

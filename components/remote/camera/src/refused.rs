@@ -11,12 +11,14 @@ pub enum Refused {
     Address,
     /// A connection that failed.
     Connection(io::ErrorKind),
-    /// No bytes within the time-out.
+    /// No bytes within the time-out, or no whole picture within two of them.
     Timeout,
     /// An answer other than 200.
     Status(u16),
     /// An answer that is not HTTP/1, or a header that is too long.
     Header,
+    /// A body whose chunks do not state their sizes.
+    Chunks,
     /// A stream that is not `multipart/x-mixed-replace`.
     NotStream,
     /// No boundary, or one that is too long, or missing where it must be.
@@ -34,9 +36,10 @@ impl fmt::Display for Refused {
         match self {
             Self::Address => f.write_str("an address is http://HOST[:PORT]/PATH"),
             Self::Connection(kind) => write!(f, "the connection failed: {kind}"),
-            Self::Timeout => f.write_str("no bytes came within the time-out"),
+            Self::Timeout => f.write_str("the camera is silent, or too slow: no bytes came within the time-out, or no picture within two"),
             Self::Status(code) => write!(f, "the camera answered with status {code}, must be 200"),
             Self::Header => f.write_str("the answer is not HTTP/1, or its header is too long"),
+            Self::Chunks => f.write_str("the answer's chunks do not state their sizes"),
             Self::NotStream => f.write_str(
                 "the answer is no stream of pictures (multipart/x-mixed-replace): is it a still? then use shot",
             ),
@@ -53,6 +56,7 @@ impl From<io::Error> for Refused {
         match error.kind() {
             io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => Self::Timeout,
             io::ErrorKind::UnexpectedEof => Self::Ended,
+            io::ErrorKind::InvalidData => Self::Chunks,
             kind => Self::Connection(kind),
         }
     }

@@ -111,6 +111,8 @@ fn a_camera_that_behaves_badly_is_refused_by_name() {
     assert_eq!(first(Delivery::Mjpeg, large, true), Err(Refused::Large));
     let large = b"HTTP/1.1 200 OK\r\nContent-Length: x\r\n\r\n".to_vec();
     assert_eq!(first(Delivery::Shot, large, true), Err(Refused::Header));
+    let chunks = b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n-1\r\nabc".to_vec();
+    assert_eq!(first(Delivery::Shot, chunks, true), Err(Refused::Chunks));
     // A camera that stops in the middle.
     let mut silent = stream(&[]);
     silent.extend(b"--b\r\nContent-Length: 100\r\n\r\nabc");

@@ -23,14 +23,15 @@ fn halrobot(words: &[&str]) -> Command {
 }
 
 /// Runs the terminal with these lines on standard input.
-fn talk(words: &[&str], lines: &str) -> Output {
+fn talk(words: &[&str], lines: impl AsRef<[u8]>) -> Output {
     let mut child = halrobot(words)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    child.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+    // A terminal that has ended reads no more.
+    drop(child.stdin.take().unwrap().write_all(lines.as_ref()));
     child.wait_with_output().unwrap()
 }
 
@@ -110,6 +111,23 @@ fn a_file_is_sent_line_by_line() {
 }
 
 #[test]
+fn lines_that_are_no_text_end_the_input_by_name() {
+    let long = [b"A\n".as_slice(), &[b'x'; 100_000], b"\nB\n"].concat();
+    for (lines, why) in [
+        (b"A\nLMOVE,\xe9,1,2\nB\n".to_vec(), "line 2: the line is not UTF-8"),
+        (b"A\n\xff\xfei\0".to_vec(), "line 2: the line is not UTF-8"),
+        (long, "line 2: the line has more than 8192 bytes"),
+    ] {
+        let (address, served) = serve("", |_, _| "done\r\n".to_owned());
+        let output = talk(&["--to", &address, "--timeout", "30"], lines);
+        let log = text(&output.stdout);
+        assert!(log.contains(&format!("! standard input, {why}\n")), "{log}");
+        assert!(!output.status.success(), "{log}");
+        assert_eq!(served.join().unwrap(), ["A"], "{why}");
+    }
+}
+
+#[test]
 fn what_a_controller_refuses_or_does_not_answer_is_named() {
     let file = Scratch::new("refused.txt", "A\nB\nC\n");
     let name = file.name();
@@ -184,7 +202,8 @@ fn a_serial_line_with_prompts() {
         .spawn()
         .unwrap();
     let lines = format!("where\n:send {}\n", file.name());
-    child.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+    // A terminal that has ended reads no more.
+    drop(child.stdin.take().unwrap().write_all(lines.as_ref()));
     for wanted in ["where\r", "1 2 3\r", "4 5 6\r"] {
         let mut got = vec![0; wanted.len()];
         near.read_exact(&mut got).unwrap();

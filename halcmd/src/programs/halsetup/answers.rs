@@ -1,9 +1,15 @@
 //! The answers from which a machine is written: the form of their TOML text, and what is checked of them before anything
 //! is written.
 
+use super::lines;
 use serde::Deserialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use toml::Spanned;
+
+/// Largest number of parallel ports.
+const MAX_PORTS: usize = 8;
+/// Largest magnitude of lengths, speeds, accelerations and ratios.
+const LARGEST: f64 = 1e9;
 
 /// Motors of the joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -33,6 +39,24 @@ pub(super) enum Units {
     Inch,
 }
 
+/// Arm, as `armkins` knows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum ArmModel {
+    Rs03n,
+    Rx90,
+}
+
+impl ArmModel {
+    /// Returns the name that `armkins` takes.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Rs03n => "rs03n",
+            Self::Rx90 => "rx90",
+        }
+    }
+}
+
 /// A machine as its builder describes it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -43,16 +67,16 @@ pub(super) struct Answers {
     pub(super) driver: Driver,
     /// Addresses and directions of parallel ports, as `378 out`.
     #[serde(default = "one_port")]
-    pub(super) ports: Vec<String>,
+    pub(super) ports: Spanned<Vec<String>>,
     #[serde(default = "mm")]
     pub(super) units: Units,
     /// The largest jitter that a latency test showed, in nanoseconds.
     pub(super) latency: Spanned<f64>,
-    /// Model of the arm, as `armkins` knows it.
-    pub(super) model: Option<String>,
+    /// Model of the arm.
+    pub(super) model: Option<ArmModel>,
     /// Times of the drives for steps.
-    #[serde(default)]
-    pub(super) pulse: Pulse,
+    #[serde(default = "usual_pulse")]
+    pub(super) pulse: Spanned<Pulse>,
     /// Lines of the board that belong to the whole machine.
     #[serde(default)]
     pub(super) pins: MachineLines,
@@ -62,12 +86,16 @@ pub(super) struct Answers {
     pub(super) joint: Vec<Spanned<Joint>>,
 }
 
-fn one_port() -> Vec<String> {
-    vec!["378 out".to_owned()]
+fn one_port() -> Spanned<Vec<String>> {
+    Spanned::new(0..0, vec!["378 out".to_owned()])
 }
 
 const fn mm() -> Units {
     Units::Mm
+}
+
+fn usual_pulse() -> Spanned<Pulse> {
+    Spanned::new(0..0, Pulse::default())
 }
 
 /// Times that a drive needs for a step, in nanoseconds.
@@ -178,7 +206,7 @@ pub(super) fn read(text: &str) -> Result<Answers, Vec<Wrong>> {
         let mut say = |text: String| wrong.push(Wrong { at: joint.span().start, text });
         of_a_joint(&answers, joint.get_ref(), &mut say);
     }
-    lines_are_used_once(&answers, &mut wrong);
+    lines::are_used_once(&answers, &mut wrong);
     if wrong.is_empty() { Ok(answers) } else { Err(wrong) }
 }
 
@@ -196,7 +224,12 @@ fn of_the_whole(answers: &Answers, wrong: &mut Vec<Wrong>) {
             format!("latency {latency}: nanoseconds from 0 to 1000000, as a latency test shows");
         wrong.push(Wrong { at: answers.latency.span().start, text });
     }
-    let pulse = answers.pulse;
+    let ports = answers.ports.get_ref();
+    if !(1..=MAX_PORTS).contains(&ports.len()) || !ports.iter().all(|p| is_port(p)) {
+        let text = format!("ports: 1 to {MAX_PORTS} of a form as '378 out'");
+        wrong.push(Wrong { at: answers.ports.span().start, text });
+    }
+    let pulse = answers.pulse.get_ref();
     for (key, ns) in [
         ("length", pulse.length),
         ("space", pulse.space),
@@ -205,7 +238,7 @@ fn of_the_whole(answers: &Answers, wrong: &mut Vec<Wrong>) {
     ] {
         if !(0.0..=1e6).contains(&ns) {
             wrong.push(Wrong {
-                at: 0,
+                at: answers.pulse.span().start,
                 text: format!("[pulse] {key} {ns}: nanoseconds from 0 to 1000000"),
             });
         }
@@ -309,68 +342,24 @@ fn of_a_joint(answers: &Answers, joint: &Joint, say: &mut impl FnMut(String)) {
 
 fn positive(values: &[(&str, f64)], say: &mut impl FnMut(String)) {
     for (key, value) in values {
-        if !value.is_finite() || *value <= 0.0 {
-            say(format!("{key} {value}: a number above 0"));
+        if !(f64::MIN_POSITIVE..=LARGEST).contains(value) {
+            say(format!("{key} {value:?}: a number above 0 and at most {LARGEST}"));
         }
     }
 }
 
 fn range(min: f64, max: f64, say: &mut impl FnMut(String)) {
-    if !min.is_finite() || !max.is_finite() || min >= max {
-        say(format!("min {min} and max {max}: min is below max"));
+    if !(min < max && -LARGEST <= min && max <= LARGEST) {
+        say(format!(
+            "min {min:?} and max {max:?}: min is below max, each at most {LARGEST} from 0"
+        ));
     }
 }
 
-/// A line of the board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Line {
-    pub(super) port: usize,
-    pub(super) number: u8,
-    pub(super) is_inverted: bool,
-}
-
-/// Reads a line: `6`, `1.11` on the second port, `!6` inverted.
-pub(super) fn line(text: &str) -> Option<Line> {
-    let (is_inverted, rest) = text.strip_prefix('!').map_or((false, text), |rest| (true, rest));
-    let (port, number) = rest.split_once('.').unwrap_or(("0", rest));
-    let number: u8 = number.parse().ok()?;
-    Some(Line { port: port.parse().ok()?, number, is_inverted })
-        .filter(|l| (1..=40).contains(&l.number))
-}
-
-/// Checks that each line is one of the board's, and has one use.
-fn lines_are_used_once(answers: &Answers, wrong: &mut Vec<Wrong>) {
-    let ports = if answers.driver == Driver::Parport { answers.ports.len() } else { 1 };
-    let mut used: BTreeMap<(usize, u8), String> = BTreeMap::new();
-    let pins = &answers.pins;
-    let whole = [
-        ("pins.estop", &pins.estop),
-        ("pins.enable", &pins.enable),
-        ("pins.spindle", &pins.spindle),
-    ];
-    let whole = whole.into_iter().map(|(key, text)| (0, key.to_owned(), text));
-    let joints = answers.joint.iter().enumerate().flat_map(|(n, joint)| {
-        let (at, j) = (joint.span().start, joint.get_ref());
-        [
-            ("step", &j.step),
-            ("direction", &j.direction),
-            ("switch", &j.switch),
-            ("a", &j.a),
-            ("b", &j.b),
-        ]
-        .map(|(key, text)| (at, format!("{key} of joint {n}"), text))
-    });
-    for (at, key, text) in whole.chain(joints) {
-        let Some(text) = text else { continue };
-        let Some(line) = line(text).filter(|l| l.port < ports) else {
-            let text = format!(
-                "{key} '{text}': a number as '6', or PORT.NUMBER as '1.11'; '!' before it inverts"
-            );
-            wrong.push(Wrong { at, text });
-            continue;
-        };
-        if let Some(other) = used.insert((line.port, line.number), key.clone()) {
-            wrong.push(Wrong { at, text: format!("{key} and {other} are both on line {text}") });
-        }
-    }
+/// Returns whether a text is an address in hexadecimal digits and perhaps a word. Anything else could be more than the
+/// argument that it is written into.
+fn is_port(text: &str) -> bool {
+    let words: Vec<&str> = text.split(' ').filter(|word| !word.is_empty()).collect();
+    let is_plain = |word: &&str| word.len() <= 8 && word.bytes().all(|b| b.is_ascii_alphanumeric());
+    (1..=2).contains(&words.len()) && words.iter().all(is_plain)
 }

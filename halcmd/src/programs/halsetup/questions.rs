@@ -73,13 +73,13 @@ const SERVO: &[Question] = &[
 fn wrong(question: &Question, answer: &str) -> Option<String> {
     match question.form {
         Form::Text => None,
-        Form::Number => answer
-            .parse::<f64>()
-            .is_err()
-            .then(|| format!("'{answer}' is not a number, as {}", question.default)),
+        // Numbers such as `.5` are none in TOML.
+        Form::Number => (answer.parse::<f64>().is_err()
+            || toml::from_str::<toml::Table>(&format!("x = {answer}")).is_err())
+        .then(|| format!("'{answer}' is not a number, as {}", question.default)),
         Form::OneOf(words) => (!words.contains(&answer))
             .then(|| format!("'{answer}' is none of: {}", words.join(", "))),
-        Form::Line => (!answer.is_empty() && super::answers::line(answer).is_none())
+        Form::Line => (!answer.is_empty() && super::lines::line(answer).is_none())
             .then(|| format!("'{answer}' is not a line, as 6, 1.11 or !6")),
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn rate(joint: &Joint) -> f64 {
 /// Returns the timing of the machine, or the joint that is too fast, with the velocity that it can have.
 pub(super) fn timing(answers: &Answers) -> Result<Timing, (usize, f64)> {
     let latency = *answers.latency.get_ref();
-    let pulse = answers.pulse;
+    let pulse = *answers.pulse.get_ref();
     let resets = answers.kind != Motors::Servos
         && answers.driver == Driver::Parport
         && pulse.length <= RESET_NS

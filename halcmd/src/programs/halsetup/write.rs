@@ -1,7 +1,8 @@
 //! The INI file and the HAL file of a machine.
 
 use super::{
-    answers::{Answers, Axis, Driver, Joint, Line, Motors, Units, line},
+    answers::{Answers, ArmModel, Axis, Driver, Joint, Motors, Units},
+    lines::{Line, line},
     timing::{Timing, rate},
 };
 use std::fmt::Write as _;
@@ -32,7 +33,7 @@ fn purpose(answers: &Answers) -> String {
         Motors::Steppers => format!("{joints} axes of stepper motors on {board}."),
         Motors::Servos => format!("{joints} axes of servo motors with encoders on {board}."),
         Motors::Arm => {
-            let model = answers.model.as_deref().unwrap_or_default();
+            let model = answers.model.map_or("", ArmModel::name);
             format!("A six-joint arm ({model}) with stepper motors on {board}.")
         }
     }
@@ -52,8 +53,8 @@ pub(super) fn ini(answers: &Answers, timing: &Timing) -> String {
         Motors::Arm => "XYZABC".to_owned(),
         _ => answers.joint.iter().filter_map(|j| j.get_ref().axis.as_deref()).collect(),
     };
-    let kinematics = match (is_arm, &answers.model) {
-        (true, Some(model)) => format!("armkins model={model}"),
+    let kinematics = match (is_arm, answers.model) {
+        (true, Some(model)) => format!("armkins model={}", model.name()),
         _ => format!("trivkins coordinates={letters}"),
     };
     put!(to, "[KINS]\nJOINTS = {}\nKINEMATICS = {kinematics}\n", answers.joint.len());
@@ -196,7 +197,9 @@ fn load(to: &mut String, answers: &Answers) {
 
 fn driver(to: &mut String, answers: &Answers) {
     match answers.driver {
-        Driver::Parport => put!(to, "loadrt hal_parport cfg=\"{}\"", answers.ports.join(" ")),
+        Driver::Parport => {
+            put!(to, "loadrt hal_parport cfg=\"{}\"", answers.ports.get_ref().join(" "))
+        }
         Driver::Viagpio => put!(to, "loadrt hal_viagpio"),
     }
 }
@@ -204,14 +207,16 @@ fn driver(to: &mut String, answers: &Answers) {
 /// Returns the parts of the driver that have functions of their own.
 fn boards(answers: &Answers) -> Vec<String> {
     match answers.driver {
-        Driver::Parport => (0..answers.ports.len()).map(|p| format!("parport.{p}")).collect(),
+        Driver::Parport => {
+            (0..answers.ports.get_ref().len()).map(|p| format!("parport.{p}")).collect()
+        }
         Driver::Viagpio => vec!["viagpio".to_owned()],
     }
 }
 
 /// Appends the reset of the port that ends each step in its period.
 fn reset(to: &mut String, answers: &Answers, step: Line) {
-    put!(to, "setp parport.{}.reset-time {}", step.port, answers.pulse.length);
+    put!(to, "setp parport.{}.reset-time {}", step.port, answers.pulse.get_ref().length);
     put!(to, "setp {}-reset TRUE", output(answers, step));
 }
 

@@ -46,7 +46,7 @@ pub enum Problem {
     NoVector,
     /// Tool axes are switched off, and one is given.
     AxisOff,
-    /// A feed is not above 0.
+    /// A feed is not above 0, or too slow.
     Feed,
     /// A feed per revolution without the revolutions.
     NoSpindle,
@@ -84,7 +84,7 @@ impl fmt::Display for Problem {
             Self::Unit(text) => write!(f, "the unit '{text}' is not supported"),
             Self::NoVector => f.write_str("the vector has no length"),
             Self::AxisOff => f.write_str("a tool axis after MULTAX/OFF"),
-            Self::Feed => f.write_str("a feed must be above 0"),
+            Self::Feed => f.write_str("a feed must be at least 0.001 mm a minute"),
             Self::NoSpindle => f.write_str("a feed per revolution needs SPINDL before it"),
             Self::NoPosition => f.write_str("there is no position to move from: FROM is missing"),
             Self::OffCircle(by) => write!(f, "an end of the arc is {by:.3} off its circle"),

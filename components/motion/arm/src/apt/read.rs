@@ -17,6 +17,9 @@ const REFUSED: &[&str] = &[
     "INCLUD", "READ", "ROTABL", "ROTATE", "ROTHED", "PPFUN", "THREAD", "NURBS", "SPLINE",
 ];
 
+/// Slowest feed, in millimetres per second: below it, no path comes to its end.
+const SLOWEST: f64 = 1e-3 / 60.0;
+
 /// Words of events.
 const EVENTS: &[&str] = &["CUTTER", "LOADTL", "TOOLNO", "COOLNT", "DELAY", "STOP", "OPSTOP"];
 
@@ -146,7 +149,10 @@ impl Reader {
 
     fn text(&mut self, statement: &Statement) {
         let bytes: Vec<u8> = statement.chars.iter().map(|c| c.byte).collect();
-        let text = String::from_utf8_lossy(&bytes);
+        // It is printed, and must not move the cursor.
+        let visible =
+            |c: char| if c.is_control() && c != '\t' { char::REPLACEMENT_CHARACTER } else { c };
+        let text: String = String::from_utf8_lossy(&bytes).chars().map(visible).collect();
         let (word, rest) = text.trim().split_at_checked(6).unwrap_or_default();
         let rest = rest.trim_start_matches(['/', ' ', '\t']).trim();
         let line = statement.chars.first().map_or(0, |c| c.line);
@@ -236,7 +242,7 @@ impl Reader {
             return Err(at(first, Problem::Count("FEDRAT", "a number and a unit")));
         };
         let value = value * unit;
-        if value <= 0.0 {
+        if value <= 0.0 || !is_per_turn && value / 60.0 < SLOWEST {
             return Err(at(first, Problem::Feed));
         }
         self.feed = Some(if is_per_turn { Feed::PerTurn(value) } else { Feed::PerMinute(value) });
@@ -248,12 +254,14 @@ impl Reader {
         if core::mem::take(&mut self.is_rapid) {
             return Ok(Motion::Rapid);
         }
-        Ok(Motion::Feed(match (self.feed, self.spindle) {
-            (None, _) => None,
-            (Some(Feed::PerMinute(f)), _) => Some(f / 60.0),
-            (Some(Feed::PerTurn(f)), Some(s)) if s > 0.0 => Some(f * s / 60.0),
+        let feed = match (self.feed, self.spindle) {
+            (None, _) => return Ok(Motion::Feed(None)),
+            (Some(Feed::PerMinute(f)), _) => f / 60.0,
+            (Some(Feed::PerTurn(f)), Some(s)) if s > 0.0 => f * s / 60.0,
             (Some(Feed::PerTurn(_)), _) => return Err(at(first, Problem::NoSpindle)),
-        }))
+        };
+        // A feed per revolution is as slow as the spindle.
+        if feed < SLOWEST { Err(at(first, Problem::Feed)) } else { Ok(Motion::Feed(Some(feed))) }
     }
 
     fn go(&mut self, to: Vector, moves: bool, first: &Char) -> Result<(), Error> {

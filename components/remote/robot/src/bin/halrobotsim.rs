@@ -20,20 +20,20 @@ struct Options {
     /// Part zero in robot coordinates.
     #[arg(long, value_parser = parse_zero, default_value = "-400,0,-30", allow_hyphen_values = true)]
     zero: Zero,
-    /// Longest delay of an answer, in seconds.
-    #[arg(long, default_value_t = 0.0)]
+    /// Longest delay of an answer, in seconds: 0 to 3600.
+    #[arg(long, value_parser = delay, default_value = "0")]
     delay: f64,
     /// Share of answers that are lost, 0 to 1.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, value_parser = share, default_value = "0")]
     lost: f64,
     /// Share of answers that come twice, 0 to 1.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, value_parser = share, default_value = "0")]
     doubled: f64,
     /// Seed of chance.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Simulated seconds in a second.
-    #[arg(long, default_value_t = 1.0)]
+    /// Simulated seconds in a second: 0.001 to 1000000.
+    #[arg(long, value_parser = fast, default_value = "1")]
     fast: f64,
     /// End after the first connection.
     #[arg(long)]
@@ -42,6 +42,23 @@ struct Options {
 
 /// Longest wait for bytes; the simulated motion advances at least so often.
 const TICK: Duration = Duration::from_millis(2);
+
+fn delay(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 3600.0)
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 1.0)
+}
+
+fn fast(text: &str) -> Result<f64, String> {
+    within(text, 0.001, 1e6)
+}
+
+fn within(text: &str, low: f64, high: f64) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|x| (low..=high).contains(x));
+    value.ok_or_else(|| format!("a number between {low} and {high}"))
+}
 
 fn main() -> ExitCode {
     hal_output::program(|_| match serve(&Options::parse()) {

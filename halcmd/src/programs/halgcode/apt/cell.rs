@@ -17,6 +17,10 @@ pub(super) struct ArmCell {
     pub(super) feed: f64,
 }
 
+/// Largest number of ways to reach a place that differ in whole turns alone: each is planned.
+const MAX_TURNS: u32 = 64;
+/// Largest and smallest distance in millimetres, speed, and speed of a joint in degrees per second.
+const POSITIVE: core::ops::RangeInclusive<f64> = 1e-3..=1e5;
 /// Highest speeds of the RX-90 in degrees per second.
 const SPEED_RX90: Joints = [236.0, 200.0, 286.0, 401.0, 320.0, 580.0];
 /// Highest speeds of the RS03N in degrees per second.
@@ -25,7 +29,10 @@ const SPEED_RS03N: Joints = [360.0, 250.0, 225.0, 540.0, 225.0, 540.0];
 /// Reads the sections `[ARM]` and `[PART]`. An error is `file:line: text`.
 pub(super) fn read(path: &Path) -> Result<ArmCell, String> {
     let ini = Ini::read(path).map_err(|e| e.to_string())?;
-    let file = path.display();
+    of(&ini, &path.display().to_string())
+}
+
+fn of(ini: &Ini, file: &str) -> Result<ArmCell, String> {
     let mut out = match ini.get("ARM", "MODEL") {
         None => return Err(format!("{file}: [ARM]MODEL is missing: rx90 or rs03n")),
         Some("rx90") => start(Arm::RX90, SPEED_RX90),
@@ -63,8 +70,14 @@ pub(super) fn read(path: &Path) -> Result<ArmCell, String> {
     if !out.cell.arm.is_valid() {
         return Err(format!("{file}: the lengths, signs or limits of [ARM] describe no arm"));
     }
+    if out.cell.arm.turns() > MAX_TURNS {
+        return Err(format!(
+            "{file}: the limits MIN and MAX of [ARM] let the joints reach a place in {} ways by whole turns alone, at most {MAX_TURNS}",
+            out.cell.arm.turns()
+        ));
+    }
     out.cell.back_off = may_change.then_some(retract);
-    place(&ini, &format!("{file}"), &mut out)?;
+    place(ini, file, &mut out)?;
     Ok(out)
 }
 
@@ -160,11 +173,46 @@ fn numbers<const N: usize>(entry: &Entry) -> Result<[f64; N], String> {
     Ok(out)
 }
 
-/// Reads numbers that must be above 0.
+/// Reads numbers that must be above 0, and neither so small nor so large that no path would end.
 fn positive<const N: usize>(entry: &Entry) -> Result<[f64; N], String> {
     let numbers = numbers(entry)?;
-    if numbers.iter().all(|x| *x > 0.0) {
+    if numbers.iter().all(|x| POSITIVE.contains(x)) {
         return Ok(numbers);
     }
-    Err(wrong(entry, &format!("{} must be above 0", entry.name)))
+    let (low, high) = (POSITIVE.start(), POSITIVE.end());
+    Err(wrong(entry, &format!("{} must be between {low} and {high}", entry.name)))
+}
+
+#[cfg(test)]
+mod tests {
+    //! Cells that are refused, each with its place.
+
+    use super::{Ini, of};
+
+    #[test]
+    fn wrong_entries_are_refused_with_their_place() {
+        for (line, why) in [
+            ("FEED = nan", "c.conf:3: FEED takes 1 numbers, not 'nan'"),
+            ("FEED = 1e-300", "c.conf:3: FEED must be between 0.001 and 100000"),
+            ("SPEED = 1 1 1 1 1 1e6", "c.conf:3: SPEED must be between 0.001 and 100000"),
+            ("APPROACH = -1", "c.conf:3: APPROACH must be between 0.001 and 100000"),
+            ("TOOL = 1 2 3", "c.conf:3: TOOL takes 6 numbers, not '1 2 3'"),
+            ("JUMP = high", "c.conf:3: 'high' is neither refuse nor retract"),
+            ("SPIN = 1", "c.conf:3: [ARM]SPIN has no meaning"),
+            ("SIGN = 1 1 1 1 1 0", "c.conf: the lengths, signs or limits of [ARM] describe no arm"),
+            (
+                "MIN = -1e6 -1e6 -1e6 -1e6 -1e6 -1e6\nMAX = 1e6 1e6 1e6 1e6 1e6 1e6",
+                "c.conf: the limits MIN and MAX of [ARM] let the joints reach a place in 15625 ways by whole turns alone, at most 64",
+            ),
+            ("[PART]\nFRAME = 0 0 0 0 0 0\nTOUCHED = 1 2 3", "c.conf: [PART] has a FRAME, and"),
+            ("[PART]\nDESIGN = 0 0 0\nDESIGN = 1 0 0", "c.conf: [PART]: 2 designed and 0 touched"),
+            ("[PART]\nPLACE = 0 0 0", "c.conf:4: [PART]PLACE has no meaning"),
+            ("", "c.conf: [PART] says nothing of the part's place"),
+        ] {
+            let text = format!("[ARM]\nMODEL = rx90\n{line}\n");
+            let ini = Ini::parse("c.conf", text.as_bytes()).unwrap();
+            let said = of(&ini, "c.conf").err().unwrap_or_default();
+            assert!(said.starts_with(why), "{line}: {said}");
+        }
+    }
 }

@@ -10,13 +10,17 @@ use rustyline::{
 };
 use std::{
     fs,
-    io::{BufRead as _, ErrorKind, Read, Write as _},
+    io::{BufRead, ErrorKind, Read, Write as _},
     path::{Path, PathBuf},
-    sync::mpsc::{RecvTimeoutError, Sender, channel},
+    sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel},
     thread,
     time::{Duration, Instant},
 };
 
+/// Largest number of lines and segments that wait for their turn.
+const MAX_WAITING: usize = 64;
+/// Longest line of standard input, in bytes: more than a controller is sent.
+const MAX_INPUT: usize = 8192;
 /// Number of lines in the history.
 const REMEMBERED: usize = 2000;
 const PROMPT: &str = "robot: ";
@@ -55,6 +59,8 @@ pub(crate) struct TerminalOptions {
 enum Happening {
     Typed(String),
     TypedEnd,
+    /// Standard input is no text from here on, with the reason.
+    Unusable(String),
     Received(Vec<u8>),
     /// The controller has gone, with the reason.
     Gone(String),
@@ -97,7 +103,8 @@ pub(crate) fn talk(options: &TerminalOptions) -> Result<(), String> {
     let begin = Instant::now();
     let now = || begin.elapsed().as_secs_f64();
     let mut console = Console::new(dialogue, now());
-    let (send, receive) = channel();
+    // A controller or a file that sends faster than the log is printed has to wait.
+    let (send, receive) = sync_channel(MAX_WAITING);
     let mut log = Log { printer: None, is_coloured: hal_output::is_coloured(std::io::stdout()) };
     receive_from(from, send.clone());
     if is_person {
@@ -120,6 +127,10 @@ pub(crate) fn talk(options: &TerminalOptions) -> Result<(), String> {
         match happening {
             Ok(Happening::Typed(line)) => request = console.enter(&line, now()),
             Ok(Happening::TypedEnd) => has_ended = true,
+            Ok(Happening::Unusable(why)) => {
+                console.fail(&why);
+                has_ended = true;
+            }
             Ok(Happening::Received(bytes)) => console.receive(&bytes, now()),
             Ok(Happening::Gone(why)) => {
                 console.closed(&why);
@@ -140,6 +151,7 @@ pub(crate) fn talk(options: &TerminalOptions) -> Result<(), String> {
         }
         let bytes = console.output();
         if let Err(e) = to.write_all(&bytes).and_then(|()| to.flush()) {
+            console.fail("the last line was not sent");
             console.closed(&hal_output::reason(&e));
             is_gone = true;
         }
@@ -195,7 +207,7 @@ fn is_terminal(file: impl std::os::fd::AsFd) -> bool {
 }
 
 /// Receives in a thread of its own.
-fn receive_from(mut from: Box<dyn Read + Send>, send: Sender<Happening>) {
+fn receive_from(mut from: Box<dyn Read + Send>, send: SyncSender<Happening>) {
     thread::spawn(move || {
         let mut buffer = [0; 4096];
         loop {
@@ -214,21 +226,44 @@ fn receive_from(mut from: Box<dyn Read + Send>, send: Sender<Happening>) {
 }
 
 /// Reads lines of standard input in a thread of its own.
-fn read_lines(send: Sender<Happening>) {
+fn read_lines(send: SyncSender<Happening>) {
     thread::spawn(move || {
-        for line in std::io::stdin().lock().lines().map_while(Result::ok) {
-            if send.send(Happening::Typed(line)).is_err() {
+        let mut input = std::io::stdin().lock();
+        let mut number = 0_u64;
+        loop {
+            number += 1;
+            let happening = match line(&mut input) {
+                Ok(None) => Happening::TypedEnd,
+                Ok(Some(text)) => Happening::Typed(text),
+                Err(why) => Happening::Unusable(format!("standard input, line {number}: {why}")),
+            };
+            let is_last = !matches!(happening, Happening::Typed(_));
+            if send.send(happening).is_err() || is_last {
                 return;
             }
         }
-        // Without a receiver nobody waits for the end.
-        drop(send.send(Happening::TypedEnd));
     });
+}
+
+/// Reads a line without its end; `None` at the end of the input.
+fn line(input: &mut impl BufRead) -> Result<Option<String>, String> {
+    let mut bytes = Vec::new();
+    let most = u64::try_from(MAX_INPUT).unwrap_or(u64::MAX);
+    let read = input.take(most).read_until(b'\n', &mut bytes);
+    read.map_err(|e| hal_output::reason(&e))?;
+    if bytes.is_empty() {
+        return Ok(None);
+    }
+    if bytes.len() >= MAX_INPUT && !bytes.ends_with(b"\n") {
+        return Err(format!("the line has more than {MAX_INPUT} bytes"));
+    }
+    let text = String::from_utf8(bytes).map_err(|_| "the line is not UTF-8".to_owned())?;
+    Ok(Some(text.trim_end_matches(['\n', '\r']).to_owned()))
 }
 
 /// Lets a person type lines in a thread of its own, with a history; returns the way to print beside the line.
 fn type_lines(
-    send: Sender<Happening>,
+    send: SyncSender<Happening>,
     history: Option<PathBuf>,
 ) -> Result<Box<dyn ExternalPrinter + Send>, String> {
     let failed = |e: ReadlineError| e.to_string();
