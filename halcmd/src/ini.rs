@@ -2,7 +2,7 @@
 
 use hal_protocol::At;
 
-pub use hal_ini::{Entry, Ini};
+pub use hal_ini::{Doubt, Entry, Ini, IniWarning};
 
 /// Returns the system's reason, without the error number.
 pub(crate) fn plain(error: &std::io::Error) -> Box<str> {

@@ -27,7 +27,7 @@ use crate::{
     session::trailer::Trailer,
 };
 use hal_output::Unwritten;
-use hal_protocol::{At, Link, Reply, Request};
+use hal_protocol::{At, Code, Link, Reply, Request};
 use std::{
     ffi::OsString,
     path::{Path, PathBuf},
@@ -266,7 +266,7 @@ impl<'a> Session<'a> {
             }
             self.stand_at(name, line.number);
             if line.dos {
-                self.warn_at("Warning: File contains DOS-style line endings.");
+                self.warn_as(Code::DosLines, "File contains DOS-style line endings.");
             }
             match self.line(&line, nested) {
                 Ok(Step::On) => {}

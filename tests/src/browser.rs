@@ -11,6 +11,8 @@ use std::{fs, process::Command};
 
 /// Key of an element in answers of the driver.
 const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
+/// Looks at a page after which its log is read.
+const LOG: u32 = 100;
 /// Chromium's arguments: no screen, and no traffic of its own.
 const ARGUMENTS: &[&str] = &[
     "--headless=new",
@@ -58,7 +60,7 @@ impl Browser {
     pub fn open(scratch: &Scratch, screen: Screen) -> Self {
         let mut command = Command::new("chromedriver");
         command.arg("--port=0").current_dir(scratch.path());
-        let driver = scratch.start(&mut command);
+        let driver = scratch.start(&mut command).lasting("chromedriver");
         let mut port = None;
         until("chromedriver says its port", || {
             port = driver.said().0.lines().find_map(|l| {
@@ -152,18 +154,24 @@ impl Browser {
     /// Waits until an expression of the page is true.
     ///
     /// # Panics
-    /// It never is, or it cannot be evaluated.
+    /// It never is, it cannot be evaluated, or a script of the page fails meanwhile.
     pub fn until(&self, expression: &str) {
         let script = format!("return Boolean({expression})");
-        let is_true = try_until(|| match self.answer_of(&script) {
-            Ok(value) => value == json!(true),
-            // A page that is loaded again meanwhile has no answer yet.
-            Err(why) => {
-                assert!(why.contains("navigation"), "{expression}: {why}");
-                false
+        let mut looks = 0;
+        let end = try_until(|| {
+            looks += 1;
+            match self.answer_of(&script) {
+                Ok(value) if value == json!(true) => return true,
+                Ok(_) => {}
+                // A page that is loaded again meanwhile has no answer yet.
+                Err(why) => assert!(why.contains("navigation"), "{expression}: {why}"),
             }
+            if looks % LOG == 0 {
+                assert_eq!(self.errors(), Vec::<String>::new(), "{expression}");
+            }
+            false
         });
-        assert!(is_true, "timed out: {expression}\n{}", self.shown());
+        end.unwrap_or_else(|why| panic!("{expression}: {why}\n{}", self.shown()));
     }
 
     /// Returns what the page shows, for the report of a test that fails.

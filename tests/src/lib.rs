@@ -18,6 +18,7 @@ pub mod foreign;
 pub mod fuzz;
 mod guard;
 pub mod imports;
+mod lasting;
 pub mod machine;
 pub mod mutations;
 pub mod pins;

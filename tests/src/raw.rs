@@ -1,8 +1,11 @@
 //! A connection to an engine that can carry arbitrary bytes.
 
 use crate::machine::Served;
+use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, recvmsg};
 use std::{
-    io::{BufRead, BufReader, Write},
+    fs::File,
+    io::{BufRead, BufReader, IoSliceMut, Write},
+    mem::MaybeUninit,
     os::unix::net::UnixStream,
     time::Duration,
 };
@@ -43,4 +46,20 @@ impl Raw {
         self.send(format!("{{\"request\":{request}}}\n"));
         self.answer().trim_end().to_owned()
     }
+}
+
+/// Returns a connection, and the memory of the ring that the engine passes over it for this request.
+pub fn ring(served: &Served, request: &str) -> (UnixStream, File) {
+    let mut socket = UnixStream::connect(served.place.socket()).unwrap();
+    writeln!(socket, "{{\"request\":{request}}}").unwrap();
+    let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
+    let mut control = RecvAncillaryBuffer::new(&mut space);
+    let mut bytes = [0; 4096];
+    let mut bytes = [IoSliceMut::new(&mut bytes)];
+    recvmsg(&socket, &mut bytes, &mut control, RecvFlags::CMSG_CLOEXEC).unwrap();
+    let fd = control.drain().find_map(|m| match m {
+        RecvAncillaryMessage::ScmRights(mut fds) => fds.next(),
+        _ => None,
+    });
+    (socket, File::from(fd.unwrap()))
 }

@@ -1,6 +1,6 @@
 //! A folder for each test: its programs run there, and no instance sees another one.
 
-use crate::{guard, programs::programs};
+use crate::{guard, lasting, programs::programs};
 use rustix::{
     process::{Pid, Signal},
     thread::nanosleep,
@@ -171,8 +171,17 @@ impl Running {
         self.child.id()
     }
 
+    /// Lets every wait of this test fail at once if the process ends before the test ends it or waits for its end. `name` is
+    /// the program in the report.
+    #[must_use]
+    pub fn lasting(self, name: &'static str) -> Self {
+        lasting::add(name, self.pid(), self.said.join("err"));
+        self
+    }
+
     /// Sends a signal to the process.
     pub fn signal(&self, signal: Signal) {
+        lasting::remove(self.pid());
         let pid = Pid::from_raw(i32::try_from(self.child.id()).unwrap()).unwrap();
         rustix::process::kill_process(pid, signal).unwrap();
     }
@@ -206,11 +215,13 @@ impl Running {
 
     /// Waits until the process ends; returns its status, or `None` at the timeout.
     pub fn ended(&mut self) -> Option<ExitStatus> {
+        lasting::remove(self.pid());
         let mut status = None;
-        try_until(|| {
+        // Without an end there is no status.
+        drop(try_until(|| {
             status = self.child.try_wait().unwrap();
             status.is_some()
-        });
+        }));
         status
     }
 
@@ -232,23 +243,31 @@ impl Drop for Running {
             drop(self.child.kill());
             drop(self.child.wait());
         }
+        lasting::remove(self.pid());
         guard::note('-', self.child.id());
     }
 }
 
-/// Polls until a condition holds; panics at the timeout.
+/// Polls until a condition holds.
+///
+/// # Panics
+/// The condition does not hold before the timeout, or a program that the test needs has ended.
 pub fn until(what: &str, look: impl FnMut() -> bool) {
-    assert!(try_until(look), "timed out: {what}");
+    try_until(look).unwrap_or_else(|why| panic!("{what}: {why}"));
 }
 
-/// Polls until a condition holds; returns whether it does before the timeout.
-pub fn try_until(mut look: impl FnMut() -> bool) -> bool {
-    (0..LOOKS).any(|_| {
-        look() || {
-            drop(nanosleep(&Timespec { tv_sec: 0, tv_nsec: 10_000_000 }));
-            false
+/// Polls until a condition holds, or returns why it cannot any more.
+pub(crate) fn try_until(mut look: impl FnMut() -> bool) -> Result<(), String> {
+    for _ in 0..LOOKS {
+        if look() {
+            return Ok(());
         }
-    })
+        if let Some(why) = lasting::ended() {
+            return Err(why);
+        }
+        drop(nanosleep(&Timespec { tv_sec: 0, tv_nsec: 10_000_000 }));
+    }
+    Err("timed out".to_owned())
 }
 
 /// Returns the regular files of a folder, by name; empty if the folder does not exist.

@@ -17,8 +17,10 @@ mod error;
 pub mod file;
 mod read;
 mod syntax;
+mod warning;
 
 pub use error::Error;
+pub use warning::{Doubt, IniWarning};
 
 use std::path::Path;
 
@@ -58,7 +60,7 @@ impl Entry {
 pub struct Ini {
     entries: Vec<Entry>,
     sections: Vec<String>,
-    warnings: Vec<String>,
+    warnings: Vec<IniWarning>,
     broken: Option<Error>,
 }
 
@@ -139,9 +141,9 @@ impl Ini {
         self.entries.iter().map(|e| format!("[{}]{}", e.section, e.name))
     }
 
-    /// Returns warnings about legal but doubtful lines, as `file:line: text`.
+    /// Returns warnings about legal but doubtful lines.
     #[must_use]
-    pub fn warnings(&self) -> &[String] {
+    pub fn warnings(&self) -> &[IniWarning] {
         &self.warnings
     }
 

@@ -1,6 +1,8 @@
 //! Reading of files and of the files that they include.
 
-use crate::{Entry, Error, Ini, MAX_BYTES, MAX_DEPTH, MAX_FILES, MAX_WARNINGS, syntax};
+use crate::{
+    Doubt, Entry, Error, Ini, IniWarning, MAX_BYTES, MAX_DEPTH, MAX_FILES, MAX_WARNINGS, syntax,
+};
 use std::{
     collections::BTreeSet,
     io,
@@ -43,17 +45,21 @@ impl Reader {
             return Err(early);
         }
         if let (Some(last), 1..) = (self.ini.warnings.last_mut(), self.unsaid) {
-            last.push_str(&format!("; {} more warnings are not shown", self.unsaid));
+            last.text.push_str(&format!("; {} more warnings are not shown", self.unsaid));
         }
         Ok(self.ini)
     }
 
-    fn warn(&mut self, file: &str, line: u32, text: &str) {
+    fn warn(&mut self, file: &str, line: u32, doubt: Doubt, text: String) {
         if self.ini.warnings.len() < MAX_WARNINGS {
-            self.ini.warnings.push(format!("{file}:{line}: Warning: {text}"));
+            self.ini.warnings.push(IniWarning { file: file.to_owned(), line, doubt, text });
         } else {
             self.unsaid = self.unsaid.saturating_add(1);
         }
+    }
+
+    fn ignore(&mut self, file: &str, line: u32, why: &str) {
+        self.warn(file, line, Doubt::Ignored, format!("this line is ignored: {why}"));
     }
 
     fn add_file(&mut self, path: &Path, depth: u32) -> Result<(), Error> {
@@ -98,17 +104,15 @@ impl Reader {
                 let (rest, name) = syntax::header(text)
                     .map_err(|_| wrong(line, "a section is [NAME]: letters, digits and _"))?;
                 if !rest.is_empty() && !rest.starts_with(['#', ';']) {
-                    self.warn(&file, line, &format!("the text after [{name}] is ignored"));
+                    let text = format!("the text after [{name}] is ignored");
+                    self.warn(&file, line, Doubt::Ignored, text);
                 }
                 self.begin(&file, line, name);
                 self.section = Some(name.to_owned());
             } else if let Some(section) = self.section.clone() {
                 let Ok((_, (name, value))) = syntax::entry(text) else {
-                    self.warn(
-                        &file,
-                        line,
-                        "this line is ignored: expected NAME = value, with letters, digits and _ in the name",
-                    );
+                    let why = "expected NAME = value, with letters, digits and _ in the name";
+                    self.ignore(&file, line, why);
                     continue;
                 };
                 let value =
@@ -118,7 +122,7 @@ impl Reader {
             } else {
                 let early = wrong(line, "this entry is before the first [SECTION]");
                 self.early.get_or_insert(early);
-                self.warn(&file, line, "this line is ignored: it is before the first [SECTION]");
+                self.ignore(&file, line, "it is before the first [SECTION]");
             }
         }
         Ok(())
@@ -128,7 +132,7 @@ impl Reader {
     fn include(&mut self, path: &Path, line: u32, name: &str, depth: u32) -> Result<(), Error> {
         let file = path.display().to_string();
         if name.is_empty() {
-            self.warn(&file, line, "this line is ignored: #INCLUDE needs the name of a file");
+            self.ignore(&file, line, "#INCLUDE needs the name of a file");
             return Ok(());
         }
         let included = beside(path, name);
@@ -136,8 +140,7 @@ impl Reader {
             && error.kind() == io::ErrorKind::NotFound
         {
             let (name, why) = (included.display(), plain(&error));
-            let text = format!("this line is ignored: could not open INI file '{name}': {why}");
-            self.warn(&file, line, &text);
+            self.ignore(&file, line, &format!("could not open INI file '{name}': {why}"));
             return Ok(());
         }
         self.add_file(&included, depth + 1).map_err(|error| match error {
@@ -152,11 +155,8 @@ impl Reader {
 
     fn begin(&mut self, file: &str, line: u32, name: &str) {
         if !self.begun.insert((name.to_owned(), file.to_owned())) {
-            self.warn(
-                file,
-                line,
-                &format!("section [{name}] is repeated; its entries are added to the first"),
-            );
+            let text = format!("section [{name}] is repeated; its entries are added to the first");
+            self.warn(file, line, Doubt::Repeated, text);
             return;
         }
         self.ini.sections.push(name.to_owned());

@@ -1,6 +1,6 @@
 //! Reason why a request failed.
 
-use crate::Code;
+use crate::{Code, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Reason why a request failed.
@@ -18,6 +18,9 @@ pub struct Failure {
     /// Finding about which `explain` says more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub finding: Option<Code>,
+    /// Kind of things among which a name was not found, or of which there are too many.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<Kind>,
 }
 
 impl Failure {
@@ -25,7 +28,7 @@ impl Failure {
     #[must_use]
     pub fn new(code: i32, text: impl Into<String>) -> Self {
         let text = text.into();
-        Self { code, text, hint: None, word: None, finding: None }
+        Self { code, text, hint: None, word: None, finding: None, kind: None }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Findings of `check`.
 
-use crate::{At, Code};
+use crate::{At, Code, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Severity of a finding.
@@ -45,6 +45,9 @@ pub struct Finding {
     /// Other script lines that are involved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub related: Vec<Related>,
+    /// Kind of things among which the subject was not found, or of which there are too many.
+    #[serde(skip)]
+    pub kind: Option<Kind>,
 }
 
 /// Another script line that a finding involves.
@@ -68,6 +71,7 @@ impl Finding {
             text,
             remedy: String::new(),
             related: Vec::new(),
+            kind: None,
         }
     }
 

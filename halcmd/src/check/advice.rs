@@ -166,9 +166,6 @@ impl Lines {
                     add(finding, &format!("the command is: {} {}", row.name, row.usage));
                 }
             }
-            Code::Unreadable if finding.text.contains("quote") => {
-                add(finding, "close it with another \", or take the \" out");
-            }
             Code::BadValue | Code::MotionRefuses => {
                 let comma = |w: &&String| {
                     w.split_once(',')
@@ -216,7 +213,7 @@ impl Lines {
     fn missing(&self, finding: &mut Finding) {
         let name = finding.subject.clone();
         let head = first(&name);
-        if finding.text.contains("thread '") {
+        if finding.kind == Some(Kind::Threads) {
             if nearest(&name, self.threads.iter().map(String::as_str)).is_none() {
                 let make = if MOTION.contains(&head) {
                     "loadrt motmod makes it".to_owned()
@@ -227,7 +224,7 @@ impl Lines {
             }
             return;
         }
-        if finding.text.starts_with("signal '") {
+        if finding.kind == Some(Kind::Signals) {
             return;
         }
         if self.names.contains_key(&name) {
@@ -256,7 +253,7 @@ impl Lines {
             let own = self
                 .functs
                 .iter()
-                .filter(|f| first(f) == name && finding.text.starts_with("function"));
+                .filter(|f| first(f) == name && finding.kind == Some(Kind::Functs));
             let own: Vec<&str> = own.map(String::as_str).take(8).collect();
             if !own.is_empty() {
                 add(finding, &format!("its functions are: {}", own.join(", ")));
@@ -310,17 +307,17 @@ impl Lines {
     /// Combines refused lines that need one missing component or thread, or that are too many: the first stays.
     fn combine(&self, findings: &mut Vec<Finding>) {
         let cause = |f: &Finding| -> Option<String> {
-            if f.code == Code::LoadRefused && f.text.contains("components already") {
+            if f.kind == Some(Kind::Components) {
                 return Some("room for a component".to_owned());
             }
             if f.code != Code::NoSuchName {
                 return None;
             }
-            if f.text.contains("thread '") {
+            if f.kind == Some(Kind::Threads) {
                 return Some(format!("thread '{}'", f.subject));
             }
             let head = first(&f.subject);
-            let absent = !f.text.starts_with("signal '") && !self.is_known(head);
+            let absent = f.kind != Some(Kind::Signals) && !self.is_known(head);
             absent.then(|| format!("'{head}'"))
         };
         let mut groups: BTreeMap<String, Vec<At>> = BTreeMap::new();

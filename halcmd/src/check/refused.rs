@@ -9,7 +9,11 @@ use hal_protocol::{At, Code, Finding};
 
 /// Converts the error of a refused line to a finding.
 pub(super) fn finding(mut at: At, error: &Error) -> Finding {
-    let (mut text, remedy) = (error.to_string(), error.hint().unwrap_or_default());
+    let mut text = error.to_string();
+    let remedy = match error {
+        Error::UnterminatedQuote => "close it with another \", or take the \" out".to_owned(),
+        _ => error.hint().unwrap_or_default(),
+    };
     if let (Error::NotYet { .. }, Some((place, rest))) = (error, placed(&text)) {
         (at, text) = (place, rest.to_owned());
     }
@@ -18,12 +22,13 @@ pub(super) fn finding(mut at: At, error: &Error) -> Finding {
         Code::Refused | Code::BadArgument if at.file.ends_with(".ini") => Code::MotionRefuses,
         code => code,
     };
-    let word = match error {
-        Error::Engine(failure) => failure.word.clone(),
-        _ => None,
+    let (word, kind) = match error {
+        Error::Engine(failure) => (failure.word.clone(), failure.kind),
+        _ => (None, None),
     };
     let subject = word.unwrap_or_else(|| quoted(&text).to_owned());
-    Finding::new(code, &subject, text).at(Some(at)).remedy(remedy)
+    let finding = Finding::new(code, &subject, text).at(Some(at)).remedy(remedy);
+    Finding { kind, ..finding }
 }
 
 /// Moves a finding about a refused command of motion to the INI entry that the message names. The
@@ -49,24 +54,14 @@ pub(super) fn at_entry(mut finding: Finding, ini: &Ini) -> Finding {
 /// Converts a warning about a line to a finding.
 pub(super) fn notice(notice: &Notice) -> Finding {
     let text = notice.text.strip_prefix("Warning: ").unwrap_or(&notice.text);
-    let code = if text.contains("POSTGUI_HALFILE") {
-        Code::NoPostgui
-    } else if text.contains("DOS-style") {
-        Code::DosLines
-    } else if text.contains("is repeated") {
-        Code::SectionRepeated
-    } else if text.contains("is ignored") {
-        Code::IniIgnored
-    } else {
-        Code::Refused
-    };
-    let remedy = match code {
+    let remedy = match notice.code {
         Code::NoPostgui => "make the file, or take the entry out",
         Code::IniIgnored => "correct the line, or make it a comment with # at its beginning",
         Code::DosLines => "save the file with lines that end in a line feed alone",
         _ => "",
     };
-    Finding::new(code, quoted(text), text.to_owned()).at(Some(notice.at.clone())).remedy(remedy)
+    let finding = Finding::new(notice.code, quoted(text), text.to_owned());
+    finding.at(Some(notice.at.clone())).remedy(remedy)
 }
 
 /// Returns the place that an error contains.

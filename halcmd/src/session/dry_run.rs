@@ -8,12 +8,12 @@ pub use unknown::{MOTION, Unknown};
 
 use crate::{
     Bytes, Captured, Error, Outcome, Session, Style,
-    ini::{Ini, placed},
+    ini::{Doubt, Ini},
     programs::halrun::{compat, folders::plugin_path, machine, refused},
     programs::profile::Profile,
 };
 use hal_engine::{ClockKind, Engine, Options};
-use hal_protocol::{At, Finding, ItemInfo, Kind, Link, Place, Reply, Request};
+use hal_protocol::{At, Code, Finding, ItemInfo, Kind, Link, Place, Reply, Request};
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
@@ -33,6 +33,8 @@ pub struct Refusal {
 pub struct Notice {
     /// Place of the line.
     pub at: At,
+    /// Code under which `explain` describes the warning.
+    pub code: Code,
     /// Text of the warning.
     pub text: String,
 }
@@ -137,9 +139,13 @@ impl DryRun {
         }
         match (machine, &ini) {
             (Some(path), Some(ini)) => {
-                for (at, text) in ini.warnings().iter().filter_map(|w| placed(w)) {
-                    session.stand_at(&at.file, at.line);
-                    session.warn_at(text);
+                for warning in ini.warnings() {
+                    session.stand_at(&warning.file, warning.line);
+                    let code = match warning.doubt {
+                        Doubt::Ignored => Code::IniIgnored,
+                        Doubt::Repeated => Code::SectionRepeated,
+                    };
+                    session.warn_as(code, &warning.text);
                 }
                 if let Err(error) = refused::refuse(ini) {
                     session.stand_at(path, 0);

@@ -2,13 +2,14 @@
 
 use crate::{
     Captured, Error, Fault, Session, Terminal,
+    ini::IniWarning,
     language::lex::Line,
     language::syntax::excerpt,
     session::dry_run::{Notice, Refusal},
     terminal::colour,
 };
 use hal_output::Unwritten;
-use hal_protocol::{At, Link};
+use hal_protocol::{At, Code, Link};
 use serde_json::{Value, json};
 
 impl Session<'_> {
@@ -18,9 +19,9 @@ impl Session<'_> {
     }
 
     /// Prints the warnings about a file. Each has its place already.
-    pub fn warn(&mut self, warnings: &[String]) {
+    pub fn warn(&mut self, warnings: &[IniWarning]) {
         for warning in warnings {
-            self.info(warning);
+            self.info(&warning.to_string());
         }
     }
 
@@ -86,10 +87,19 @@ impl Session<'_> {
 
     /// Prints a message with the place of the line that is being executed.
     pub(crate) fn warn_at(&mut self, text: &str) {
+        self.place_message(Code::Refused, text);
+    }
+
+    /// Prints a warning with the place of the line that is being executed; `check` reports it under this code.
+    pub(crate) fn warn_as(&mut self, code: Code, text: &str) {
+        self.place_message(code, &format!("Warning: {text}"));
+    }
+
+    fn place_message(&mut self, code: Code, text: &str) {
         let (file, line) = self.place();
         let at = At::new(file, line);
         if let Some(dry_run) = &mut self.dry_run {
-            dry_run.notices.push(Notice { at, text: text.to_owned() });
+            dry_run.notices.push(Notice { at, code, text: text.to_owned() });
         } else if self.style.json {
             let place = json!({ "file": at.file, "line": at.line, "text": text });
             self.object(&json!({ "message": place }));

@@ -1,7 +1,7 @@
 //! Companions of an error: its errno, its finding, and a suggested correction.
 
 use crate::Error;
-use hal_protocol::{Code, Failure};
+use hal_protocol::{Code, Failure, Kind};
 
 impl Error {
     /// Returns the errno of the error.
@@ -126,6 +126,18 @@ impl Error {
         })
     }
 
+    /// Returns the kind of things among which a name was not found, or of which there are too many.
+    fn kind(&self) -> Option<Kind> {
+        match self {
+            Self::NotFound { what: "thread", .. } => Some(Kind::Threads),
+            Self::NotFound { what: "signal", .. } => Some(Kind::Signals),
+            Self::NotFound { what: "function", .. } => Some(Kind::Functs),
+            Self::TooManyComponents { .. } => Some(Kind::Components),
+            Self::Loading(e) => e.error.kind(),
+            _ => None,
+        }
+    }
+
     /// Returns a suggested correction.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
@@ -234,6 +246,7 @@ impl From<Error> for Failure {
             hint: e.hint(),
             word: e.word().map(str::to_owned),
             finding: e.finding(),
+            kind: e.kind(),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     io::{homing_module, operator_args},
     session::tcl::tclsh::TclFile,
 };
-use hal_protocol::{At, CommandInfo, Kind, Reply, Request};
+use hal_protocol::{At, Code, CommandInfo, Kind, Reply, Request};
 use std::path::Path;
 
 /// Beginning of the comment that excludes a file from the two passes, without its spaces.
@@ -213,7 +213,7 @@ impl MachineStart<'_, '_> {
             }
             None => {
                 session.stand_at(&entry.file, entry.line);
-                session.warn_at(&format!("Warning: POSTGUI_HALFILE '{name}' is missing"));
+                session.warn_as(Code::NoPostgui, &format!("POSTGUI_HALFILE '{name}' is missing"));
                 Outcome::Good
             }
         });

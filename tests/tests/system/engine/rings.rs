@@ -7,17 +7,15 @@ use hal_protocol::{Client, Link, Stream, Value};
 use hal_tests::{
     machine::{Served, count, cycles, script, status, without_fifo},
     random::Random,
+    raw,
     scratch::Scratch,
 };
 use rustix::{
     fs::{FallocateFlags, SealFlags, fallocate, fcntl_add_seals},
     io::Errno,
-    net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, recvmsg},
 };
 use std::{
     fs::File,
-    io::{IoSliceMut, Write},
-    mem::MaybeUninit,
     os::unix::{fs::FileExt, net::UnixStream},
 };
 
@@ -52,18 +50,7 @@ fn read(stream: &mut Stream) -> Vec<(u64, u32)> {
 
 /// Returns a connection, and the memory of a ring that the engine passed over it.
 fn handed(served: &Served, name: &str) -> (UnixStream, File) {
-    let mut socket = UnixStream::connect(served.place.socket()).unwrap();
-    writeln!(socket, "{{\"request\":{{\"attach\":{{\"name\":\"{name}\"}}}}}}").unwrap();
-    let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-    let mut control = RecvAncillaryBuffer::new(&mut space);
-    let mut bytes = [0; 4096];
-    let mut bytes = [IoSliceMut::new(&mut bytes)];
-    recvmsg(&socket, &mut bytes, &mut control, RecvFlags::CMSG_CLOEXEC).unwrap();
-    let fd = control.drain().find_map(|m| match m {
-        RecvAncillaryMessage::ScmRights(mut fds) => fds.next(),
-        _ => None,
-    });
-    (socket, File::from(fd.unwrap()))
+    raw::ring(served, &format!("{{\"attach\":{{\"name\":\"{name}\"}}}}"))
 }
 
 /// Attaches as soon as the engine has noticed that the previous program is gone.

@@ -8,16 +8,11 @@ use hal_tests::{
     machine::{Machine, Served, applied, cycles, script, status, thread, wait, without_fifo},
     programs::programs,
     random::Random,
+    raw,
     scratch::Scratch,
     tools,
 };
-use rustix::net::{RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, recvmsg};
-use std::{
-    fs::File,
-    io::{IoSliceMut, Write},
-    mem::MaybeUninit,
-    os::unix::{fs::FileExt, net::UnixStream},
-};
+use std::os::unix::fs::FileExt;
 
 const MACHINE: &str = "
     loadrt threads name1=fast period1=25000 name2=slow period2=1000000
@@ -422,23 +417,6 @@ fn components_and_links_come_and_go_while_the_real_clock_runs() {
     served.end();
 }
 
-/// Returns a connection, and the memory of a sample's ring that the engine passed over it.
-fn handed(served: &Served) -> (UnixStream, File) {
-    let mut socket = UnixStream::connect(served.place.socket()).unwrap();
-    let asked = "{\"request\":{\"sample\":{\"names\":[\"fast.threadbeat\"],\"depth\":4}}}";
-    writeln!(socket, "{asked}").unwrap();
-    let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-    let mut control = RecvAncillaryBuffer::new(&mut space);
-    let mut bytes = [0; 4096];
-    let mut bytes = [IoSliceMut::new(&mut bytes)];
-    recvmsg(&socket, &mut bytes, &mut control, RecvFlags::CMSG_CLOEXEC).unwrap();
-    let fd = control.drain().find_map(|m| match m {
-        RecvAncillaryMessage::ScmRights(mut fds) => fds.next(),
-        _ => None,
-    });
-    (socket, File::from(fd.unwrap()))
-}
-
 #[test]
 fn what_a_reader_writes_is_not_believed() {
     let scratch = Scratch::new("scribble");
@@ -448,7 +426,8 @@ fn what_a_reader_writes_is_not_believed() {
     let mut random = Random::new(0x5eed);
     let mut n = 0;
     for round in 0..40 {
-        let (socket, file) = handed(&served);
+        let request = r#"{"sample":{"names":["fast.threadbeat"],"depth":4}}"#;
+        let (socket, file) = raw::ring(&served, request);
         let size = file.metadata().unwrap().len();
         assert!(file.set_len(0).is_err() && file.set_len(size + 1).is_err());
         for _ in 0..20 {

@@ -7,7 +7,7 @@ use super::{
     stock::{LOADED, number, simulate, state_box},
 };
 use core::f64::consts::PI;
-use hal_tests::{browser::DESKTOP, scratch::until};
+use hal_tests::browser::DESKTOP;
 
 const HAL: &str = "\
 loadrt KINEMATICS
@@ -114,7 +114,7 @@ fn the_kinematics_are_read_anew_for_another_tool() {
     b.run("document.querySelector('#stock-live').click()");
     b.until("document.querySelector('.view').dataset.removed === '0'");
     fixture.hold("#run-start", "!document.querySelector('#run-stop').disabled");
-    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    fixture.printer.job_ends();
     b.until("!document.querySelector('#sim-start').disabled");
     // With the offset as it was when the stock was made, the tip would be 10 mm aside and 2.7 mm deeper or higher.
     let closed = PI * 9.0 * 10.0 / 30_f64.to_radians().cos();

@@ -11,6 +11,9 @@ use std::path::PathBuf;
 /// for which it is held before the jog begins.
 const STILL: u32 = 100;
 
+/// Looks in a second, where they take no time.
+const SECOND: u32 = 100;
+
 /// The browser with the page, and the machine that it shows.
 #[derive(Debug)]
 pub(super) struct Fixture {
@@ -50,9 +53,35 @@ impl Fixture {
         Some(Self { browser, printer })
     }
 
+    /// Waits until something is so.
+    ///
+    /// # Panics
+    /// It is not in time, or a job has failed.
+    fn wait(&self, what: &str, mut look: impl FnMut() -> bool) {
+        let mut looks = 0;
+        until(what, || {
+            looks += 1;
+            look() || {
+                // Each time a program is started.
+                if looks % SECOND == 0 {
+                    let status = self.printer.scratch.halcmd(&["task.status"]).stdout;
+                    assert!(!status.contains("failed=1"), "{what}: the job has failed: {status}");
+                }
+                false
+            }
+        });
+    }
+
+    /// Waits until an expression of the page is true while a job runs.
+    pub(super) fn in_job(&self, expression: &str) {
+        self.wait(expression, || {
+            self.browser.run(&format!("return Boolean({expression})")) == true
+        });
+    }
+
     /// Waits until motion is at its end.
     pub(super) fn rests(&self) {
-        until("the machine stands", || {
+        self.wait("the machine stands", || {
             self.printer.halcmd("getp motion.in-position").trim() == "TRUE"
         });
     }
@@ -101,7 +130,7 @@ impl Fixture {
              return false"
         );
         b.press(selector);
-        until(done, || b.run(&look) == true);
+        self.wait(done, || b.run(&look) == true);
         b.release();
         b.run(&format!(
             "document.querySelector('{selector}') \

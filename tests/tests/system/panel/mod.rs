@@ -23,6 +23,7 @@ mod looks;
 mod loss;
 mod openapi;
 mod operator;
+mod pair;
 mod printer;
 mod requests;
 mod robot;

@@ -103,18 +103,18 @@ fn a_desk_runs_a_job() {
     fixture.hold("#tool-changed", no_prompt);
 
     // The pause, its end, and the override.
-    b.until("document.querySelector('.listing .current')");
+    fixture.in_job("document.querySelector('.listing .current')");
     b.click("#run-pause");
-    b.until("!document.querySelector('#run-resume').hidden");
+    fixture.in_job("!document.querySelector('#run-resume').hidden");
     until("motion rests", || fixture.printer.number("getp motion.current-vel") == 0.0);
     fixture.picture("job-paused");
     fixture.hold("#run-resume", "document.querySelector('#run-resume').hidden");
     override_to(&fixture, "feed", 100);
 
     // The second tool, then the end of the program.
-    b.until(prompt);
+    fixture.in_job(prompt);
     fixture.hold("#tool-changed", no_prompt);
-    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    fixture.printer.job_ends();
     // A person at the machine may answer too.
     fixture.printer.halcmd("setp hal_manualtoolchange.change_button FALSE");
     b.until("document.querySelector('#run-state').textContent.length > 0 && document.querySelector('#run-start').disabled === false");
@@ -169,7 +169,7 @@ fn a_start_in_the_middle_is_shown_and_confirmed() {
     fixture.tap("#run-from-confirm");
     assert_eq!((fixture.printer.number(x), fixture.printer.number(y)), (0.0, 0.0), "a short touch");
     fixture.hold("#run-from-confirm", "document.querySelector('#run-from-confirm').hidden");
-    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    fixture.printer.job_ends();
     assert_eq!((fixture.printer.number(x), fixture.printer.number(y)), (0.0, 5.0));
     assert_eq!(b.errors(), Vec::<String>::new());
 }
@@ -310,7 +310,7 @@ fn the_keyboard_alone_runs_a_job() {
 
     open(&fixture, "short.ngc", "G21 G90\nG1 X5 Y5 F600\nM2\n");
     hold("#run-start", "!document.querySelector('#run-stop').disabled");
-    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    fixture.printer.job_ends();
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! A simulated machine with its panel: the printer, unless a test asks for another.
 
+use super::pair::{Pair, machine, panel};
 use hal_tests::{
     programs::root,
     scratch::{Running, Scratch, until},
@@ -14,11 +15,10 @@ const INI: &str = "machine.ini";
 /// Lines of the robot's machine for a lease that lasts where a computer that tests keep busy answers late.
 pub(super) const LASTING: &str = "loadrt remote motion=0 lease_timeout=60\naddf remote servo 1\n";
 
-/// The machine and the panel; both end with it.
+/// The machine and the panel, with their folder.
 #[derive(Debug)]
 pub(super) struct Printer {
-    panel: Running,
-    machine: Running,
+    pair: Pair,
     pub(super) scratch: Scratch,
     pub(super) port: u16,
 }
@@ -29,17 +29,6 @@ pub(super) struct Session {
     port: u16,
     pub(super) cookie: String,
     pub(super) key: String,
-}
-
-/// Prints what a program has said on standard error before a test failed.
-pub(super) fn shown(name: &str, program: &Running) {
-    report(&format!("{name} said: {}", program.said().1));
-}
-
-/// Prints a part of the report of a test that fails.
-#[expect(clippy::print_stderr, reason = "the report of a test that fails")]
-pub(super) fn report(text: &str) {
-    eprintln!("{text}");
 }
 
 impl Printer {
@@ -63,9 +52,8 @@ impl Printer {
         let scratch = Scratch::new("made");
         files.iter().for_each(|(name, text)| scratch.write(name, text));
         fs::create_dir(scratch.path().join("programs")).unwrap();
-        let machine = machine(&scratch, &["--simulate"]);
-        let panel = panel(&scratch, "integrator", &[]);
-        Self::listening(scratch, machine, panel)
+        let machine = of_ini(&scratch, &["--simulate"]);
+        Self::listening(machine, panel_of(&scratch, "integrator", &[]), scratch)
     }
 
     /// Starts a machine of `configs` that has no INI file, by its script, on a virtual clock that stands until it is run, and a
@@ -77,15 +65,11 @@ impl Printer {
             scratch.write(&format!("programs/{program}"), scratch.read(program));
         }
         let script = format!("{name}.hal");
-        let mut command = scratch.command(&[], "halrun");
-        let machine = scratch.start(command.args(["--virtual", "--hold", &script]));
-        until("the machine runs", || {
-            scratch.halcmd(&["getp", "motion.motion-enabled"]).status == Some(0)
-        });
+        let words = ["--virtual", "--hold", &script];
+        let machine = machine(&scratch, &words, "getp motion.motion-enabled");
         // Before its first cycle a machine has no state.
         scratch.told("run 10ms");
-        let panel = panel(&scratch, "integrator", options);
-        Self::listening(scratch, machine, panel)
+        Self::listening(machine, panel_of(&scratch, "integrator", options), scratch)
     }
 
     fn begin(name: &str, role: &str, clock: &[&str], entries: &str) -> Self {
@@ -98,13 +82,12 @@ impl Printer {
         let lasts = if entries.contains("LEASE_TIMEOUT") { "" } else { "LEASE_TIMEOUT = 60\n" };
         scratch.write(INI, format!("{ini}\n[REMOTE]\n{lasts}{entries}"));
         fs::create_dir(scratch.path().join("programs")).unwrap();
-        let machine = machine(&scratch, clock);
-        let panel = panel(&scratch, role, &[]);
-        Self::listening(scratch, machine, panel)
+        let machine = of_ini(&scratch, clock);
+        Self::listening(machine, panel_of(&scratch, role, &[]), scratch)
     }
 
-    fn listening(scratch: Scratch, machine: Running, panel: Running) -> Self {
-        let mut printer = Self { panel, machine, scratch, port: 0 };
+    fn listening(machine: Running, panel: Running, scratch: Scratch) -> Self {
+        let mut printer = Self { pair: Pair { machine, panel }, scratch, port: 0 };
         printer.port = printer.listens();
         printer
     }
@@ -115,26 +98,15 @@ impl Printer {
         let name = "rs03n-controller";
         let scratch = Scratch::copy_of(&root().join("configs").join(name));
         scratch.write("machine.hal", format!("source {name}.hal\n{lines}"));
-        let mut command = scratch.command(&[], "halrun");
-        let machine = scratch.start(command.args(["--simulate", "machine.hal"]));
         let ready = if lines.is_empty() { "robot.status" } else { "remote.status" };
-        until("the machine runs", || scratch.halcmd(&[ready]).status == Some(0));
-        let mut command = scratch.command(&[], "halpanel");
-        command.args(["--listen", "127.0.0.1:0", "--role", role, "--programs", "."]);
-        command.args(["--address-file", "address", "--audit", "audit"]);
-        let panel = scratch.start(&mut command);
-        let mut printer = Self { panel, machine, scratch, port: 0 };
-        printer.port = printer.listens();
-        printer
+        let machine = machine(&scratch, &["--simulate", "machine.hal"], ready);
+        Self::listening(machine, panel(&scratch, role, &["--programs", "."]), scratch)
     }
 
     /// Waits until the panel listens, and returns its port.
-    fn listens(&mut self) -> u16 {
-        until("the panel writes its address", || {
-            let is_running = self.panel.is_running();
-            assert!(is_running, "the panel has ended: {:?}", self.panel.said());
-            is_address(&self.scratch.path().join("address"))
-        });
+    fn listens(&self) -> u16 {
+        let file = self.scratch.path().join("address");
+        until("the panel writes its address", || is_address(&file));
         let address = self.address();
         let (_, rest) = address.split_once("127.0.0.1:").unwrap();
         rest.split_once('/').unwrap().0.parse().unwrap()
@@ -142,45 +114,58 @@ impl Printer {
 
     /// Ends the panel, and starts one whose sessions have another role, with further options.
     pub(super) fn restart(&mut self, role: &str, options: &[&str]) {
-        self.panel.signal(Signal::TERM);
-        assert!(self.panel.ended().is_some_and(|s| s.success()), "{:?}", self.panel.said());
-        self.panel = panel(&self.scratch, role, options);
+        let before = &mut self.pair.panel;
+        before.signal(Signal::TERM);
+        assert!(before.ended().is_some_and(|s| s.success()), "{:?}", before.said());
+        *before = panel_of(&self.scratch, role, options);
         self.port = self.listens();
     }
 
     /// Returns the process id of the panel.
     pub(super) fn panel_pid(&self) -> u32 {
-        self.panel.pid()
+        self.pair.panel.pid()
     }
 
     /// Sends the panel a signal.
     pub(super) fn signal_panel(&self, signal: Signal) {
-        self.panel.signal(signal);
+        self.pair.panel.signal(signal);
     }
 
     /// Starts a panel after the one before was killed.
     pub(super) fn begin_again(&mut self, role: &str) {
-        assert!(self.panel.ended().is_some(), "the panel still runs");
+        assert!(self.pair.panel.ended().is_some(), "the panel still runs");
         // The one that was killed has left it.
         fs::remove_file(self.scratch.path().join("address")).unwrap();
-        self.panel = panel(&self.scratch, role, &[]);
+        self.pair.panel = panel_of(&self.scratch, role, &[]);
         self.port = self.listens();
     }
 
     /// Ends the machine, while the panel goes on.
     pub(super) fn end_machine(&mut self) {
-        self.machine.signal(Signal::TERM);
-        self.machine.ended().unwrap();
+        self.pair.end_machine();
     }
 
     /// Starts the machine again after its end.
     pub(super) fn start_machine(&mut self) {
-        self.machine = machine(&self.scratch, &["--simulate"]);
+        self.pair.machine = of_ini(&self.scratch, &["--simulate"]);
+    }
+
+    /// Waits until the first job ends.
+    ///
+    /// # Panics
+    /// The job fails.
+    pub(super) fn job_ends(&self) {
+        let mut status = String::new();
+        until("the job ends", || {
+            status = self.halcmd("task.status");
+            !status.contains("jobs=0")
+        });
+        assert!(status.contains("jobs=1 failed=0"), "{status}");
     }
 
     /// Returns what the panel has printed.
     pub(super) fn said(&self) -> String {
-        self.panel.said().0
+        self.pair.panel.said().0
     }
 
     /// Returns the address with the one-time token.
@@ -256,22 +241,6 @@ impl Session {
     }
 }
 
-impl Drop for Printer {
-    fn drop(&mut self) {
-        for program in [&mut self.panel, &mut self.machine] {
-            if program.is_running() {
-                program.signal(Signal::TERM);
-            }
-        }
-        let (machine, panel) = (&mut self.machine, &mut self.panel);
-        until("the programs end", || !machine.is_running() && !panel.is_running());
-        if std::thread::panicking() {
-            shown("the machine", machine);
-            shown("the panel", panel);
-        }
-    }
-}
-
 fn is_address(file: &Path) -> bool {
     fs::read_to_string(file).is_ok_and(|text| text.contains("#token=") && text.ends_with('\n'))
 }
@@ -288,20 +257,12 @@ fn without_following_error(ini: &str) -> String {
     ini.lines().map(line).collect()
 }
 
-fn machine(scratch: &Scratch, clock: &[&str]) -> Running {
-    let mut command = scratch.command(&[], "halrun");
-    let machine = scratch.start(command.args(clock).args(["--headless", INI]));
-    until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
-    machine
+fn of_ini(scratch: &Scratch, clock: &[&str]) -> Running {
+    machine(scratch, &[clock, &["--headless", INI]].concat(), "task.status")
 }
 
-fn panel(scratch: &Scratch, role: &str, options: &[&str]) -> Running {
-    let mut command = scratch.command(&[], "halpanel");
-    command.args(["--listen", "127.0.0.1:0", "--role", role]);
-    if scratch.path().join(INI).exists() {
-        command.args(["--ini-file", INI]);
-    }
-    command.args(["--programs", "programs", "--address-file", "address", "--audit", "audit"]);
-    command.args(options);
-    scratch.start(&mut command)
+fn panel_of(scratch: &Scratch, role: &str, options: &[&str]) -> Running {
+    let is_there = scratch.path().join(INI).exists();
+    let ini: &[&str] = if is_there { &["--ini-file", INI] } else { &[] };
+    panel(scratch, role, &[&["--programs", "programs"], ini, options].concat())
 }

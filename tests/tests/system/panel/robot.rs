@@ -16,6 +16,18 @@ fn is(state: &str) -> String {
     format!("document.querySelector('#robot-state').dataset.state === '{state}'")
 }
 
+/// Waits until the page shows a state.
+///
+/// # Panics
+/// The robot stops, and the page shows why.
+fn becomes(fixture: &Fixture, state: &str) {
+    fixture.browser.until(&format!(
+        "{} || (() => {{ if ({}) throw Error(document.querySelector('#robot-why').textContent) }})()",
+        is(state),
+        is("stopped"),
+    ));
+}
+
 /// Chooses a program and loads it.
 fn load(fixture: &Fixture, name: &str) {
     let b = &fixture.browser;
@@ -124,14 +136,14 @@ fn a_lost_lease_holds_a_connection_and_one_resume_ends_a_hold_and_a_pause() {
 fn a_program_is_checked_run_paused_and_stopped() {
     let Some(fixture) = Fixture::robot(DESKTOP) else { return };
     let b = &fixture.browser;
-    b.until(&is("closed"));
+    becomes(&fixture, "closed");
     assert_eq!(b.text("#robot-why"), "The e-stop chain is open");
     b.click("#lease");
     b.until("document.querySelector('#lease').getAttribute('aria-pressed') === 'true'");
     b.until("document.querySelector('#robot-connect').disabled");
     fixture.printer.halcmd("iocontrol.estop-reset --wait");
     fixture.hold("#robot-connect", &format!("!({})", is("closed")));
-    b.until(&is("ready"));
+    becomes(&fixture, "ready");
     assert_eq!(b.text("#robot-zero"), "-400.000  0.000  -30.000");
 
     // A point outside is named, and nothing can be run.
@@ -147,7 +159,7 @@ fn a_program_is_checked_run_paused_and_stopped() {
     // The view has the point in the part's coordinates, and the arm of the joints.
     b.until("document.querySelector('.view').title.startsWith('X 20.000  Y 0.000')");
     b.click("#robot-pause");
-    b.until(&is("paused"));
+    becomes(&fixture, "paused");
     stands(&fixture);
     let line = b.text("#robot-line");
     fits(&fixture);
@@ -164,7 +176,7 @@ fn a_program_is_checked_run_paused_and_stopped() {
     // The control is given back: the run is held behind the move under way, and goes on by a person alone.
     b.click("#lease");
     b.until("document.querySelector('#robot-why').textContent.startsWith('Held')");
-    b.until(&is("paused"));
+    becomes(&fixture, "paused");
     stands(&fixture);
     assert_eq!(b.run("return document.querySelector('#robot-resume').disabled"), true);
     b.click("#lease");
@@ -172,16 +184,16 @@ fn a_program_is_checked_run_paused_and_stopped() {
 
     // The button of the e-stop ends the move and the connection.
     b.click("#estop");
-    b.until(&is("stopped"));
+    becomes(&fixture, "stopped");
     stands(&fixture);
     assert_eq!(b.text("#robot-why"), "Stopped by a command");
     assert_eq!(fixture.printer.halcmd("getp robot.connected").trim(), "FALSE");
 
     // And the rest of the program, to its end.
     fixture.hold("#robot-connect", &format!("!({})", is("stopped")));
-    b.until(&is("ready"));
+    becomes(&fixture, "ready");
     fixture.hold("#robot-again", &is("running"));
-    b.until(&is("ended"));
+    becomes(&fixture, "ended");
     assert_eq!(b.text("#robot-line"), "6 / 6");
     assert_eq!(b.text("#robot-point"), "0.000  20.000  10.000");
     b.run("localStorage.setItem('ferrule-panel', JSON.stringify({ language: 'es', theme: 'light', page: 'operate' })); location.reload()");
@@ -197,9 +209,9 @@ fn the_chain_of_the_e_stop_stops_a_robot_and_a_phone_shows_it() {
     fixture.printer.halcmd("iocontrol.estop-reset --wait");
     b.click("#lease");
     fixture.hold("#robot-connect", &format!("!({})", is("closed")));
-    b.until(&is("connected"));
+    becomes(&fixture, "connected");
     fixture.printer.halcmd("iocontrol.estop");
-    b.until(&is("stopped"));
+    becomes(&fixture, "stopped");
     stands(&fixture);
     assert_eq!(b.text("#robot-why"), "The e-stop chain is open");
     assert_eq!(b.run("return document.querySelector('#robot-connect').disabled"), true);

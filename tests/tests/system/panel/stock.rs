@@ -5,7 +5,6 @@ use core::f64::consts::PI;
 use hal_tests::{
     browser::{DESKTOP, PHONE},
     programs::root,
-    scratch::until,
 };
 use std::fs;
 
@@ -180,7 +179,7 @@ fn the_machine_carves_while_it_cuts() {
     b.run("document.querySelector('#stock-live').click()");
     b.until("document.querySelector('.view').dataset.removed === '0'");
     fixture.hold("#run-start", "!document.querySelector('#run-stop').disabled");
-    until("the job ends", || fixture.printer.halcmd("task.status").contains("jobs=1 failed=0"));
+    fixture.printer.job_ends();
     let wanted = 2.0 * (30.0 * 6.0 + PI * 9.0);
     b.until("!document.querySelector('#sim-start').disabled");
     let removed = number(&fixture, "removed");

@@ -88,7 +88,7 @@ fn halteleop_runs_a_part_and_says_why_it_cannot() {
         fails(&mill, args, status, message);
     }
     // The panel is another program.
-    let panel = mill.panel.said().0;
+    let panel = mill.pair.panel.said().0;
     let at = panel.split("listening at 127.0.0.1:").nth(1).unwrap();
     let other = format!("127.0.0.1:{}", at.split(';').next().unwrap());
     fails(&mill, &["progress", "--to", &other], 3, "'HTTP/1.1 400 Bad Request' is no answer");
@@ -146,7 +146,7 @@ fn a_network_address_needs_tls_accounts_and_the_right_fingerprint() {
     mill.restart(Signal::TERM, &options);
     let mode = fs::metadata(mill.scratch.path().join("mill.pem")).unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
-    let said = mill.panel.said().0;
+    let said = mill.pair.panel.said().0;
     let fingerprint = said.split("SHA-256 fingerprint ").nth(1).unwrap().trim();
     let fingerprint = fingerprint.split_whitespace().next().unwrap();
     let other = fingerprint.replace('A', "B").replace("00", "11").replace('1', "2");

@@ -132,8 +132,8 @@ fn a_job_whose_panel_is_killed_holds() {
     let mut mill = Mill::start("ON_LOSS = hold\n", &[]);
     drop(begin(&mill));
     // The cut may come first; the job holds in either case.
-    mill.panel.signal(Signal::KILL);
-    mill.panel.ended().unwrap();
+    mill.pair.panel.signal(Signal::KILL);
+    mill.pair.panel.ended().unwrap();
     mill.until("the lease has ended", || mill.halcmd("getp remote.lease").trim() == "0");
     mill.run("1s");
     let x = mill.number("stepgen.0.counts");
@@ -175,10 +175,10 @@ fn a_job_of_a_vanished_client_goes_on_or_is_aborted_as_the_machine_says() {
 fn the_end_of_the_panel_cancels_a_job_and_tells_everybody() {
     let mut mill = Mill::start("ON_LOSS = hold\n", &[]);
     let mut people = begin(&mill);
-    mill.panel.signal(Signal::TERM);
+    mill.pair.panel.signal(Signal::TERM);
     assert_eq!(people.hear(&mill, "A"), "ERROR_EJECUTAR DETENIDO the server stops");
     assert_eq!(people.hear(&mill, "A"), "DESCONEXION");
     assert_eq!(people.hear(&mill, "A"), "(closed)");
     mill.until("the panel ends", || mill.halcmd("getp task.job").trim() == "FALSE");
-    assert!(mill.panel.ended().is_some_and(|status| status.success()));
+    assert!(mill.pair.panel.ended().is_some_and(|status| status.success()));
 }

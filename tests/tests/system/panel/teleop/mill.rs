@@ -1,6 +1,9 @@
 //! The mill on the virtual clock, its panel with teleoperation, and people who speak the protocol.
 
-use super::super::printer::{Session, report, shown};
+use super::super::{
+    pair::{Pair, machine, panel, report},
+    printer::Session,
+};
 use hal_tests::{
     programs::root,
     scratch::{Running, Scratch, until},
@@ -16,14 +19,15 @@ use std::{
     time::Duration,
 };
 
+/// INI file of the mill with teleoperation.
+const INI: &str = "teleop.ini";
 /// Longest time for which a read waits before machine time passes.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// The machine and its panel; both end with it.
+/// The machine and its panel, with their folder.
 #[derive(Debug)]
 pub(super) struct Mill {
-    pub(super) panel: Running,
-    machine: Running,
+    pub(super) pair: Pair,
     pub(super) scratch: Scratch,
     pub(super) port: u16,
 }
@@ -50,17 +54,15 @@ impl Mill {
             assert!(text.contains(from), "{file} has no {from}");
             scratch.write(file, text.replacen(from, to, 1));
         }
-        let ini = scratch.read("teleop.ini").replace("ON_LOSS = hold\n", entries);
+        let ini = scratch.read(INI).replace("ON_LOSS = hold\n", entries);
         assert!(ini.contains(entries), "{ini}");
         // Several tests run at the same time: each has a port of its own.
-        scratch.write("teleop.ini", ini.replace(":2000", ":0"));
+        scratch.write(INI, ini.replace(":2000", ":0"));
         scratch.write("local.ngc", "G20 G1 X2 F6\nM2\n");
-        let mut command = scratch.command(&[], "halrun");
-        command.args(["--virtual", "--hold", "--headless", "teleop.ini"]);
-        let machine = scratch.start(&mut command);
-        until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
-        let panel = panel(&scratch, options);
-        let mut mill = Self { panel, machine, scratch, port: 0 };
+        let words = ["--virtual", "--hold", "--headless", INI];
+        let machine = machine(&scratch, &words, "task.status");
+        let panel = panel_of(&scratch, options);
+        let mut mill = Self { pair: Pair { machine, panel }, scratch, port: 0 };
         mill.listens();
         mill
     }
@@ -68,8 +70,6 @@ impl Mill {
     /// Waits until the server of teleoperation listens.
     pub(super) fn listens(&mut self) {
         until("teleoperation listens", || {
-            let is_running = self.panel.is_running();
-            assert!(is_running, "the panel has ended: {:?}", self.panel.said());
             self.run("10ms");
             let output = self.scratch.halcmd(&["getp", "teleop.listening"]);
             self.port = output.stdout.trim().parse().unwrap_or(0);
@@ -81,16 +81,15 @@ impl Mill {
 
     /// Ends the panel by a signal and starts another.
     pub(super) fn restart(&mut self, signal: Signal, options: &[&str]) {
-        self.panel.signal(signal);
-        self.panel.ended().unwrap();
-        self.panel = panel(&self.scratch, options);
+        self.pair.panel.signal(signal);
+        self.pair.panel.ended().unwrap();
+        self.pair.panel = panel_of(&self.scratch, options);
         self.listens();
     }
 
     /// Ends the machine, while the panel goes on.
     pub(super) fn end_machine(&mut self) {
-        self.machine.signal(Signal::TERM);
-        self.machine.ended().unwrap();
+        self.pair.end_machine();
     }
 
     /// Lets machine time pass.
@@ -157,29 +156,18 @@ impl Mill {
 
 impl Drop for Mill {
     fn drop(&mut self) {
-        for program in [&mut self.panel, &mut self.machine] {
-            if program.is_running() {
-                program.signal(Signal::TERM);
-            }
-        }
-        let (machine, panel) = (&mut self.machine, &mut self.panel);
-        until("the programs end", || !machine.is_running() && !panel.is_running());
         if std::thread::panicking() {
-            shown("the machine", machine);
-            shown("the panel", panel);
             report(&self.scratch.read("audit"));
         }
     }
 }
 
-fn panel(scratch: &Scratch, options: &[&str]) -> Running {
-    let mut command = scratch.command(&[], "halpanel");
-    command.args(["--listen", "127.0.0.1:0", "--ini-file", "teleop.ini"]);
-    if !options.contains(&"--role") {
-        command.args(["--role", "operator"]);
-    }
-    command.args(["--address-file", "address", "--audit", "audit"]).args(options);
-    scratch.start(&mut command)
+fn panel_of(scratch: &Scratch, options: &[&str]) -> Running {
+    let (role, options) = match options {
+        ["--role", role, rest @ ..] => (*role, rest),
+        _ => ("operator", options),
+    };
+    panel(scratch, role, &[&["--ini-file", INI], options].concat())
 }
 
 /// People with their connections, by name.
