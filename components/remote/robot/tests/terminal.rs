@@ -143,7 +143,7 @@ fn what_a_controller_refuses_or_does_not_answer_is_named() {
     ] {
         let (address, served) = serve("", move |n, _| answers[n].to_owned());
         let words = ["--to", &address, "--timeout", timeout, "--answer", "done", "--answer", "ok"];
-        let output = talk(&words, &format!(":send {name}\n"));
+        let output = talk(&words, format!(":send {name}\n"));
         let log = text(&output.stdout);
         assert!(log.ends_with(&wanted.replace("NAME", &name)), "{log}");
         assert_eq!(output.status.success(), sent == 3, "{log}");
