@@ -63,12 +63,20 @@ impl Demo {
         line.to_owned()
     }
 
-    /// Returns the channels that its demonstration shows, from the line `# Picture: …`.
-    pub(super) fn channels(&self) -> Vec<String> {
+    /// Returns what `halscope plot` gets for the picture of its demonstration, from the line `# Picture: …`: options with a value
+    /// each, and channels.
+    pub(super) fn picture(&self) -> Vec<String> {
         let text = fs::read_to_string(self.folder.join("demo.hal")).unwrap();
         let line = text.lines().find_map(|l| l.strip_prefix("# Picture: "));
         let line = line.unwrap_or_else(|| panic!("{}: no line '# Picture:'", self.name));
         line.split_whitespace().map(str::to_owned).collect()
+    }
+
+    /// Returns the channels that the picture shows.
+    pub(super) fn channels(&self) -> Vec<String> {
+        let mut words = self.picture();
+        let options = words.chunks(2).take_while(|pair| pair[0].starts_with("--")).count();
+        words.split_off(2 * options)
     }
 
     /// Returns the path of its expected output.

@@ -89,9 +89,9 @@ fn each_demonstration_is_drawn() {
     for machine in machines() {
         let scratch = Scratch::copy_of(&machine.folder);
         machine.run_with(&scratch, &["--record", "demo.vcd"], &machine.demo());
-        let channels = machine.channels();
+        let picture = machine.picture();
         let mut words = vec!["--title", &machine.name, "demo.vcd"];
-        words.extend(channels.iter().map(String::as_str));
+        words.extend(picture.iter().map(String::as_str));
         check_drawing(&scratch, &format!("configs/{}", machine.name), "demo.png", &words);
     }
 }
