@@ -1,5 +1,5 @@
 //! Each end of the protocol against one that says anything at any time, from fixed seeds.
-#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_bench::Random;
 use robot::{Command, Controller, Driver, Faults, Output, State, Volume, approach};

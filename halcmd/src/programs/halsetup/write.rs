@@ -198,7 +198,7 @@ fn load(to: &mut String, answers: &Answers) {
 fn driver(to: &mut String, answers: &Answers) {
     match answers.driver {
         Driver::Parport => {
-            put!(to, "loadrt hal_parport cfg=\"{}\"", answers.ports.get_ref().join(" "))
+            put!(to, "loadrt hal_parport cfg=\"{}\"", answers.ports.get_ref().join(" "));
         }
         Driver::Viagpio => put!(to, "loadrt hal_viagpio"),
     }
