@@ -161,7 +161,7 @@ impl Browser {
         let end = try_until(|| {
             looks += 1;
             match self.answer_of(&script) {
-                Ok(value) if value == json!(true) => return true,
+                Ok(Value::Bool(true)) => return true,
                 Ok(_) => {}
                 // A page that is loaded again meanwhile has no answer yet.
                 Err(why) => assert!(why.contains("navigation"), "{expression}: {why}"),
