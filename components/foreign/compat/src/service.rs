@@ -5,7 +5,7 @@ use core::ffi::c_void;
 use hal_component::abi::{Host, Record, ServiceSpec, Status, Str, size};
 
 /// Value of an offered service, with the table of its functions.
-pub(crate) trait Service {
+pub(crate) trait ModuleService {
     /// Name of the service.
     const NAME: &'static str;
 
@@ -20,7 +20,7 @@ pub(crate) trait Service {
 ///
 /// # Errors
 /// Another component offers it already.
-pub(crate) fn offer<S: Service>(host: &Host, service: S) -> Result<(), Refusal> {
+pub(crate) fn offer<S: ModuleService>(host: &Host, service: S) -> Result<(), Refusal> {
     /// # Safety
     /// The engine calls this once, with a state made by [`offer`].
     unsafe extern "C" fn free<S>(state: *mut c_void) {

@@ -10,7 +10,7 @@ use crate::{
     module::Module,
     running,
     second_copy::{FirstValue, Made},
-    service::{self, Service},
+    service::{self, ModuleService},
     system,
 };
 use core::{
@@ -153,7 +153,7 @@ pub(crate) fn offer(host: &Host, module: &Arc<Module>, entries: Entries) -> Resu
     service::offer(host, homer)
 }
 
-impl Service for Homer {
+impl ModuleService for Homer {
     const NAME: &'static str = "homing";
     type Table = Homing;
 

@@ -9,7 +9,7 @@ use crate::{
     module::{self, Module},
     running,
     second_copy::{Input, SecondCopy},
-    service::{self, Service},
+    service::{self, ModuleService},
     system,
 };
 use core::{
@@ -136,7 +136,7 @@ pub(crate) fn offer(
     service::offer(&load.host, solvers)
 }
 
-impl Service for BothSolvers {
+impl ModuleService for BothSolvers {
     const NAME: &'static str = "kinematics";
     type Table = Kinematics;
 
