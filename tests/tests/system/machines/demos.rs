@@ -75,7 +75,7 @@ impl Demo {
     /// Returns the channels that the picture shows.
     pub(super) fn channels(&self) -> Vec<String> {
         let mut words = self.picture();
-        let options = words.chunks(2).take_while(|pair| pair[0].starts_with("--")).count();
+        let options = words.iter().step_by(2).take_while(|word| word.starts_with("--")).count();
         words.split_off(2 * options)
     }
 
