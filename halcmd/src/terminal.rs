@@ -4,7 +4,6 @@ pub(crate) mod colour;
 pub(crate) mod screen;
 pub mod termination;
 
-use crate::language::syntax::shown;
 use hal_output::{Unwritten, print, reader_is_gone};
 use std::{io::Write, process::ExitCode};
 
@@ -74,7 +73,7 @@ pub(crate) fn ended(result: Result<(), String>) -> ExitCode {
 /// control characters in it do not reach the terminal.
 pub(crate) fn print_error(text: &str) {
     if !reader_is_gone() {
-        Stdio.err(&text.split('\n').map(shown).collect::<Vec<_>>().join("\n"));
+        Stdio.err(&text.split('\n').map(colour::visible).collect::<Vec<_>>().join("\n"));
     }
 }
 

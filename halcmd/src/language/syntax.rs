@@ -6,6 +6,7 @@ use crate::{
     language::lex::{self, Line, spans, uncomment},
     language::table,
     language::vars::{Values, replaced},
+    terminal::colour::visible,
 };
 
 /// A line as words, without the comment and with variables replaced.
@@ -104,7 +105,7 @@ pub fn excerpt(line: &Line, at: &Span) -> Option<String> {
     let extra = at.start.saturating_sub(to);
     let length = text.get(at.start.min(to)..at.end.min(to))?.chars().count().max(1);
     let continued = if piece < line.breaks.len() { "\\" } else { "" };
-    let shown = shown(text.get(from..to)?);
+    let shown = visible(text.get(from..to)?);
     let (cut, more) =
         if shown.chars().count() > WIDTH { (start.saturating_sub(BEFORE), "…") } else { (0, "") };
     let part: String = shown.chars().skip(cut).take(WIDTH).collect();
@@ -119,11 +120,6 @@ pub fn excerpt(line: &Line, at: &Span) -> Option<String> {
     Some(format!(
         "{number:>5} | {before}{part}{more}{continued}\n      | {shift}{margin}{extra}{marks}\n"
     ))
-}
-
-/// Returns a text with a dot for each control character, which could affect the terminal.
-pub(crate) fn shown(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() && c != '\t' { '·' } else { c }).collect()
 }
 
 /// Parses all lines of a text.

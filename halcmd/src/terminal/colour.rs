@@ -1,4 +1,9 @@
-//! Colours of errors, and of the marks under a line.
+//! Colours of errors and of the marks under a line, and texts that cannot change the terminal.
+
+/// Returns a text with a dot for each control character, which could affect the terminal.
+pub(crate) fn visible(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\t' { '·' } else { c }).collect()
+}
 
 /// Colours the message of an error.
 pub(crate) fn error(text: &str, coloured: bool) -> String {
