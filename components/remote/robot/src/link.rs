@@ -82,11 +82,13 @@ impl TcpOpening {
         Ok(Self { is_given_up, opened })
     }
 
-    /// Returns the connection once it is made, or why there is none.
+    /// Returns the connection once it is made, or why there is none; nothing after it was given up, whose reason is known to
+    /// the one who did.
     pub fn poll(&self) -> Option<Result<TcpLink, String>> {
         match self.opened.try_recv() {
             Ok(end) => Some(end),
             Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) if *lock(&self.is_given_up) => None,
             Err(TryRecvError::Disconnected) => {
                 Some(Err("the thread that connects has ended".to_owned()))
             }

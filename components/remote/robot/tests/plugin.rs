@@ -4,7 +4,7 @@
 mod sim;
 
 use hal_bench::Bench;
-use robot::Robot;
+use robot::{Robot, TcpOpening};
 use sim::Sim;
 use std::{
     io::Read as _,
@@ -142,6 +142,28 @@ fn a_connection_that_was_given_up_ends_with_exit() {
         assert_eq!(bench.get::<i32>("robot.error"), error, "{how}");
         assert!(!bench.get::<bool>("robot.busy"), "{how}");
     }
+}
+
+#[test]
+fn a_connection_that_was_given_up_early_is_no_failure() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let to = listener.local_addr().unwrap().to_string();
+    let opening = TcpOpening::begin(&to, LONGEST, LONGEST).unwrap();
+    // The thread looks at the flag behind the connection, and waits for it here.
+    let mut is_given_up = opening.flag().lock().unwrap();
+    let (mut client, _) = listener.accept().unwrap();
+    *is_given_up = true;
+    drop(is_given_up);
+    // A thread that was faster has made the connection.
+    if let Some(made) = opening.poll() {
+        made.unwrap().exit();
+    }
+    assert_eq!(sent(&mut client), "EXIT\r\n");
+    let is_quiet = |_| {
+        std::thread::yield_now();
+        opening.poll().is_none()
+    };
+    assert!((0..10_000).all(is_quiet), "the end of the thread is taken for a failure");
 }
 
 #[test]
