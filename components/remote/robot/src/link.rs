@@ -82,7 +82,7 @@ impl TcpOpening {
         Ok(Self { is_given_up, opened })
     }
 
-    /// Returns the connection once it is made, or why there is none; nothing after it was given up, whose reason is known to
+    /// Returns the connection once it is made, or why there is none; nothing after it was aborted, whose reason is known to
     /// the one who did.
     pub fn poll(&self) -> Option<Result<TcpLink, String>> {
         match self.opened.try_recv() {
