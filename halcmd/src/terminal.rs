@@ -73,7 +73,7 @@ pub(crate) fn ended(result: Result<(), String>) -> ExitCode {
 /// control characters in it do not reach the terminal.
 pub(crate) fn print_error(text: &str) {
     if !reader_is_gone() {
-        Stdio.err(&text.split('\n').map(colour::visible).collect::<Vec<_>>().join("\n"));
+        Stdio.err(&colour::visible(text));
     }
 }
 

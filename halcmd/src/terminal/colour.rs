@@ -1,8 +1,9 @@
 //! Colours of errors and of the marks under a line, and texts that cannot change the terminal.
 
-/// Returns a text with a dot for each control character, which could affect the terminal.
+/// Returns a text with a dot for each control character that could change the terminal: all but the ends of lines and tabs.
 pub(crate) fn visible(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() && c != '\t' { '·' } else { c }).collect()
+    let is_text = |c: char| !c.is_control() || matches!(c, '\t' | '\n');
+    text.chars().map(|c| if is_text(c) { c } else { '·' }).collect()
 }
 
 /// Colours the message of an error.
@@ -22,4 +23,16 @@ pub(crate) fn mark(excerpt: &str, coloured: bool) -> String {
             _ => line.to_owned(),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    //! What a terminal is shown of a file.
+
+    use super::visible;
+
+    #[test]
+    fn control_characters_are_dots() {
+        assert_eq!(visible("a\x1b[2J\tb\u{9b}c\r\nd\0"), "a·[2J\tb·c·\nd·");
+    }
 }

@@ -115,14 +115,10 @@ impl Arm {
 
     /// Returns the number of ways in which whole turns of its joints, as far as the limits allow them, reach the same place.
     #[must_use]
-    pub fn turns(&self) -> u32 {
-        let of = |(low, high): (&f64, &f64)| match floor((high - low) / 360.0) {
-            // The plan looks at two turns to either side.
-            n if n >= 4.0 => 5,
-            n if n >= 3.0 => 4,
-            n if n >= 2.0 => 3,
-            n if n >= 1.0 => 2,
-            _ => 1,
+    pub fn turns(&self) -> usize {
+        // The plan looks at two turns to either side.
+        let of = |(low, high): (&f64, &f64)| {
+            (0..5).take_while(|n| 360.0 * f64::from(*n) <= high - low).count()
         };
         self.min.iter().zip(&self.max).map(of).product()
     }

@@ -1,10 +1,13 @@
 //! The closed form: known poses, all solutions of random poses, limits.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
+mod random;
+
 use hal_arm::{
     Arm, CONFIGURATIONS, Frame, Joints, Miss,
     rotation::{Vector, from_zyz, to_zyz},
 };
+use random::Random;
 
 #[track_caller]
 fn close(a: &[f64], b: &[f64], within: f64) {
@@ -19,22 +22,6 @@ fn flange(place: [f64; 3], zyz: [f64; 3]) -> Frame {
 /// Arm without limits, other than that a joint makes no full turn.
 fn free(arm: Arm) -> Arm {
     Arm { min: [-180.0; 6], max: [180.0; 6], ..arm }
-}
-
-/// Sequence of numbers between 0 and 1.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / 2f64.powi(53)
-    }
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
 }
 
 #[test]

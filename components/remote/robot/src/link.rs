@@ -82,8 +82,8 @@ impl TcpOpening {
         Ok(Self { is_given_up, opened })
     }
 
-    /// Returns the connection once it is made, or why there is none; nothing after it was aborted, whose reason is known to
-    /// the one who did.
+    /// Returns the connection once it is made, or why there is none. Aborted, it returns nothing: the caller that has set
+    /// the [`flag`](Self::flag) knows the reason.
     pub fn poll(&self) -> Option<Result<TcpLink, String>> {
         match self.opened.try_recv() {
             Ok(end) => Some(end),

@@ -98,6 +98,12 @@ fn shows(socket: &mut Socket, pin: &str, value: bool) {
     assert!(socket.wait(has).is_some(), "{pin} does not become {value}");
 }
 
+/// Gives the lease up while the robot is busy, which holds it.
+fn lose_lease(socket: &mut Socket) {
+    lease(socket, "give");
+    shows(socket, "robot.hold", true);
+}
+
 #[test]
 fn a_lost_lease_holds_a_connection_and_one_resume_ends_a_hold_and_a_pause() {
     let printer = Printer::robot("operator", LASTING);
@@ -109,8 +115,7 @@ fn a_lost_lease_holds_a_connection_and_one_resume_ends_a_hold_and_a_pause() {
     lease(socket, "take");
     robot(socket, "connect");
     shows(socket, "robot.connecting", true);
-    lease(socket, "give");
-    shows(socket, "robot.hold", true);
+    lose_lease(socket);
     robot(socket, "stop");
     shows(socket, "robot.hold", false);
 
@@ -122,8 +127,7 @@ fn a_lost_lease_holds_a_connection_and_one_resume_ends_a_hold_and_a_pause() {
     robot(socket, "run");
     robot(socket, "pause");
     shows(socket, "robot.paused", true);
-    lease(socket, "give");
-    shows(socket, "robot.hold", true);
+    lose_lease(socket);
     lease(socket, "take");
     robot(socket, "resume");
     shows(socket, "robot.running", true);

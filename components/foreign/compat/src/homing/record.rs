@@ -5,7 +5,7 @@ use hal_component::abi::{HomingJoint, homing_flags as flags};
 
 /// Planner of a joint, with the layout of `simple_tp_t`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PlannerRecord {
     pub(crate) pos_cmd: f64,
     pub(crate) max_vel: f64,
@@ -18,7 +18,7 @@ pub(crate) struct PlannerRecord {
 
 /// Joint, with the layout of `emcmot_joint_t`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct JointRecord {
     pub(crate) max_pos_limit: f64,
     pub(crate) min_pos_limit: f64,

@@ -65,44 +65,19 @@ fn a_module_changes_positions_and_the_planner_alone() {
         planner_vel: 26.0,
     };
     let record = JointRecord::of(&given);
-    let expected = JointRecord {
-        max_pos_limit: 1.0,
-        min_pos_limit: 2.0,
-        max_jog_limit: 3.0,
-        min_jog_limit: 4.0,
-        vel_limit: 5.0,
-        acc_limit: 6.0,
-        min_ferror: 7.0,
-        max_ferror: 8.0,
-        backlash: 9.0,
-        pos_cmd: 10.0,
-        vel_cmd: 11.0,
-        acc_cmd: 12.0,
-        backlash_corr: 13.0,
-        backlash_filt: 14.0,
-        backlash_vel: 15.0,
-        motor_pos_cmd: 16.0,
-        motor_pos_fb: 17.0,
-        pos_fb: 18.0,
-        ferror: 19.0,
-        ferror_limit: 20.0,
-        motor_offset: 21.0,
-        free_tp: PlannerRecord {
-            pos_cmd: 22.0,
-            max_vel: 23.0,
-            max_acc: 24.0,
-            enable: 1,
-            curr_pos: 25.0,
-            curr_vel: 26.0,
-            active: 0,
-        },
-        kb_jjog_active: 0,
-        wheel_jjog_active: 0,
-        on_pos_limit: 0,
-        on_neg_limit: 1,
-        flag: 0x22,
-    };
-    assert_eq!(record, expected);
+    // Each number of the record in the order of those of the joint.
+    let (r, tp) = (&record, &record.free_tp);
+    let numbers = [
+        [r.max_pos_limit, r.min_pos_limit, r.max_jog_limit, r.min_jog_limit, r.vel_limit],
+        [r.acc_limit, r.min_ferror, r.max_ferror, r.backlash, r.pos_cmd],
+        [r.vel_cmd, r.acc_cmd, r.backlash_corr, r.backlash_filt, r.backlash_vel],
+        [r.motor_pos_cmd, r.motor_pos_fb, r.pos_fb, r.ferror, r.ferror_limit],
+        [r.motor_offset, tp.pos_cmd, tp.max_vel, tp.max_acc, tp.curr_pos],
+    ];
+    assert!(numbers.concat().into_iter().eq((1..=25).map(f64::from)), "{numbers:?}");
+    assert_eq!((tp.curr_vel, tp.enable, tp.active), (26.0, 1, 0));
+    assert_eq!((r.flag, r.on_neg_limit, r.on_pos_limit), (0x22, 1, 0));
+    assert_eq!((r.kb_jjog_active, r.wheel_jjog_active), (0, 0));
     let mut same = given;
     record.store(&mut same);
     assert_eq!(same, given);

@@ -149,10 +149,7 @@ impl Reader {
 
     fn text(&mut self, statement: &Statement) {
         let bytes: Vec<u8> = statement.chars.iter().map(|c| c.byte).collect();
-        // It is printed, and must not move the cursor.
-        let visible =
-            |c: char| if c.is_control() && c != '\t' { char::REPLACEMENT_CHARACTER } else { c };
-        let text: String = String::from_utf8_lossy(&bytes).chars().map(visible).collect();
+        let text = String::from_utf8_lossy(&bytes);
         let (word, rest) = text.trim().split_at_checked(6).unwrap_or_default();
         let rest = rest.trim_start_matches(['/', ' ', '\t']).trim();
         let line = statement.chars.first().map_or(0, |c| c.line);

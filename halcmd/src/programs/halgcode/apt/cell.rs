@@ -18,7 +18,7 @@ pub(super) struct ArmCell {
 }
 
 /// Largest number of ways to reach a place that differ in whole turns alone: each is planned.
-const MAX_TURNS: u32 = 64;
+const MAX_TURNS: usize = 64;
 /// Largest and smallest distance in millimetres, speed, and speed of a joint in degrees per second.
 const POSITIVE: core::ops::RangeInclusive<f64> = 1e-3..=1e5;
 /// Highest speeds of the RX-90 in degrees per second.
@@ -70,10 +70,10 @@ fn of(ini: &Ini, file: &str) -> Result<ArmCell, String> {
     if !out.cell.arm.is_valid() {
         return Err(format!("{file}: the lengths, signs or limits of [ARM] describe no arm"));
     }
-    if out.cell.arm.turns() > MAX_TURNS {
+    let turns = out.cell.arm.turns();
+    if turns > MAX_TURNS {
         return Err(format!(
-            "{file}: the limits MIN and MAX of [ARM] let the joints reach a place in {} ways by whole turns alone, at most {MAX_TURNS}",
-            out.cell.arm.turns()
+            "{file}: by whole turns alone, MIN and MAX of [ARM] let the joints reach a place in {turns} ways: {MAX_TURNS} at most"
         ));
     }
     out.cell.back_off = may_change.then_some(retract);
@@ -202,7 +202,7 @@ mod tests {
             ("SIGN = 1 1 1 1 1 0", "c.conf: the lengths, signs or limits of [ARM] describe no arm"),
             (
                 "MIN = -1e6 -1e6 -1e6 -1e6 -1e6 -1e6\nMAX = 1e6 1e6 1e6 1e6 1e6 1e6",
-                "c.conf: the limits MIN and MAX of [ARM] let the joints reach a place in 15625 ways by whole turns alone, at most 64",
+                "c.conf: by whole turns alone, MIN and MAX of [ARM] let the joints reach a place in 15625 ways: 64 at most",
             ),
             ("[PART]\nFRAME = 0 0 0 0 0 0\nTOUCHED = 1 2 3", "c.conf: [PART] has a FRAME, and"),
             ("[PART]\nDESIGN = 0 0 0\nDESIGN = 1 0 0", "c.conf: [PART]: 2 designed and 0 touched"),

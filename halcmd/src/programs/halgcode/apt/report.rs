@@ -1,9 +1,10 @@
 //! Texts about a part and its path.
 
 use super::cell::ArmCell;
+use crate::terminal::colour::visible;
 use hal_arm::{Change, Kind, Plan, Refused, Target, apt::Part};
 
-/// Returns the text about a file and the place of its part.
+/// Returns the text about a file and the place of its part, without what the file could change the terminal with.
 pub(super) fn part(file: &str, part: &Part, cell: &ArmCell) -> String {
     let mut out = format!("{file}: ");
     if !part.name.is_empty() {
@@ -31,7 +32,7 @@ pub(super) fn part(file: &str, part: &Part, cell: &ArmCell) -> String {
             ));
         }
     }
-    out
+    visible(&out)
 }
 
 /// Returns the place of a target as text.

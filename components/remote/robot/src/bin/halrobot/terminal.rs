@@ -12,7 +12,7 @@ use std::{
     fs,
     io::{BufRead, ErrorKind, Read, Write as _},
     path::{Path, PathBuf},
-    sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel},
+    sync::mpsc::{RecvTimeoutError, SyncSender, channel, sync_channel},
     thread,
     time::{Duration, Instant},
 };
@@ -280,6 +280,9 @@ fn type_lines(
         // The first time, there is no file.
         drop(editor.load_history(file));
     }
+    // The editor never waits for room in the queue: the queue's reader may wait for the editor, which prints for it.
+    let (typed, lines) = channel();
+    thread::spawn(move || drop(lines.into_iter().try_for_each(|happening| send.send(happening))));
     thread::spawn(move || {
         loop {
             let happening = match editor.readline(PROMPT) {
@@ -294,7 +297,7 @@ fn type_lines(
                 Err(_) => Happening::TypedEnd,
             };
             let is_last = matches!(happening, Happening::TypedEnd);
-            if send.send(happening).is_err() || is_last {
+            if typed.send(happening).is_err() || is_last {
                 return;
             }
         }
