@@ -27,7 +27,7 @@ pub(crate) fn mark(excerpt: &str, coloured: bool) -> String {
 
 #[cfg(test)]
 mod tests {
-    //! What a terminal is shown of a file.
+    //! Text of a file at a terminal.
 
     use super::visible;
 

@@ -1,4 +1,4 @@
-//! What is refused, and what is told of an end.
+//! Refusals, and reports of an end.
 
 use super::{
     super::{cause::Cause, report::Report, session::Session},
