@@ -61,6 +61,9 @@ pub struct MotionCommand {
     pub value: f64,
     /// Travel per turn of the spindle `index` for motion bound to a spindle.
     pub pitch: f64,
+    /// Stop epoch in which the order was given, of [`Motion::epoch`]; 0 means that of the moment at which it arrives. An
+    /// order from before a stop begins nothing.
+    pub epoch: u64,
 }
 
 impl MotionCommand {
@@ -90,13 +93,14 @@ impl MotionCommand {
             scale: 0.0,
             value: 0.0,
             pitch: 0.0,
+            epoch: 0,
         }
     }
 }
 
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for MotionCommand {
-    const MIN: usize = size_of::<Self>();
+    const MIN: usize = core::mem::offset_of!(Self, epoch);
 }
 
 /// Kinds of commands. Each has the arguments of the text command `motion.NAME`.
@@ -348,9 +352,12 @@ pub struct Motion {
             value: *mut f64,
         ) -> Status,
     >,
+    /// Returns the stop epoch: the number of stops so far in the high half, of pauses in the low one. It rises when a stop is
+    /// commanded, and in the cycle in which motion stops by itself, and is never 0.
+    pub epoch: Option<unsafe extern "C" fn(*const c_void) -> u64>,
 }
 
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for Motion {
-    const MIN: usize = size_of::<Self>();
+    const MIN: usize = core::mem::offset_of!(Self, epoch);
 }

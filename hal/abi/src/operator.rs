@@ -21,17 +21,25 @@ pub struct OperatorCommand {
     pub len: u32,
     /// Line of MDI, in UTF-8.
     pub text: [u8; OPERATOR_TEXT],
+    /// Stop epoch in which the request was made; 0 is none.
+    pub epoch: u64,
 }
 
 impl OperatorCommand {
     /// The empty record.
-    pub const EMPTY: Self =
-        Self { size: crate::size::<Self>(), kind: 0, value: 0, len: 0, text: [0; OPERATOR_TEXT] };
+    pub const EMPTY: Self = Self {
+        size: crate::size::<Self>(),
+        kind: 0,
+        value: 0,
+        len: 0,
+        text: [0; OPERATOR_TEXT],
+        epoch: 0,
+    };
 }
 
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for OperatorCommand {
-    const MIN: usize = size_of::<Self>();
+    const MIN: usize = core::mem::offset_of!(Self, epoch);
 }
 
 /// State of the task for the operator. Lengths are in machine units.

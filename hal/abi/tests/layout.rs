@@ -53,12 +53,12 @@ fn table() -> Result<String, std::fmt::Error> {
         IoControl { size flags ctx request result state }
         IoOutcome { id why }
         IoStatus { interlock outputs tool pocket prepared reserved }
-        Motion { size flags ctx acquire release claim room push poll status setting }
+        Motion { size flags ctx acquire release claim room push poll status setting epoch }
         Operator { size flags ctx take show }
-        OperatorCommand { size kind value len text }
+        OperatorCommand { size kind value len text epoch }
         OperatorView { size mode program optional_stop block_delete reserved tool_diameter zero rotation }
         MotionAnswer { size len id text }
-        MotionCommand { size kind source line flags letters index mode speed_kind extent count setting pose center normal reserved speed acceleration tolerance cam_tolerance scale value pitch }
+        MotionCommand { size kind source line flags letters index mode speed_kind extent count setting pose center normal reserved speed acceleration tolerance cam_tolerance scale value pitch epoch }
         ArgValue { size given int float text ints texts len }
         StreamRef { ring depth width }
         ServiceRef { table uses n_uses }

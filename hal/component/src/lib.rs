@@ -84,7 +84,7 @@ pub use item::Begins;
 pub use item::{Field, In, InSet, Io, Item, Out, ParamRo, ParamRw, Value, Write};
 pub use kinematics::{Kinematics, KinematicsKind, KinematicsRef, Pose};
 pub use motion::{
-    Motion, MotionEnd, MotionId, MotionRef, MotionRefusal, MotionSource, MotionToken,
+    Motion, MotionEnd, MotionId, MotionRef, MotionRefusal, MotionSource, MotionToken, StopEpoch,
 };
 pub use motion_status::MotionStatus;
 pub use number::to_s32;

@@ -25,6 +25,49 @@ pub enum MotionSource {
     Remote,
 }
 
+/// Numbers of stops and of pauses so far. An order carries the epoch in which it was given; after a stop since then it begins
+/// nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StopEpoch {
+    /// E-stops, switches to off, aborts and faults; 0 where nothing counts them.
+    pub stops: u32,
+    /// Pauses.
+    pub pauses: u32,
+}
+
+impl StopEpoch {
+    /// Decodes the number in a record or an argument; 0 is none.
+    #[must_use]
+    pub const fn of(number: u64) -> Option<Self> {
+        if number == 0 {
+            return None;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "the low half")]
+        let pauses = number as u32;
+        #[expect(clippy::cast_possible_truncation, reason = "the high half")]
+        let stops = (number >> 32) as u32;
+        Some(Self { stops, pauses })
+    }
+
+    /// Returns the number in records and arguments.
+    #[must_use]
+    pub const fn number(self) -> u64 {
+        (self.stops as u64) << 32 | self.pauses as u64
+    }
+
+    /// Returns whether a stop has come since.
+    #[must_use]
+    pub const fn is_stopped_by(self, now: Self) -> bool {
+        now.stops.wrapping_sub(self.stops).cast_signed() > 0
+    }
+
+    /// Returns whether a pause has come since.
+    #[must_use]
+    pub const fn is_paused_by(self, now: Self) -> bool {
+        now.pauses.wrapping_sub(self.pauses).cast_signed() > 0
+    }
+}
+
 /// A motion controller that a component offers. Its methods never run in a realtime thread.
 pub trait Motion: Touch + Send + Sync + 'static {
     /// Checks a command and sends it on. Exactly one of the functions of the component reports the
@@ -45,6 +88,8 @@ pub trait Motion: Touch + Send + Sync + 'static {
     fn claim(&self, on: bool);
     /// Returns the status of the latest cycle, if there is one.
     fn status(&self) -> Option<MotionStatus>;
+    /// Returns the stop epoch: stops so far in the high half, pauses in the low one. It is never 0.
+    fn epoch(&self) -> u64;
     /// Returns the setting that a command of the kind CONFIGURE names.
     ///
     /// # Errors
@@ -84,6 +129,7 @@ pub(crate) const fn table<M: Motion>() -> abi::Motion {
         poll: Some(poll::<M>),
         status: Some(status::<M>),
         setting: Some(setting::<M>),
+        epoch: Some(epoch::<M>),
     }
 }
 
@@ -302,6 +348,14 @@ unsafe extern "C" fn setting<M: Motion>(
         Ok(Err(_)) => Status::EINVAL,
         Err(_) => Status::EFAULT,
     }
+}
+
+/// # Safety
+/// `ctx` must be null or point to a live `Offered<M>`.
+unsafe extern "C" fn epoch<M: Motion>(ctx: *const c_void) -> u64 {
+    // SAFETY: guaranteed by the caller.
+    let offered = unsafe { ctx.cast::<Offered<M>>().as_ref() };
+    offered.map_or(0, |o| shim::guarded(|| o.motion.epoch()).unwrap_or(0))
 }
 
 #[cfg(test)]

@@ -153,9 +153,13 @@ pub struct MotionStatus {
     pub misc_errors: u64,
     /// Override of rapid moves.
     pub rapid_override: f64,
+    /// Stop epoch: number of stops so far in the high half, of pauses in the low one. An order from before a stop is refused.
+    pub epoch: u64,
+    /// True if the machine reads the e-stop of iocontrol; without it, `motion.disable` is its e-stop.
+    pub interlock: bool,
 }
 
 impl MotionStatus {
     /// Version, which increases when a field is appended.
-    pub const VERSION: u32 = 5;
+    pub const VERSION: u32 = 6;
 }

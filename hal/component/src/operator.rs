@@ -1,7 +1,7 @@
 //! The service `operator`: buttons and lamps of an operator for the task.
 
 use crate::{
-    Touch, Uses,
+    StopEpoch, Touch, Uses,
     abi::{self, OPERATOR_TEXT, OperatorCommand, OperatorView, Record, Status},
     service::Found,
     shim,
@@ -33,8 +33,8 @@ pub enum OperatorRequest {
 
 /// Buttons and lamps that a component offers to the task.
 pub trait Operator: Touch + Send + Sync + 'static {
-    /// Takes the oldest request. A task calls it in every step of its worker.
-    fn take(&self) -> Option<OperatorRequest>;
+    /// Takes the oldest request, with the stop epoch in which it was made. A task calls it in every step of its worker.
+    fn take(&self) -> Option<(OperatorRequest, StopEpoch)>;
     /// Shows the state of the task.
     fn show(&self, view: &OperatorView);
 }
@@ -102,9 +102,10 @@ unsafe extern "C" fn take<O: Operator>(ctx: *const c_void, out: *mut OperatorCom
     let Some(given) = (unsafe { OperatorCommand::read(out) }) else { return Status::EINVAL };
     let taken = shim::guarded(|| operator.take());
     let Ok(request) = taken else { return Status::EFAULT };
-    let Some(record) = request.and_then(|r| r.record()) else { return Status::EAGAIN };
+    let record = request.and_then(|(request, epoch)| Some((request.record()?, epoch.number())));
+    let Some((record, epoch)) = record else { return Status::EAGAIN };
     // SAFETY: the record is live, and `read` checked that it has at least this size.
-    unsafe { out.write(OperatorCommand { size: given.size, ..record }) };
+    unsafe { out.write(OperatorCommand { size: given.size, epoch, ..record }) };
     Status::OK
 }
 
@@ -124,14 +125,15 @@ unsafe extern "C" fn show<O: Operator>(ctx: *const c_void, view: *const Operator
 pub struct OperatorRef(pub(crate) Found<abi::Operator>);
 
 impl OperatorRef {
-    /// Takes the oldest request of the operator. A record that is none ends the list for this time.
+    /// Takes the oldest request of the operator, with the stop epoch in which it was made. A record that is none ends the list for this time.
     #[must_use]
-    pub fn take(&self) -> Option<OperatorRequest> {
+    pub fn take(&self) -> Option<(OperatorRequest, Option<StopEpoch>)> {
         let take = self.0.table.take?;
         let mut out = OperatorCommand::EMPTY;
         // SAFETY: this is the provider's function with its own context; `out` lives for the call.
         let status = unsafe { take(self.0.table.ctx, &raw mut out) };
-        if status.is_ok() { OperatorRequest::of(&out) } else { None }
+        let request = if status.is_ok() { OperatorRequest::of(&out) } else { None };
+        request.map(|request| (request, StopEpoch::of(out.epoch)))
     }
 
     /// Shows the state of the task.

@@ -83,14 +83,20 @@ impl Controller {
         self.pins.general.last_period.set(u32::try_from(last).unwrap_or(u32::MAX));
         self.state.dt = dt;
         self.state.now_ns = now;
+        let before = self.state.inputs;
         self.state.read_pins(&self.pins);
         self.state.inputs.lockout = self.interlock.read();
+        self.state.note_stops(&before);
         self.state.switch_kinematics(&self.pins.switch);
+        self.state.obey_line();
         while let Some(command) = self.from.take() {
+            // A stop that was commanded before this order comes before it.
+            self.state.obey_line();
             self.state.execute(command);
         }
         self.state.guard(&self.pins);
         self.state.advance(&self.pins, dt);
+        self.state.epoch = self.state.line.epoch().number();
     }
 
     /// Writes the pins and the snapshot.

@@ -29,7 +29,7 @@ mod switch;
 use commands::{configure::ConfigCache, interface::CommandInterface, service::Service};
 use controller::{Controller, Handler};
 use guards::{
-    interlock::Interlock,
+    interlock::{Interlock, Lockout},
     stops::{MAX_STOPS, Stops},
 };
 use hal_component::{
@@ -161,7 +161,11 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
     b.worker("motmod.planner", doc, worker::PERIOD_NS, worker::ITEMS, planner)?;
     let path = Path::new(hand.clone(), path_setup);
     let (to_reader, stops) = b.queue(MAX_STOPS);
-    let state = State::new(&setup, kinematics, homing, path, b.messages(), Stops::new(to_reader));
+    let mut state =
+        State::new(&setup, kinematics, homing, path, b.messages(), Stops::new(to_reader));
+    state.has_interlock = interlock.is_bound();
+    // The machine comes up in e-stop: the first cycle notes none.
+    state.inputs.lockout = interlock.is_bound().then_some(Lockout::Commanded);
     let cache = ConfigCache::new(state.tables.clone());
     let interface = CommandInterface {
         to: to_handler,
@@ -171,6 +175,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         analog_out: setup.analog_out.len(),
         kinematics,
         cache: Arc::new(Mutex::new(cache)),
+        line: state.line.clone(),
     };
     let status = status::Status::open(b)?;
     let service = Service {

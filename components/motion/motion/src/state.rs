@@ -8,6 +8,7 @@ use crate::{
     compensation::Tables,
     guards::interlock::Lockout,
     guards::last_jump::LastJump,
+    guards::stop_line::{self, StopLine},
     guards::stops::Stops,
     guards::watch::WatchCounters,
     homing::{module::ModuleHoming, sequence::HomingSequence},
@@ -119,6 +120,14 @@ pub(crate) struct State {
     pub(crate) last_jump: Arc<LastJump>,
     pub(crate) watch: WatchCounters,
     pub(crate) stops: Stops,
+    /// Stops that are commanded, and the stop epoch.
+    pub(crate) line: Arc<StopLine>,
+    /// Stop epoch at the end of this cycle.
+    pub(crate) epoch: u64,
+    /// True if the epoch has risen in this cycle because motion stopped by itself.
+    pub(crate) has_risen: bool,
+    /// True if the machine has an interlock.
+    pub(crate) has_interlock: bool,
     /// Machine time at the start of the cycle, in nanoseconds.
     pub(crate) now_ns: i64,
     /// Reason why the axes do not move, for as long as it applies.
@@ -182,8 +191,29 @@ impl State {
             last_jump: Arc::default(),
             watch: WatchCounters::default(),
             stops,
+            line: Arc::default(),
+            epoch: 0,
+            has_risen: false,
+            has_interlock: false,
             now_ns: 0,
             stays: None,
+        }
+    }
+
+    /// Raises the stop epoch, once in a cycle: motion stops by itself.
+    pub(crate) fn raise_epoch(&mut self) {
+        if !core::mem::replace(&mut self.has_risen, true) {
+            self.line.raise(stop_line::Stop::Off);
+        }
+    }
+
+    /// Notes an e-stop or a fall of `motion.enable`, also while the machine is off: nothing that was ordered before begins
+    /// after it.
+    pub(crate) fn note_stops(&mut self, before: &Inputs) {
+        self.has_risen = false;
+        let is_locked = before.lockout.is_none() && self.inputs.lockout.is_some();
+        if is_locked || before.enable && !self.inputs.enable {
+            self.raise_epoch();
         }
     }
 

@@ -34,7 +34,7 @@ pub(crate) struct Status {
     #[state]
     record: MotionStatus,
     #[state]
-    state: Shown<4>,
+    state: Shown<5>,
     #[state]
     spindles: [Shown<4>; MAX_SPINDLES],
 }
@@ -123,6 +123,7 @@ impl Status {
             u64::from(current.map_or(0, |c| c.id)) << 32 | u64::from(kind),
             u64::from(current.map_or(0, |c| c.line)) << 32 | s.path.depth() as u64,
             u64::from(s.tool_offsets) << 32 | u64::from(s.probe.number),
+            s.epoch,
         ]);
         let r = &self.record;
         changed |= differ(lists.analog_in.iter().map(In::get), &r.analog_in);
@@ -219,6 +220,8 @@ fn update(r: &mut MotionStatus, s: &State, lists: &Lists) {
     r.jog_inhibit = s.inputs.jog_inhibit;
     r.max_velocity = s.traj.max_velocity;
     r.units_per_mm = s.traj.units_per_mm;
+    r.epoch = s.epoch;
+    r.interlock = s.has_interlock;
     for (place, pin) in r.analog_in.iter_mut().zip(&lists.analog_in) {
         *place = pin.get();
     }

@@ -22,6 +22,7 @@ mod segments;
 mod service;
 mod snapshot;
 mod speed;
+mod stop_line;
 mod switch;
 mod tap;
 mod watch;

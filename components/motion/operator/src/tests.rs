@@ -8,7 +8,7 @@ mod task;
 
 use crate::{halui::Halui, inihal::Inihal};
 use hal_bench::Bench;
-use hal_component::{OperatorRef, OperatorRequest, OperatorView};
+use hal_component::{MotionRef, OperatorRef, OperatorRequest, OperatorView};
 use motion::Motmod;
 use toolchange::Iocontrol;
 use trivkins::Trivkins;

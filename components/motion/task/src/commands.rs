@@ -4,7 +4,7 @@ use crate::{
     core::{Mode, user::Command},
     worker::Shared,
 };
-use hal_component::{Arg, Builder, Call, Error, abi::ArgSpec};
+use hal_component::{Arg, Builder, Call, Error, StopEpoch, abi::ArgSpec};
 use hal_job::dry_run::Target;
 
 /// Largest number of commands that wait for the worker.
@@ -19,6 +19,11 @@ struct Row {
 }
 
 const ON: ArgSpec = Arg::bit("on", "TRUE or FALSE.").required();
+const EPOCH: ArgSpec = Arg::int(
+    "epoch",
+    "Stop epoch in which the order was given, as motion.status has it: after a stop since then it is refused. -1 is now.",
+)
+.or("-1");
 const JSON: ArgSpec = Arg::bit("json", "As JSON, in one line.").or("FALSE");
 const SCALE: ArgSpec = Arg::float("scale", "Factor, 0 or more; 1 is as programmed.").required();
 
@@ -32,10 +37,15 @@ const ROWS: &[Row] = &[
     Row {
         name: "task.estop-reset",
         doc: "Leaves e-stop, if nothing outside holds it.",
-        args: &[],
+        args: &[&EPOCH],
         read: |_| Ok(Command::EstopReset),
     },
-    Row { name: "task.on", doc: "Switches the machine on.", args: &[], read: |_| Ok(Command::On) },
+    Row {
+        name: "task.on",
+        doc: "Switches the machine on.",
+        args: &[&EPOCH],
+        read: |_| Ok(Command::On),
+    },
     Row {
         name: "task.off",
         doc: "Switches the machine off; the job ends.",
@@ -61,7 +71,7 @@ const ROWS: &[Row] = &[
     Row {
         name: "task.home",
         doc: "Homes joints, in mode manual.",
-        args: &[&Arg::text("joint", "Number of the joint, from 0, or all.").required()],
+        args: &[&Arg::text("joint", "Number of the joint, from 0, or all.").required(), &EPOCH],
         read: |call| {
             let text = call.text("joint").unwrap_or_default();
             if text == "all" {
@@ -84,7 +94,10 @@ const ROWS: &[Row] = &[
 Runs the program that is open, from its first line, in mode auto.
 
 The command ends with the program. A refusal has every reason.",
-        args: &[&Arg::int("stops", "Refuses the run unless field stops of task.status is this number. -1: any.").or("-1")],
+        args: &[
+            &Arg::int("stops", "Refuses the run unless field stops of task.status is this number. -1: any.").or("-1"),
+            &EPOCH,
+        ],
         read: |call| match call.int("stops").unwrap_or(-1) {
             -1 => Ok(Command::Run),
             given => {
@@ -134,7 +147,10 @@ finished, or a line before it from which a start is possible. task.start shows t
 Begins the start that task.run-from or task.recover has proposed, in mode auto: its entry, and then the program.
 
 It is refused if machine, tool or program have changed since. The command ends with the program.",
-        args: &[&Arg::int("token", "Token of the proposal, which task.start shows.").required()],
+        args: &[
+            &Arg::int("token", "Token of the proposal, which task.start shows.").required(),
+            &EPOCH,
+        ],
         read: |call| {
             let given = call.int("token").unwrap_or(0);
             let why = |_| Error::new(format!("token {given} is not that of a proposal"));
@@ -152,8 +168,8 @@ Meanwhile axes can be jogged; task.resume first returns them to the path.",
     },
     Row {
         name: "task.resume",
-        doc: "Goes on after task.pause, single steps, M0, M1 and M60.",
-        args: &[],
+        doc: "Goes on after task.pause, motion.pause, single steps, M0, M1 and M60.",
+        args: &[&EPOCH],
         read: |_| Ok(Command::Resume),
     },
     Row {
@@ -162,7 +178,7 @@ Meanwhile axes can be jogged; task.resume first returns them to the path.",
 Executes the next line of the job, and pauses at rest.
 
 Without a job it begins the program that is open.",
-        args: &[],
+        args: &[&EPOCH],
         read: |_| Ok(Command::Step),
     },
     Row {
@@ -178,13 +194,13 @@ execution. Nothing goes on by itself.",
     Row {
         name: "task.mdi",
         doc: "Executes a line of G-code, in mode mdi, after at most ten lines that wait already.",
-        args: &[&Arg::text("text", "The line.").required()],
+        args: &[&Arg::text("text", "The line.").required(), &EPOCH],
         read: |call| Ok(Command::Mdi(unquoted(&call.text("text").unwrap_or_default()).into())),
     },
     Row {
         name: "task.mdi-brief",
         doc: "Executes a line of G-code in whatever mode, while no job runs, and returns to that mode.",
-        args: &[&Arg::text("text", "The line.").required()],
+        args: &[&Arg::text("text", "The line.").required(), &EPOCH],
         read: |call| Ok(Command::BriefMdi(unquoted(&call.text("text").unwrap_or_default()).into())),
     },
     Row {
@@ -241,17 +257,23 @@ fn scale(call: &Call<'_>) -> Result<f64, Error> {
     Err(Error::new(format!("scale is {scale}, must be 0 or more")))
 }
 
-/// Declares all commands.
-pub(crate) fn open(b: &mut Builder<'_>, shared: &Shared) -> Result<(), Error> {
+/// Declares all commands. `epoch` returns the stop epoch of now.
+pub(crate) fn open(
+    b: &mut Builder<'_>,
+    shared: &Shared,
+    epoch: impl Fn() -> StopEpoch + Clone + Send + 'static,
+) -> Result<(), Error> {
     for row in ROWS {
-        let (shared, read) = (shared.clone(), row.read);
+        let (shared, read, epoch) = (shared.clone(), row.read, epoch.clone());
         b.command(row.name, row.doc, row.args, move |call| {
             let command = read(call)?;
+            let given = call.int("epoch").and_then(|n| StopEpoch::of(u64::try_from(n).ok()?));
+            let given = given.unwrap_or_else(&epoch);
             let mut shared_state = shared.lock();
             if shared_state.inbox.len() >= MAX_WAITING {
                 return Err(Error::new("too many commands wait for the task"));
             }
-            shared_state.inbox.push_back((command, call.ticket()?));
+            shared_state.inbox.push_back((command, given, call.ticket()?));
             Ok(())
         })?;
     }

@@ -32,6 +32,7 @@ use crate::{
     outside::{Order, Outside, Ticket},
 };
 use checking::Checking;
+use hal_component::StopEpoch;
 use hal_gcode::{Interpreter, Request, state::modal::MAX_SPINDLES};
 use hal_job::{World, run};
 use journal::Keeping;
@@ -47,6 +48,8 @@ use tool::Held;
 
 /// Number of lines of MDI that can wait.
 pub(crate) const MDI_LEN: usize = 10;
+/// Reason for the end of a job that somebody has aborted.
+const STOPPED: &str = "aborted";
 /// Number of steps that the interpreter may be ahead.
 const READ_AHEAD: usize = 256;
 
@@ -114,6 +117,8 @@ struct Job {
     is_program: bool,
     reading: Reading,
     ticket: Option<Ticket>,
+    /// Stop epoch in which the job was given, or resumed last: its orders are of this epoch.
+    given: StopEpoch,
     paused: bool,
     /// Pauses when a step of another line is next; the number of the line, once one has begun.
     stepping: Option<Option<u64>>,
@@ -157,6 +162,8 @@ enum Waiting {
 /// An abort in progress.
 #[derive(Clone, Debug)]
 struct Ending {
+    /// True if motion has been stopped already: it needs no abort.
+    is_stopped: bool,
     order: Option<u64>,
     sent: bool,
     origin: Option<Origin>,
@@ -197,7 +204,7 @@ pub(crate) struct Core {
     /// The request for the next tool.
     preparing: Option<u64>,
     pub(crate) held: Held,
-    mdi: VecDeque<(Box<str>, Ticket)>,
+    mdi: VecDeque<(Box<str>, StopEpoch, Ticket)>,
     /// The line of MDI that began last.
     mdi_text: Box<str>,
     /// Mode that comes back after lines of MDI from another mode.
@@ -222,6 +229,8 @@ pub(crate) struct Core {
     pub(crate) jobs: (u32, u32),
     /// Number of aborts, and of ends of the state on.
     pub(crate) stops: u32,
+    /// Stop epoch of motion as it is known.
+    seen: StopEpoch,
     /// Machine time of the current or last job in seconds.
     pub(crate) job_time: f64,
     /// The last message for the operator.
@@ -281,6 +290,7 @@ impl Core {
             input_was_late: false,
             jobs: (0, 0),
             stops: 0,
+            seen: StopEpoch::default(),
             job_time: 0.0,
             message: Box::default(),
             messages: 0,
@@ -324,8 +334,9 @@ impl Core {
         };
         // Nothing moves in e-stop, whatever is wired.
         if power == Power::Estop && motion.enabled {
-            drop(out.order(&Order::Disable));
+            drop(out.order(&Order::Disable, out.epoch()));
         }
+        let is_stopped = self.see_stops(motion.epoch);
         let was = core::mem::replace(&mut self.power, power);
         if was == Power::On && power != Power::On {
             let is_estop = power == Power::Estop;
@@ -335,9 +346,48 @@ impl Core {
             self.mode = if self.job.is_some() { self.mode } else { Mode::Manual };
             return self.end_job(why, out);
         }
+        if is_stopped {
+            return self.obey_stop(motion.epoch, out);
+        }
+        self.obey_pause(motion.epoch);
         if self.job.is_some() && self.rules.needs_homing && !motion.all_homed {
             self.fail("a joint is no longer homed", out);
         }
+    }
+
+    /// Returns whether motion was stopped by somebody else since it was last asked.
+    fn see_stops(&mut self, now: StopEpoch) -> bool {
+        let is_stopped = self.seen.is_stopped_by(now);
+        if is_stopped || self.seen.is_paused_by(now) {
+            self.seen = now;
+        }
+        is_stopped
+    }
+
+    /// Motion was stopped: what was given before ends, and coolant and tool change with it.
+    fn obey_stop(&mut self, now: StopEpoch, out: &mut impl Outside) {
+        self.stops = self.stops.wrapping_add(1);
+        if self.ending.is_some() {
+            return;
+        }
+        let given = self.job.as_ref().map(|job| job.given).or_else(|| self.checking.given());
+        if given.is_none_or(|given| given.is_stopped_by(now)) {
+            self.end_all(STOPPED, true, out);
+        }
+    }
+
+    /// Motion was paused: a job that was given before rests until it is resumed.
+    fn obey_pause(&mut self, now: StopEpoch) {
+        if let Some(job) = &mut self.job
+            && job.given.is_paused_by(now)
+        {
+            (job.paused, job.held) = (true, true);
+        }
+    }
+
+    /// Returns the epoch of the job's orders.
+    fn job_epoch(&self, out: &impl Outside) -> StopEpoch {
+        self.job.as_ref().map_or_else(|| out.epoch(), |job| job.given)
     }
 
     /// Returns whether a job is in execution or ending, or a program is checked before its start.

@@ -117,7 +117,8 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     let io = io.ok_or_else(|| Error::new("no iocontrol is loaded: load it first"))?;
     let operator = b.operator()?;
     let shared = Shared::default();
-    commands::open(b, &shared)?;
+    let now = motion.clone();
+    commands::open(b, &shared, move || now.epoch())?;
     let ini = b.arg_text("ini").filter(|ini| !ini.is_empty());
     let opened = shared.clone();
     let is_virtual = b.clock().is_virtual();

@@ -1,6 +1,6 @@
 //! Everything outside the core: motion, iocontrol, files, the clock.
 
-use hal_component::{IoRequest, IoState};
+use hal_component::{IoRequest, IoState, StopEpoch};
 use hal_gcode::{Environment, Numbered, State, tool::ToolTable};
 use hal_job::{journal::Record, spindle::Spindle};
 use std::path::Path;
@@ -153,6 +153,8 @@ pub(crate) struct MotionState {
     pub(crate) feed_override: f64,
     pub(crate) rapid_override: f64,
     pub(crate) spindle_override: [f64; 8],
+    /// Stop epoch of the cycle.
+    pub(crate) epoch: StopEpoch,
 }
 
 /// Importance of a message.
@@ -198,8 +200,11 @@ pub(crate) trait Outside {
     fn motion(&self) -> MotionState;
     /// Returns the state of iocontrol.
     fn io(&self) -> IoState;
-    /// Sends an order to motion and returns its number.
-    fn order(&mut self, order: &Order) -> Result<u64, Refusal>;
+    /// Returns the stop epoch of now, which may be younger than that of the latest cycle.
+    fn epoch(&self) -> StopEpoch;
+    /// Sends an order to motion that was given in a stop epoch, and returns its number. After a stop since then, motion
+    /// refuses it.
+    fn order(&mut self, order: &Order, given: StopEpoch) -> Result<u64, Refusal>;
     /// Returns how far an order has come.
     fn ordered(&mut self, id: u64) -> Progress;
     /// Sends a request to iocontrol; `None` if it takes none now.

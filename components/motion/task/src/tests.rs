@@ -207,7 +207,8 @@ impl Rig {
     fn send(&mut self, command: Command) -> Ticket {
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
-        self.core.command(command, ticket, &mut self.fake);
+        let now = self.fake.motion.epoch;
+        self.core.command(command, now, ticket, &mut self.fake);
         ticket
     }
 

@@ -11,8 +11,8 @@ use crate::{
     status::{Report, TaskStatus, operator_view},
 };
 use hal_component::{
-    Builder, IoControlRef, MotionRef, OperatorRef, OperatorRequest, Snapshot, TicketHandle, Touch,
-    Uses, Work,
+    Builder, IoControlRef, MotionRef, OperatorRef, OperatorRequest, Snapshot, StopEpoch,
+    TicketHandle, Touch, Uses, Work,
 };
 use hal_gcode::parameters::file::ParameterFile;
 use hal_remap::Functions;
@@ -26,7 +26,8 @@ use std::{
 /// State that commands and the worker share.
 #[derive(Default)]
 pub(crate) struct SharedState {
-    pub(crate) inbox: VecDeque<(Command, TicketHandle)>,
+    /// Commands, each with the stop epoch in which it was given.
+    pub(crate) inbox: VecDeque<(Command, StopEpoch, TicketHandle)>,
     /// The core of a machine whose files have been read.
     pub(crate) opened: Option<(Box<Core>, Files)>,
     pub(crate) report: Report,
@@ -118,19 +119,21 @@ impl Work for Worker {
         }
         let Some(mut core) = self.core.take() else { return 0 };
         self.world.refresh();
-        for (command, handle) in commands {
+        for (command, given, handle) in commands {
             let ticket = self.world.ticket(handle);
-            core.command(command, ticket, &mut self.world);
+            core.command(command, given, ticket, &mut self.world);
         }
         if let Some(operator) = self.world.operator.clone() {
-            while let Some(request) = operator.take() {
+            while let Some((request, given)) = operator.take() {
                 let ticket = self.world.button();
-                core.command(Command::from(request), ticket, &mut self.world);
+                let given = given.unwrap_or_else(|| self.world.epoch());
+                core.command(Command::from(request), given, ticket, &mut self.world);
             }
         }
         if self.pins.aborts() {
             let ticket = self.world.button();
-            core.command(Command::Abort, ticket, &mut self.world);
+            let now = self.world.epoch();
+            core.command(Command::Abort, now, ticket, &mut self.world);
         }
         self.world.claim(&core);
         let done = core.step(&mut self.world, items);

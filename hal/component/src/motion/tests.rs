@@ -1,7 +1,8 @@
 //! The service, from the side of its users.
 
 use super::{
-    Motion, MotionEnd, MotionRef, MotionRefusal, MotionSource, MotionToken, Offered, table,
+    Motion, MotionEnd, MotionRef, MotionRefusal, MotionSource, MotionToken, Offered, StopEpoch,
+    table,
 };
 use crate::{
     Error, MotionStatus, TicketHandle, Touch, Uses,
@@ -54,6 +55,9 @@ impl Motion for Fake {
     }
     fn setting(&self, c: &MotionCommand) -> Result<f64, Error> {
         if c.setting == 2 { Ok(7.5) } else { Err(Error::new("none")) }
+    }
+    fn epoch(&self) -> u64 {
+        9
     }
     fn status(&self) -> Option<MotionStatus> {
         let mut number = 0;
@@ -234,8 +238,26 @@ fn a_user_reads_as_many_words_as_it_knows() {
     // SAFETY: the words are live.
     let all = unsafe { read(service.table.ctx, words.as_mut_ptr(), 2) };
     assert_eq!((all as usize, words), (<MotionStatus as crate::Plain>::WORDS, [1, 2, 0]));
-    assert!(size_of::<abi::Motion>() == abi::Motion::MIN);
+    assert!(core::mem::offset_of!(abi::Motion, epoch) == abi::Motion::MIN);
+    assert_eq!(service.motion.epoch(), StopEpoch { stops: 0, pauses: 9 });
     let named = |setting| MotionCommand { setting, ..MotionCommand::new(motion_kind::CONFIGURE) };
     assert_eq!(service.motion.setting(&named(2)), Some(7.5));
     assert_eq!(service.motion.setting(&named(3)), None);
+}
+
+#[test]
+fn an_epoch_is_read_back_and_compared_beyond_its_largest_number() {
+    let epoch = |stops, pauses| StopEpoch { stops, pauses };
+    assert_eq!(StopEpoch::of(epoch(7, u32::MAX).number()), Some(epoch(7, u32::MAX)));
+    assert_eq!(StopEpoch::of(0), None);
+    for (given, now, stopped, paused) in [
+        (epoch(3, 4), epoch(3, 4), false, false),
+        (epoch(3, 4), epoch(4, 4), true, false),
+        (epoch(3, 4), epoch(3, 5), false, true),
+        // A status that is older than the order.
+        (epoch(4, 5), epoch(3, 4), false, false),
+        (epoch(u32::MAX, u32::MAX), epoch(1, 0), true, true),
+    ] {
+        assert_eq!((given.is_stopped_by(now), given.is_paused_by(now)), (stopped, paused));
+    }
 }

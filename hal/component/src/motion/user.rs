@@ -1,7 +1,7 @@
 //! The side of the service `motion` that uses it.
 
 use crate::{
-    MotionStatus, Plain, Touch, Uses,
+    MotionStatus, Plain, StopEpoch, Touch, Uses,
     abi::{self, MotionAnswer, MotionCommand, Status, Str},
     service::Found,
 };
@@ -138,6 +138,14 @@ impl MotionRef {
         let has = unsafe { status(self.0.table.ctx, words.as_mut_ptr(), n) };
         let mut words = words.into_iter();
         (has > 0).then(|| MotionStatus::load(&mut || words.next().unwrap_or(0)))
+    }
+
+    /// Returns the stop epoch, in which an order that is given now is given; zeros if the provider has none.
+    #[must_use]
+    pub fn epoch(&self) -> StopEpoch {
+        // SAFETY: this is the provider's function with its own context.
+        let number = self.0.table.epoch.map_or(0, |epoch| unsafe { epoch(self.0.table.ctx) });
+        StopEpoch::of(number).unwrap_or_default()
     }
 
     /// Returns the setting that a command of the kind CONFIGURE names, if it exists.

@@ -4,7 +4,9 @@ use crate::{
     commands::arguments::{AXIS, JOINT, SPINDLE, TRAJ},
     pins::LETTERS,
 };
-use hal_component::{Error, MotionCommand, motion_flags as flags, motion_kind, motion_setting};
+use hal_component::{
+    Error, MotionCommand, StopEpoch, motion_flags as flags, motion_kind, motion_setting,
+};
 
 /// Arguments of a command, by name.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +42,14 @@ impl<'c> Call<'c> {
             return unknown("setting", c.setting);
         }
         Ok(Self::Record(c))
+    }
+
+    /// Returns the stop epoch in which the order was given; none means now.
+    pub(crate) fn epoch(&self) -> Option<StopEpoch> {
+        match self {
+            Self::Text(call) => StopEpoch::of(u64::try_from(call.int("epoch")?).ok()?),
+            Self::Record(c) => StopEpoch::of(c.epoch),
+        }
     }
 
     /// Returns an integer or boolean argument that is given or has a default.

@@ -1,7 +1,7 @@
 //! Commands from the control side to the realtime side.
 
 use crate::commands::config::{AxisConfig, JointConfig, SpindleConfig, TrajConfig};
-use hal_component::{MotionSource, Pose, TicketHandle};
+use hal_component::{MotionSource, Pose, StopEpoch, TicketHandle};
 pub(crate) use hal_trajectory::Mode as PathMode;
 
 /// Mode that determines the meaning of jogs and moves.
@@ -145,6 +145,14 @@ pub(crate) struct SpindleChange {
     pub(crate) brake: Option<bool>,
 }
 
+impl SpindleChange {
+    /// Returns whether the spindle may turn by this.
+    const fn turns(&self) -> bool {
+        let stands = matches!(self.speed, None | Some(0.0));
+        !stands || matches!(self.brake, Some(false))
+    }
+}
+
 /// New value of an output for programs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Output {
@@ -187,5 +195,43 @@ pub(crate) enum Command {
     Axis(usize, AxisConfig),
     Spindle(usize, SpindleConfig),
     Traj(TrajConfig),
-    Request(Request, MotionSource, TicketHandle),
+    /// A request of a source, given in this stop epoch.
+    Request(Request, MotionSource, StopEpoch, TicketHandle),
+}
+
+/// Stops after which an order that was given before them is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ends {
+    /// It is never too late for it.
+    Never,
+    /// E-stop, off, abort and faults.
+    Stops,
+    /// All of these, and a pause.
+    Pauses,
+}
+
+impl Request {
+    /// Returns the stops that end this order: those of everything that begins motion, gives power or makes motion possible.
+    pub(crate) const fn ends(&self) -> Ends {
+        match self {
+            Self::Disable
+            | Self::Abort
+            | Self::JogStop(_)
+            | Self::Unhome(_)
+            | Self::Feed(_)
+            | Self::Run(Run::Pause) => Ends::Never,
+            Self::Spindle(change) if !change.turns() => Ends::Never,
+            Self::Enable
+            | Self::Mode(_)
+            | Self::Move(_)
+            | Self::PathOutput(_)
+            | Self::Spindle(_)
+            | Self::Orient(..)
+            | Self::Output(_)
+            | Self::OverrideLimits => Ends::Stops,
+            Self::Jog(_)
+            | Self::Home(_)
+            | Self::Run(Run::Resume | Run::Step | Run::Reverse | Run::Forward) => Ends::Pauses,
+        }
+    }
 }

@@ -2,17 +2,18 @@
 
 use crate::{
     commands::command::{
-        Arc, Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output, Request,
-        Run, Speed, SpindleChange,
+        Arc, Command, Ends, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output,
+        Request, Run, Speed, SpindleChange,
     },
     commands::refusal::Refusal,
+    guards::stop_line::Stop,
     jogger::{By, Jogger, TravelLimits},
     path::Parked,
     path::order::{Kind, PathMove},
     setup::put,
     state::State,
 };
-use hal_component::TicketHandle;
+use hal_component::{MotionSource, StopEpoch, TicketHandle};
 use hal_trajectory::Shape;
 
 /// Time at which a ticket is completed.
@@ -59,21 +60,69 @@ impl State {
                 self.replan(config.is_tighter(&self.traj));
                 self.traj = config;
             }
-            Command::Request(request, source, ticket) => {
+            Command::Request(request, source, given, ticket) => {
+                let says_more = self.inputs.lockout.is_some() && matches!(request, Request::Enable);
+                if self.is_stale(&request, given) && !says_more {
+                    return self.refuse_stale(source, ticket);
+                }
                 let admitted = self.admit(&request, source);
                 match admitted.and_then(|()| self.request(request, ticket)) {
                     Ok(Answer::Done) => ticket.done(),
                     Ok(Answer::Later) => {}
-                    Err(why) => why.report(&self.say, ticket),
+                    Err(why) => return why.report(&self.say, ticket),
                 }
+                self.rest_late_move(&request, given);
             }
+        }
+    }
+
+    /// Executes the stops that were commanded since it was last called.
+    pub(crate) fn obey_line(&mut self) {
+        let pulled = self.line.take();
+        if pulled.is_none() {
+            return;
+        }
+        if pulled.has(Stop::Off) && self.enabled {
+            self.turn_off(OFF);
+        }
+        if pulled.has(Stop::Abort) {
+            self.abort();
+        }
+        if pulled.has(Stop::Pause) {
+            self.pause();
+        }
+    }
+
+    /// Returns whether an order was given before a stop that ends it.
+    fn is_stale(&self, request: &Request, given: StopEpoch) -> bool {
+        let now = self.line.epoch();
+        match request.ends() {
+            Ends::Never => false,
+            Ends::Stops => given.stops != now.stops,
+            Ends::Pauses => given != now,
+        }
+    }
+
+    /// Refuses an order that was given before a stop. The owner of motion has many moves under way at a stop, and knows.
+    fn refuse_stale(&self, source: MotionSource, ticket: TicketHandle) {
+        match source {
+            MotionSource::Task => STALE.fail(ticket),
+            MotionSource::Local | MotionSource::Remote => STALE.report(&self.say, ticket),
+        }
+    }
+
+    /// A move that was given before a pause rests with the path.
+    fn rest_late_move(&mut self, request: &Request, given: StopEpoch) {
+        if matches!(request, Request::Move(_)) && given.pauses != self.line.epoch().pauses {
+            self.path.pause();
         }
     }
 
     fn request(&mut self, request: Request, ticket: TicketHandle) -> Result<Answer, Refusal> {
         match request {
             Request::Enable => return self.enable(ticket),
-            Request::Disable => self.turn_off("the machine was switched off"),
+            // The stop line has switched it off already, and aborted and paused below.
+            Request::Disable => {}
             Request::Mode(mode) => self.set_mode(mode)?,
             Request::Home(set) => {
                 self.home(set, ticket)?;
@@ -86,7 +135,7 @@ impl State {
             Request::PathOutput(output) if self.path.is_idle() => self.set_output(output),
             Request::PathOutput(output) => self.path.push_output(output)?,
             Request::Run(run) => self.run(run)?,
-            Request::Abort => return Ok(self.abort(ticket)),
+            Request::Abort => return Ok(self.await_stop(ticket)),
             Request::Spindle(change) => self.change_spindle(change)?,
             Request::Orient(n, angle, mode) => {
                 self.needs_enabled("the spindle cannot turn: the machine is not enabled")?;
@@ -302,6 +351,9 @@ impl State {
     }
 
     fn run(&mut self, run: Run) -> Result<(), Refusal> {
+        if run == Run::Pause {
+            return Ok(());
+        }
         let is_away = self.path.parked() != Parked::No;
         if is_away && run != Run::Resume {
             return Err(Refusal::new("the axes have left the path: motion.resume goes back to it"));
@@ -319,14 +371,22 @@ impl State {
         }
     }
 
-    fn abort(&mut self, ticket: TicketHandle) -> Answer {
+    /// Brakes everything that moves; the path rests where it comes to a stop.
+    fn pause(&mut self) {
+        self.end_homing("paused");
+        self.stop_jogs("paused");
+        if !self.path.is_idle() {
+            self.path.pause();
+        }
+    }
+
+    fn abort(&mut self) {
         self.origin.free();
         let tapping = self.path.abort();
         self.end_homing("aborted");
         self.stop_jogs("aborted");
         let all = self.spindles.iter_mut().enumerate();
         all.filter(|(n, _)| tapping != Some(*n)).for_each(|(_, s)| s.stop("aborted"));
-        self.await_stop(ticket)
     }
 
     fn await_stop(&mut self, ticket: TicketHandle) -> Answer {
@@ -374,6 +434,10 @@ impl State {
         feed.hold = change.hold.unwrap_or(feed.hold);
     }
 }
+
+const OFF: &str = "the machine was switched off";
+
+const STALE: Refusal = Refusal::new("a stop has come meanwhile: give the command again");
 
 const fn not_configured(n: usize) -> Refusal {
     Refusal::joint(

@@ -8,11 +8,12 @@ use crate::{
     },
     commands::configure::{ConfigCache, Target},
     commands::path_rows::PATH_ROWS,
+    guards::stop_line::{Stop, StopLine},
     pins::LETTERS,
 };
 use hal_component::{
-    Arg, Builder, Error, KinematicsRef, MotionCommand, MotionSource, Sender, TicketHandle,
-    abi::ArgSpec, motion_kind,
+    Arg, Builder, Error, KinematicsRef, MotionCommand, MotionSource, Sender, StopEpoch,
+    TicketHandle, abi::ArgSpec, motion_kind,
 };
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -26,6 +27,7 @@ pub(crate) struct CommandInterface {
     pub(crate) analog_out: usize,
     pub(crate) kinematics: KinematicsRef,
     pub(crate) cache: Arc<Mutex<ConfigCache>>,
+    pub(crate) line: Arc<StopLine>,
 }
 
 /// Parser of a command's arguments.
@@ -43,17 +45,25 @@ const JOINT: ArgSpec = Arg::int("joint", "Number of the joint, from 0.");
 const JOINTS: ArgSpec = Arg::text("joint", "Number of the joint, from 0, or all.").required();
 const AXIS: ArgSpec = Arg::text("axis", "Letter of the axis: x y z a b c u v w.");
 const SPINDLE: ArgSpec = Arg::int("spindle", "Number of the spindle, from 0.").or("0");
+pub(super) const EPOCH: ArgSpec = Arg::int(
+    "epoch",
+    "Stop epoch in which the order was given, as motion.status has it: after a stop since then it is refused. -1 is now.",
+)
+.or("-1");
 
 const ROWS: &[Row] = &[
     Row {
         name: "motion.enable",
         doc: "Switches the machine on: forgets joint errors and sets amp-enable-out.",
-        args: &[],
+        args: &[&EPOCH],
         read: |_, _| Ok(Request::Enable),
     },
     Row {
         name: "motion.disable",
-        doc: "Switches the machine off at once: amplifiers, moves and spindles.",
+        doc: "\
+Switches the machine off: amplifiers, moves and spindles.
+
+It takes effect in the next cycle, before all commands that wait. Orders that were given before it begin nothing.",
         args: &[],
         read: |_, _| Ok(Request::Disable),
     },
@@ -67,7 +77,7 @@ Jogs and moves change it by themselves.",
             "mode",
             "free (jogs move joints), teleop (jogs move axes) or coord (moves along a path).",
         )
-        .required()],
+        .required(), &EPOCH],
         read: |_, call| match call.text("mode").unwrap_or_default().as_str() {
             "free" => Ok(Request::Mode(Mode::Free)),
             "teleop" => Ok(Request::Mode(Mode::Teleop)),
@@ -85,7 +95,7 @@ both have one sign, after it has gone back, and off it otherwise. With home-use-
 encoder's index. Without a switch it is home where it stands. That place becomes home-offset, and the
 joint then goes to home, and its limits hold. What ends it: a limit switch, unless home-ignore-limits,
 and twice the way between the limits without a switch or an index.",
-        args: &[&JOINTS],
+        args: &[&JOINTS, &EPOCH],
         read: |interface, call| Ok(Request::Home(interface.set(call)?)),
     },
     Row {
@@ -107,6 +117,7 @@ a limit. A target beyond a limit ends at the limit.",
             &Arg::float("velocity", "Velocity in units/s; its sign is the direction.").required(),
             &Arg::float("distance", "How far, in units: added to where it goes already."),
             &Arg::float("position", "Where to, in units."),
+            &EPOCH,
         ],
         read: CommandInterface::jog,
     },
@@ -118,7 +129,10 @@ a limit. A target beyond a limit ends at the limit.",
     },
     Row {
         name: "motion.abort",
-        doc: "Brakes everything, forgets the moves that wait, and stops the spindles.",
+        doc: "\
+Brakes everything, forgets the moves that wait, and stops the spindles.
+
+It takes effect in the next cycle, before all commands that wait. Orders that were given before it begin nothing.",
         args: &[],
         read: |_, _| Ok(Request::Abort),
     },
@@ -130,6 +144,7 @@ a limit. A target beyond a limit ends at the limit.",
             &Arg::float("speed", "Turns per minute, negative in reverse; 0 stops and brakes."),
             &Arg::float("override", "Factor for the speed, 0 or more; at first 1."),
             &Arg::bit("brake", "Closes or opens the brake."),
+            &EPOCH,
         ],
         read: CommandInterface::spindle,
     },
@@ -140,6 +155,7 @@ a limit. A target beyond a limit ends at the limit.",
             &SPINDLE,
             &Arg::float("angle", "Angle in degrees, 0 to 360.").required(),
             &Arg::int("mode", "Direction: 0 the shorter, 1 clockwise, 2 counterclockwise.").or("0"),
+            &EPOCH,
         ],
         read: |interface, call| {
             let angle = number(call, "angle")?.unwrap_or(0.0);
@@ -177,7 +193,7 @@ Adaptive feed and feed hold count for both.",
 Lets a joint be jogged off a limit switch.
 
 Closed limit switches do not switch the machine off until the next jog has ended.",
-        args: &[],
+        args: &[&EPOCH],
         read: |_, _| Ok(Request::OverrideLimits),
     },
 ];
@@ -189,7 +205,8 @@ impl CommandInterface {
             let (interface, read) = (self.clone(), row.read);
             b.command(row.name, row.doc, row.args, move |call| {
                 let request = read(&interface, &Call::Text(call))?;
-                interface.send(request, MotionSource::Local, call.ticket()?)
+                let given = Call::Text(call).epoch();
+                interface.send(request, MotionSource::Local, given, call.ticket()?)
             })?;
         }
         b.command("motion.configure", arguments::DOC, arguments::ARGS, move |call| {
@@ -226,16 +243,23 @@ impl CommandInterface {
         (row.read)(self, &call)
     }
 
-    /// Sends a request to the realtime side.
+    /// Sends a request to the realtime side. A stop takes effect in the next cycle, whatever waits before it; one without a
+    /// `given` epoch is given now.
     pub(super) fn send(
         &self,
         request: Request,
         source: MotionSource,
+        given: Option<StopEpoch>,
         ticket: TicketHandle,
     ) -> Result<(), Error> {
-        self.to.send(Command::Request(request, source, ticket)).map_err(|_| {
+        let stop = Stop::of(&request);
+        if let Some(stop) = stop {
+            self.line.pull(stop);
+        }
+        let given = given.unwrap_or_else(|| self.line.epoch());
+        self.to.send(Command::Request(request, source, given, ticket)).map_err(|_| {
             ticket.fail("too many commands wait");
-            full()
+            if stop.is_some() { full_behind_stop() } else { full() }
         })
     }
 
@@ -323,6 +347,10 @@ pub(super) fn within(call: &Call<'_>, name: &str, are: &str, count: usize) -> Re
 
 fn full() -> Error {
     Error::new("too many commands wait: is motion-command-handler in a running thread?")
+}
+
+fn full_behind_stop() -> Error {
+    Error::new("the stop is in force, but too many commands wait for motion to tell its end")
 }
 
 /// Returns a joint number, checked against the number of joints.

@@ -5,7 +5,7 @@ use crate::{
     commands::command::{
         Arc, Follows, Move, Output, PathMode, Probe, Request, Run, Speed, Sync as SpindleSync,
     },
-    commands::interface::{CommandInterface, Row, above, factor, number, within},
+    commands::interface::{CommandInterface, EPOCH, Row, above, factor, number, within},
     pins::LETTERS,
 };
 use hal_component::{Arg, Error, abi::ArgSpec};
@@ -55,7 +55,7 @@ const W: ArgSpec = Arg::float("w", "Position of w in units.");
 
 /// Arguments of a command: a value for each axis, and more.
 macro_rules! with_axes {
-    ($($more:expr),* $(,)?) => { &[&X, &Y, &Z, &A, &B, &C, &U, &V, &W, $($more),*] };
+    ($($more:expr),* $(,)?) => { &[&X, &Y, &Z, &A, &B, &C, &U, &V, &W, $($more,)* &EPOCH] };
 }
 
 /// Commands of the path.
@@ -181,22 +181,24 @@ it begins.",
     Row {
         name: "motion.pause",
         doc: "\
-Brakes along the path and holds there until motion.resume; the moves that wait stay.
+Brakes along the path and holds there until motion.resume; the moves that wait, and those that still come, stay.
 
-Meanwhile axes can be jogged: motion.resume first returns them to where they left the path.",
+It takes effect in the next cycle, before all commands that wait. Jogs brake and homing ends. A jog, a home or a resume
+that was given before it begins nothing. Meanwhile axes can be jogged: motion.resume first returns them to where they left
+the path.",
         args: &[],
         read: |_, _| Ok(Request::Run(Run::Pause)),
     },
     Row {
         name: "motion.resume",
         doc: "Goes on along the path after motion.pause or motion.step.",
-        args: &[],
+        args: &[&EPOCH],
         read: |_, _| Ok(Request::Run(Run::Resume)),
     },
     Row {
         name: "motion.step",
         doc: "Goes on to the next move of a path, and pauses as it begins.",
-        args: &[],
+        args: &[&EPOCH],
         read: |_, _| Ok(Request::Run(Run::Step)),
     },
     Row {
@@ -205,13 +207,13 @@ Meanwhile axes can be jogged: motion.resume first returns them to where they lef
 Brakes, and goes back along the path, as far as it is kept or to its beginning.
 
 Outputs and spindles stay as they are.",
-        args: &[],
+        args: &[&EPOCH],
         read: |_, _| Ok(Request::Run(Run::Reverse)),
     },
     Row {
         name: "motion.forward",
         doc: "Goes forward along the path again.",
-        args: &[],
+        args: &[&EPOCH],
         read: |_, _| Ok(Request::Run(Run::Forward)),
     },
     Row {
@@ -232,7 +234,7 @@ Positions of moves contain it already: it moves nothing. Letters that are not gi
     Row {
         name: "motion.digital-out",
         doc: "Sets a pin motion.digital-out-NN, as M62 to M65 do.",
-        args: &[&INDEX, &Arg::bit("value", "TRUE or FALSE.").required(), &SYNC],
+        args: &[&INDEX, &Arg::bit("value", "TRUE or FALSE.").required(), &SYNC, &EPOCH],
         read: |interface, call| {
             let (n, value) = (output(call, interface.digital_out)?, call.bit("value"));
             Ok(put(call, Output::Digital(n, value.unwrap_or(false))))
@@ -245,6 +247,7 @@ Positions of moves contain it already: it moves nothing. Letters that are not gi
             &INDEX,
             &Arg::float("value", "The value, in the output's unit; finite.").required(),
             &SYNC,
+            &EPOCH,
         ],
         read: |interface, call| {
             let (n, value) = (output(call, interface.analog_out)?, number(call, "value")?);

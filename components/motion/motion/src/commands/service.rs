@@ -42,10 +42,11 @@ impl Motion for Service {
             return Ok(());
         }
         let request = self.interface.request(command.kind, call)?;
+        let given = call.epoch();
         if matches!(request, Request::Move(_) | Request::PathOutput(_)) && self.room() == 0 {
             return Err(full());
         }
-        self.interface.send(request, source, end).map_err(|_| full())
+        self.interface.send(request, source, given, end).map_err(|_| full())
     }
 
     /// Returns the number of moves that the queue to the path and the path itself have room for.
@@ -71,6 +72,10 @@ impl Motion for Service {
 
     fn status(&self) -> Option<MotionStatus> {
         self.status.get().filter(|s| s.cycle > 0)
+    }
+
+    fn epoch(&self) -> u64 {
+        self.interface.line.epoch().number()
     }
 }
 

@@ -31,6 +31,11 @@ impl Interlock {
         Ok(Self { found })
     }
 
+    /// Returns whether there is an interlock.
+    pub(crate) const fn is_bound(&self) -> bool {
+        self.found.is_some()
+    }
+
     /// Reads the interlock, once in each cycle.
     pub(crate) fn read(&self) -> Option<Lockout> {
         let estop = self.found.as_ref()?.state();

@@ -69,6 +69,7 @@ impl State {
     /// Switches the machine off for a cause that is kept.
     pub(crate) fn stop_for(&mut self, cause: &'static str) {
         self.stops.keep(self.now_ns, cause);
+        self.raise_epoch();
         self.turn_off(cause);
     }
 

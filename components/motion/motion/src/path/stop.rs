@@ -57,13 +57,16 @@ impl Path {
         self.resume_in = 4;
     }
 
+    /// Brakes, and rests.
+    pub(crate) const fn pause(&mut self) {
+        self.paused = true;
+        self.step_of = None;
+    }
+
     /// Pauses, resumes, steps or reverses.
     pub(crate) fn run(&mut self, run: Run) -> Result<(), Refusal> {
         match run {
-            Run::Pause => {
-                self.paused = true;
-                self.step_of = None;
-            }
+            Run::Pause => self.pause(),
             Run::Resume => {
                 self.paused = false;
                 self.step_of = None;

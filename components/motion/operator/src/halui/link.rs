@@ -2,7 +2,7 @@
 
 use hal_component::{
     IoControlRef, IoRequest, IoState, Messages, MotionCommand, MotionRef, MotionRefusal,
-    MotionToken, Operator, OperatorRequest, OperatorView, Touch, Uses, motion_kind,
+    MotionToken, Operator, OperatorRequest, OperatorView, StopEpoch, Touch, Uses, motion_kind,
 };
 use std::{
     collections::VecDeque,
@@ -17,7 +17,7 @@ const SILENCE: u32 = 100;
 /// Requests for the task, and its state.
 #[derive(Debug, Default)]
 struct LinkState {
-    requests: VecDeque<OperatorRequest>,
+    requests: VecDeque<(OperatorRequest, StopEpoch)>,
     view: Option<OperatorView>,
     /// Looks at the pins since the task has shown its state.
     silent: u32,
@@ -44,18 +44,18 @@ impl Task {
     }
 
     /// Sends a request; returns false if there is no task, or no room.
-    fn send(&self, request: OperatorRequest) -> bool {
+    fn send(&self, request: OperatorRequest, epoch: StopEpoch) -> bool {
         let mut state = self.state();
         let goes = state.view.is_some() && state.requests.len() < QUEUE_LEN;
         if goes {
-            state.requests.push_back(request);
+            state.requests.push_back((request, epoch));
         }
         goes
     }
 }
 
 impl Operator for Task {
-    fn take(&self) -> Option<OperatorRequest> {
+    fn take(&self) -> Option<(OperatorRequest, StopEpoch)> {
         self.state().requests.pop_front()
     }
 
@@ -129,17 +129,25 @@ impl Machine {
 
     /// Sends a request to the task.
     pub(crate) fn task(&self, request: OperatorRequest) {
-        if !self.task.send(request) {
+        if !self.task.send(request, self.motion.epoch()) {
             self.say.error("modes, programs and MDI need a task, which is not loaded", &[]);
         }
     }
 
-    /// Ends everything that is in progress.
+    /// Puts the machine into e-stop. Without an interlock, motion does not read it.
+    pub(crate) fn estop(&self) {
+        if self.io.is_some() {
+            self.io(IoRequest::Estop);
+        } else {
+            self.say.warn("there is no iocontrol: the e-stop switches motion off", &[]);
+        }
+        self.simple(motion_kind::DISABLE);
+    }
+
+    /// Ends everything that is in progress. A task sees it, and ends coolant and tool change itself.
     pub(crate) fn abort(&self) {
         self.simple(motion_kind::ABORT);
-        if self.task.view().is_some() {
-            self.task(OperatorRequest::Stop);
-        } else if self.io.is_some() {
+        if self.task.view().is_none() && self.io.is_some() {
             self.io(IoRequest::Abort);
         }
     }

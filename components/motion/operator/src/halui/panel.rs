@@ -110,16 +110,13 @@ impl Panel {
     fn buttons(&mut self, has_task: bool) {
         let (g, m) = (&mut self.general, &self.machine);
         if g.estop.is_pressed() {
-            m.io(IoRequest::Estop);
+            m.estop();
         }
         if g.estop_reset.is_pressed() {
             m.io(IoRequest::EstopReset);
         }
-        let stops = self.program.stop.is_pressed();
-        if g.abort.is_pressed() || stops && !has_task {
+        if g.abort.is_pressed() | self.program.stop.is_pressed() {
             m.abort();
-        } else if stops {
-            m.task(OperatorRequest::Stop);
         }
         if g.off.is_pressed() {
             m.simple(kind::DISABLE);
@@ -164,8 +161,10 @@ impl Panel {
         if p.run.is_pressed() {
             m.task(OperatorRequest::Run);
         }
+        if p.pause.is_pressed() {
+            m.simple(kind::PAUSE);
+        }
         for (button, request, command) in [
-            (&mut p.pause, OperatorRequest::Pause, kind::PAUSE),
             (&mut p.resume, OperatorRequest::Resume, kind::RESUME),
             (&mut p.step, OperatorRequest::Step, kind::STEP),
         ] {

@@ -8,6 +8,7 @@ fn the_task_has_its_buttons_and_lamps() {
     rig.press("mdi-command-00");
     assert_eq!(rig.0.said().len(), 1, "there is no task yet");
     let operator: OperatorRef = rig.0.find();
+    let motion: MotionRef = rig.0.find();
     let mut view = OperatorView { mode: 2, program: 1, ..OperatorView::IDLE };
     view.zero[0] = 1.0;
     view.zero[1] = 2.0;
@@ -20,20 +21,37 @@ fn the_task_has_its_buttons_and_lamps() {
         ("mode.mdi", R::Mode(2)),
         ("mode.manual", R::Mode(0)),
         ("program.run", R::Run),
-        ("program.pause", R::Pause),
         ("program.resume", R::Resume),
         ("program.step", R::Step),
-        ("program.stop", R::Stop),
         ("program.optional-stop.on", R::OptionalStop(true)),
         ("program.optional-stop.off", R::OptionalStop(false)),
         ("program.block-delete.on", R::BlockDelete(true)),
         ("program.block-delete.off", R::BlockDelete(false)),
         ("mdi-command-01", R::Mdi("(MSG,a) G0 X0".to_owned())),
-        ("abort", R::Stop),
     ] {
         operator.show(&view);
+        let given = motion.epoch();
         rig.press(pin);
-        assert_eq!(operator.take(), Some(request), "{pin}");
+        assert_eq!(operator.take(), Some((request, Some(given))), "{pin}");
+        assert_eq!(operator.take(), None, "{pin}");
+    }
+    // Stops are motion's: the task sees them.
+    for (pin, stops, pauses) in [
+        ("program.pause", 0, 1),
+        ("program.stop", 1, 0),
+        ("abort", 1, 0),
+        ("machine.off", 1, 0),
+        ("estop.activate", 1, 0),
+    ] {
+        operator.show(&view);
+        let before = motion.epoch();
+        rig.press(pin);
+        let now = motion.epoch();
+        assert_eq!(
+            (now.stops - before.stops, now.pauses - before.pauses),
+            (stops, pauses),
+            "{pin}"
+        );
         assert_eq!(operator.take(), None, "{pin}");
     }
     assert!(rig.is("mode.is-mdi") && rig.is("program.is-running"));

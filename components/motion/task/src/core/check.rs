@@ -9,6 +9,7 @@ use super::{
     checking::{Checking, Start},
 };
 use crate::outside::{Level, Outside};
+use hal_component::StopEpoch;
 use hal_gcode::{Dialect, Interpreter};
 use hal_job::{
     check::{Check, Seen},
@@ -35,6 +36,7 @@ impl Core {
         &mut self,
         path: PathBuf,
         ticket: Ticket,
+        given: StopEpoch,
         stepping: bool,
         out: &mut impl Outside,
     ) -> Result<(), String> {
@@ -46,7 +48,7 @@ impl Core {
         let check = Box::new(Check::new(interpreter, self.given()));
         let since = out.now();
         self.checking = Checking::default();
-        self.checking.start = Some(Start { check, path, text, ticket, stepping, since });
+        self.checking.start = Some(Start { check, path, text, ticket, given, stepping, since });
         self.advance_start(out);
         Ok(())
     }
@@ -77,7 +79,7 @@ impl Core {
             self.checking.start = Some(start);
             return;
         }
-        let Start { check, path, text, ticket, stepping, .. } = start;
+        let Start { check, path, text, ticket, given, stepping, .. } = start;
         let may =
             self.may_begin(super::Mode::Auto, "a program", out).and_then(|()| refusal(&check));
         if let Err(why) = may {
@@ -85,7 +87,7 @@ impl Core {
         }
         self.take_over(out);
         self.interpreter.load(&Self::name_of(&path), text);
-        self.begin_job(true, Some(ticket), stepping, out);
+        self.begin_job(true, Some(ticket), given, stepping, out);
         self.begin_journal(&path, &Outputs::default(), out);
         self.checking.go_on(check);
     }

@@ -1,6 +1,7 @@
 //! The state of the check of a program: before its start, or ahead of it.
 
 use crate::outside::Ticket;
+use hal_component::StopEpoch;
 use hal_gcode::Text;
 use hal_job::check::Check;
 use std::path::PathBuf;
@@ -21,6 +22,7 @@ pub(super) struct Start {
     pub(super) path: PathBuf,
     pub(super) text: Text,
     pub(super) ticket: Ticket,
+    pub(super) given: StopEpoch,
     pub(super) stepping: bool,
     pub(super) since: f64,
 }
@@ -42,6 +44,11 @@ impl Checking {
     /// Returns whether a program is checked before its start.
     pub(super) fn is_before_start(&self) -> bool {
         self.start.is_some()
+    }
+
+    /// Returns the stop epoch in which the program was started that is checked before its start.
+    pub(super) fn given(&self) -> Option<StopEpoch> {
+        self.start.as_ref().map(|start| start.given)
     }
 
     /// Goes on with a check ahead of the program, which begins now.

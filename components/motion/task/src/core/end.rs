@@ -2,12 +2,13 @@
 
 use super::{Core, Ending, Job, Origin, Reading};
 use crate::outside::{FileAction, FileKind, Level, Order, Outside, Progress, Refusal};
-use hal_component::IoRequest;
+use hal_component::{IoRequest, StopEpoch};
 use hal_gcode::{
     canon::Direction,
     parameters::number,
     state::{Compensation, Cycle},
 };
+use std::collections::VecDeque;
 
 impl Core {
     /// Begins a job, which the interpreter has loaded.
@@ -15,6 +16,7 @@ impl Core {
         &mut self,
         is_program: bool,
         ticket: Option<super::Ticket>,
+        given: StopEpoch,
         stepping: bool,
         out: &mut impl Outside,
     ) {
@@ -24,6 +26,7 @@ impl Core {
             is_program,
             reading: Reading::Lines,
             ticket,
+            given,
             paused: false,
             stepping: stepping.then_some(None),
             held: false,
@@ -75,9 +78,18 @@ impl Core {
 
     /// Stops everything: motion, the job, lines of MDI that wait, coolant and spindles.
     pub(super) fn end_job(&mut self, why: &str, out: &mut impl Outside) {
+        self.end_all(why, false, out);
+    }
+
+    /// Ends everything that was given before a stop, if motion `is_stopped` already, or everything.
+    pub(super) fn end_all(&mut self, why: &str, is_stopped: bool, out: &mut impl Outside) {
         self.keep_break(out);
         self.leave_entry();
         let job = self.job.take();
+        let now = out.epoch();
+        let given = job.as_ref().map(|job| job.given).or_else(|| self.checking.given());
+        // Motion that is stopped needs no second stop, which would end what is ordered since the first.
+        let is_stopped = is_stopped || given.is_some_and(|given| given.is_stopped_by(now));
         if job.is_some() {
             self.jobs.0 = self.jobs.0.wrapping_add(1);
             self.jobs.1 = self.jobs.1.wrapping_add(1);
@@ -85,7 +97,11 @@ impl Core {
         self.forget_dry_run(why, out);
         self.forget_check(why, out);
         let tickets = job.and_then(|j| j.ticket).into_iter();
-        for ticket in tickets.chain(self.mdi.drain(..).map(|(_, ticket)| ticket)) {
+        let (ended, later) = core::mem::take(&mut self.mdi)
+            .into_iter()
+            .partition::<VecDeque<_>, _>(|(_, given, _)| !is_stopped || given.is_stopped_by(now));
+        self.mdi = later;
+        for ticket in tickets.chain(ended.into_iter().map(|(.., ticket)| ticket)) {
             out.finish(ticket, Err(why.to_owned()));
         }
         let flight = self.flight.front().map(|f| f.origin.clone());
@@ -103,7 +119,7 @@ impl Core {
         self.close_files(out);
         // The machine is in e-stop or iocontrol is full: then its outputs are off, or a later abort follows.
         let sent = out.request(IoRequest::Abort).is_some();
-        self.ending = Some(Ending { order: None, sent, origin });
+        self.ending = Some(Ending { is_stopped, order: None, sent, origin });
         self.finish_ending(out);
     }
 
@@ -114,10 +130,13 @@ impl Core {
             ending.sent = out.request(IoRequest::Abort).is_some();
         }
         let ended = match ending.order {
+            None if ending.is_stopped => true,
             Some(id) => out.ordered(id) != Progress::Pending,
-            None => match out.order(&Order::Abort) {
+            None => match out.order(&Order::Abort, out.epoch()) {
                 Ok(id) => {
                     ending.order = Some(id);
+                    // The task's own stop tells it nothing.
+                    self.seen = out.epoch();
                     false
                 }
                 Err(Refusal::Full) => false,

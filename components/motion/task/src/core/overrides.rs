@@ -124,6 +124,6 @@ impl Core {
                 Order::SpindleScale { spindle, scale: self.speed_in_force(spindle.into()) }
             }
         };
-        self.overriding.add(out.order(&order))
+        self.overriding.add(out.order(&order, out.epoch()))
     }
 }

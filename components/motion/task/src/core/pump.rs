@@ -87,7 +87,7 @@ impl Core {
             if self.flight.len() >= MAX_FLIGHT {
                 return false;
             }
-            return match out.order(order) {
+            return match out.order(order, self.job_epoch(out)) {
                 Ok(id) => {
                     self.flight.push_back(Flight { id, origin: entry.origin });
                     self.queue.pop_front();
@@ -140,7 +140,7 @@ impl Core {
     fn begin(&mut self, action: &Action, out: &mut impl Outside) -> Result<bool, String> {
         match action {
             Action::Path(_) => {}
-            Action::Rest(order) => match out.order(order) {
+            Action::Rest(order) => match out.order(order, self.job_epoch(out)) {
                 Ok(id) if matches!(order, Order::Orient { .. }) => {
                     // A following wait, and everything else at rest, waits for it.
                     let origin = self.current.clone().ok_or("no line")?;
@@ -277,6 +277,7 @@ impl Core {
 
     /// Keeps spindles at constant surface speed: their turns depend on the distance of X from the axis.
     pub(super) fn follow_surface(&mut self, out: &mut impl Outside) {
+        let given = self.job_epoch(out);
         let [x, ..] = out.motion().pose;
         let frame = &self.converter.frame;
         let offset = frame.g5x.x + frame.tool.x + frame.g92.x;
@@ -289,7 +290,7 @@ impl Core {
             let speed = turns.copysign(surface.speed);
             // NaN, before the first one, is always a change.
             let is_near = (speed - surface.sent).abs() <= SPEED_STEP * turns;
-            if !is_near && out.order(&Order::Spindle { spindle, speed }).is_ok() {
+            if !is_near && out.order(&Order::Spindle { spindle, speed }, given).is_ok() {
                 surface.sent = speed;
             }
         }

@@ -8,6 +8,7 @@ use super::{
     recover::Recovery,
 };
 use crate::outside::Outside;
+use hal_component::StopEpoch;
 use hal_gcode::{Interpreter, axis::Axis};
 use hal_job::{
     dry_run::{DryRun, Found, Target},
@@ -192,6 +193,7 @@ impl Core {
         &mut self,
         token: u32,
         ticket: Ticket,
+        given: StopEpoch,
         out: &mut impl Outside,
     ) -> Result<(), String> {
         self.needs_no_job("a program cannot begin")?;
@@ -218,7 +220,7 @@ impl Core {
         let before = core::mem::replace(&mut self.interpreter, *interpreter);
         self.interpreter.state.settings.block_delete = self.world.machine.settings.block_delete;
         self.interpreter.state.numbered.record_changes();
-        self.begin_job(true, Some(ticket), false, out);
+        self.begin_job(true, Some(ticket), given, false, out);
         self.begin_journal(&program.path, &found.effects.outputs, out);
         self.checking.go_on(rest);
         self.serial += 1;

@@ -1,8 +1,8 @@
 //! Commands of operators.
 
-use super::{Asked, Core, MDI_LEN, Mode, Power, Ticket, Waiting, file_name, overrides::Scale};
+use super::{Asked, Core, Job, MDI_LEN, Mode, Power, Ticket, file_name, overrides::Scale};
 use crate::outside::{Order, Outside, Refusal};
-use hal_component::IoRequest;
+use hal_component::{IoRequest, StopEpoch};
 use hal_job::{dry_run::Target, world};
 use std::path::{Path, PathBuf};
 
@@ -43,6 +43,51 @@ pub(crate) enum Command {
     },
 }
 
+impl Command {
+    /// Refuses a command that begins motion or gives power, if a stop has come since it was given.
+    fn is_in_time(&self, given: StopEpoch, now: StopEpoch) -> Result<(), String> {
+        let is_late = match self {
+            Self::EstopReset
+            | Self::On
+            | Self::Run
+            | Self::RunUnlessStopped(_)
+            | Self::Confirm(_) => given.is_stopped_by(now),
+            Self::Home(_) | Self::Resume | Self::Step | Self::Mdi(_) | Self::BriefMdi(_) => {
+                given.is_stopped_by(now) || given.is_paused_by(now)
+            }
+            Self::Estop
+            | Self::Off
+            | Self::Mode(_)
+            | Self::Open(_)
+            | Self::RunFrom(_)
+            | Self::Recover
+            | Self::Pause
+            | Self::Abort
+            | Self::OptionalStop(_)
+            | Self::BlockDelete(_)
+            | Self::FeedOverride(_)
+            | Self::RapidOverride(_)
+            | Self::SpindleOverride { .. } => false,
+        };
+        if is_late { Err(LATE.into()) } else { Ok(()) }
+    }
+}
+
+impl Job {
+    /// Lets motion go on, if it was paused; what the job orders from now on is given now.
+    fn let_go(&mut self, given: StopEpoch, out: &mut impl Outside) -> Result<(), String> {
+        if self.held {
+            match out.order(&Order::Resume, given) {
+                Ok(_) => self.held = false,
+                Err(Refusal::Full) => return Err(FULL.into()),
+                Err(Refusal::Why(why)) => return Err(why.into()),
+            }
+        }
+        self.given = given;
+        Ok(())
+    }
+}
+
 /// Time at which a command is reported.
 enum Report {
     Now,
@@ -50,12 +95,23 @@ enum Report {
 }
 
 const STOPPING: &str = "the machine is still coming to a stop";
+const LATE: &str = "a stop has come meanwhile: give the command again";
 const FULL: &str = "motion takes no commands now";
 
 impl Core {
     /// Executes a command; its result is reported through the ticket.
-    pub(crate) fn command(&mut self, command: Command, ticket: Ticket, out: &mut impl Outside) {
-        match self.execute_command(command, ticket, out) {
+    /// It was given in a stop epoch: after a stop since then, it begins nothing.
+    pub(crate) fn command(
+        &mut self,
+        command: Command,
+        given: StopEpoch,
+        ticket: Ticket,
+        out: &mut impl Outside,
+    ) {
+        let executed = command
+            .is_in_time(given, out.epoch())
+            .and_then(|()| self.execute_command(command, given, ticket, out));
+        match executed {
             Ok(Report::Now) => out.finish(ticket, Ok(())),
             Ok(Report::Later) => {}
             Err(why) => out.finish(ticket, Err(why)),
@@ -65,6 +121,7 @@ impl Core {
     fn execute_command(
         &mut self,
         command: Command,
+        given: StopEpoch,
         ticket: Ticket,
         out: &mut impl Outside,
     ) -> Result<Report, String> {
@@ -75,9 +132,9 @@ impl Core {
                 if self.power == Power::Estop {
                     return Err("the machine is in e-stop: task.estop-reset comes first".into());
                 }
-                self.order(&Order::Enable, ticket, out)
+                self.order(&Order::Enable, given, ticket, out)
             }
-            Command::Off => self.order(&Order::Disable, ticket, out),
+            Command::Off => self.order(&Order::Disable, given, ticket, out),
             Command::Mode(mode) => {
                 self.needs_no_job("the mode cannot change")?;
                 self.mode = mode;
@@ -87,19 +144,19 @@ impl Core {
             Command::Home(joint) => {
                 self.needs_on("homing")?;
                 self.needs_mode(Mode::Manual, "homing")?;
-                self.order(&Order::Home(joint), ticket, out)
+                self.order(&Order::Home(joint), given, ticket, out)
             }
             Command::Open(path) => self.open(path),
-            Command::RunUnlessStopped(stops) if stops != self.stops => {
-                Err("a stop has come meanwhile: give the command again".into())
-            }
-            Command::Run | Command::RunUnlessStopped(_) => self.run(ticket, false, out),
+            Command::RunUnlessStopped(stops) if stops != self.stops => Err(LATE.into()),
+            Command::Run | Command::RunUnlessStopped(_) => self.run(ticket, given, false, out),
             Command::RunFrom(target) => self.run_from(target, ticket, out).map(|()| Report::Later),
             Command::Recover => self.recover(ticket, out).map(|()| Report::Later),
-            Command::Confirm(token) => self.confirm(token, ticket, out).map(|()| Report::Later),
+            Command::Confirm(token) => {
+                self.confirm(token, ticket, given, out).map(|()| Report::Later)
+            }
             Command::Pause => self.pause(out),
-            Command::Resume => self.resume(out),
-            Command::Step => self.single_step(ticket, out),
+            Command::Resume => self.resume(given, out),
+            Command::Step => self.single_step(ticket, given, out),
             Command::Abort => {
                 self.stops = self.stops.wrapping_add(1);
                 if self.ending.is_none() {
@@ -107,16 +164,16 @@ impl Core {
                 }
                 Ok(Report::Now)
             }
-            Command::Mdi(text) => self.mdi(text, ticket),
+            Command::Mdi(text) => self.mdi(text, given, ticket),
             Command::BriefMdi(text) => {
                 if self.mode == Mode::Mdi {
-                    return self.mdi(text, ticket);
+                    return self.mdi(text, given, ticket);
                 }
                 self.needs_no_job("MDI is not possible")?;
                 let before = core::mem::replace(&mut self.mode, Mode::Mdi);
                 self.mode_before = Some(before);
                 // A line that is refused leaves the mode as it was; so does the next step after one that is not.
-                self.mdi(text, ticket).inspect_err(|_| self.restore_mode())
+                self.mdi(text, given, ticket).inspect_err(|_| self.restore_mode())
             }
             Command::OptionalStop(on) => {
                 self.optional_stop = on;
@@ -161,10 +218,11 @@ impl Core {
     fn order(
         &mut self,
         order: &Order,
+        given: StopEpoch,
         ticket: Ticket,
         out: &mut impl Outside,
     ) -> Result<Report, String> {
-        match out.order(order) {
+        match out.order(order, given) {
             Ok(id) => {
                 self.asked.push((Asked::Order(id), ticket));
                 Ok(Report::Later)
@@ -238,23 +296,22 @@ impl Core {
     fn run(
         &mut self,
         ticket: Ticket,
+        given: StopEpoch,
         stepping: bool,
         out: &mut impl Outside,
     ) -> Result<Report, String> {
         self.needs_no_job("a program cannot begin")?;
         self.may_begin(Mode::Auto, "a program", out)?;
         let path = self.program.clone().unwrap_or_default();
-        self.check_before_start(path, ticket, stepping, out)?;
+        self.check_before_start(path, ticket, given, stepping, out)?;
         Ok(Report::Later)
     }
 
     fn pause(&mut self, out: &mut impl Outside) -> Result<Report, String> {
         let Some(job) = &mut self.job else { return Err("nothing runs".into()) };
-        // A probe move is not in flight: it is the step that the others wait for.
-        let moves = !self.flight.is_empty() || matches!(self.waiting, Some(Waiting::Order(_)));
-        if moves && !job.held {
-            match out.order(&Order::Pause) {
-                Ok(_) => job.held = true,
+        if !job.held {
+            match out.order(&Order::Pause, out.epoch()) {
+                Ok(_) => (job.held, self.seen) = (true, out.epoch()),
                 Err(Refusal::Full) => return Err(FULL.into()),
                 Err(Refusal::Why(why)) => return Err(why.into()),
             }
@@ -263,41 +320,35 @@ impl Core {
         Ok(Report::Now)
     }
 
-    fn resume(&mut self, out: &mut impl Outside) -> Result<Report, String> {
+    fn resume(&mut self, given: StopEpoch, out: &mut impl Outside) -> Result<Report, String> {
         let Some(job) = &mut self.job else { return Err("nothing is paused".into()) };
         if !job.paused {
             return Err("nothing is paused".into());
         }
-        if job.held {
-            match out.order(&Order::Resume) {
-                Ok(_) => job.held = false,
-                Err(Refusal::Full) => return Err(FULL.into()),
-                Err(Refusal::Why(why)) => return Err(why.into()),
-            }
-        }
+        job.let_go(given, out)?;
         (job.paused, job.stepping) = (false, None);
         Ok(Report::Now)
     }
 
     /// Executes the next line and pauses; without a job, begins the program that way.
-    fn single_step(&mut self, ticket: Ticket, out: &mut impl Outside) -> Result<Report, String> {
-        let Some(job) = &mut self.job else { return self.run(ticket, true, out) };
+    fn single_step(
+        &mut self,
+        ticket: Ticket,
+        given: StopEpoch,
+        out: &mut impl Outside,
+    ) -> Result<Report, String> {
+        let Some(job) = &mut self.job else { return self.run(ticket, given, true, out) };
         if job.held && !self.flight.is_empty() {
             // Motion is in the middle of a path: it goes on to its next move.
-            return self.order(&Order::Step, ticket, out);
+            job.given = given;
+            return self.order(&Order::Step, given, ticket, out);
         }
-        if job.held {
-            match out.order(&Order::Resume) {
-                Ok(_) => job.held = false,
-                Err(Refusal::Full) => return Err(FULL.into()),
-                Err(Refusal::Why(why)) => return Err(why.into()),
-            }
-        }
+        job.let_go(given, out)?;
         (job.paused, job.stepping) = (false, Some(None));
         Ok(Report::Now)
     }
 
-    fn mdi(&mut self, text: Box<str>, ticket: Ticket) -> Result<Report, String> {
+    fn mdi(&mut self, text: Box<str>, given: StopEpoch, ticket: Ticket) -> Result<Report, String> {
         if self.ending.is_some() {
             return Err(STOPPING.into());
         }
@@ -306,7 +357,7 @@ impl Core {
         if self.mdi.len() >= MDI_LEN {
             return Err(format!("{MDI_LEN} lines of MDI wait already"));
         }
-        self.mdi.push_back((text, ticket));
+        self.mdi.push_back((text, given, ticket));
         Ok(Report::Later)
     }
 
@@ -347,14 +398,18 @@ impl Core {
         if self.is_busy() {
             return;
         }
-        let Some((text, ticket)) = self.mdi.pop_front() else { return };
+        let Some((text, given, ticket)) = self.mdi.pop_front() else { return };
+        let late = out.epoch();
+        if given.is_stopped_by(late) || given.is_paused_by(late) {
+            return out.finish(ticket, Err(LATE.to_owned()));
+        }
         if let Err(why) = self.may_begin(Mode::Mdi, "MDI", out) {
             return out.finish(ticket, Err(why));
         }
         self.take_over(out);
         self.interpreter.mdi(&text);
         self.mdi_text = text;
-        self.begin_job(false, Some(ticket), false, out);
+        self.begin_job(false, Some(ticket), given, false, out);
     }
 }
 

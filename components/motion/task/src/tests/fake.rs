@@ -1,6 +1,7 @@
 //! The fake machine as the outside of the core.
 
 use super::*;
+use hal_component::StopEpoch;
 use hal_gcode::{Environment, State};
 
 impl Outside for Fake {
@@ -13,7 +14,18 @@ impl Outside for Fake {
     fn io(&self) -> IoState {
         self.io
     }
-    fn order(&mut self, order: &Order) -> Result<u64, Refusal> {
+    fn epoch(&self) -> StopEpoch {
+        self.motion.epoch
+    }
+    fn order(&mut self, order: &Order, given: StopEpoch) -> Result<u64, Refusal> {
+        if given.is_stopped_by(self.motion.epoch) {
+            return Err(Refusal::Why("a stop has come meanwhile".into()));
+        }
+        match order {
+            Order::Abort | Order::Disable => self.motion.epoch.stops += 1,
+            Order::Pause => self.motion.epoch.pauses += 1,
+            _ => {}
+        }
         if let Some(refusal) = self.refuse.take() {
             return Err(refusal);
         }
@@ -60,7 +72,13 @@ impl Outside for Fake {
                         self.motion.spindle_override[usize::from(*spindle)] = *scale;
                     }
                     Order::Enable => self.motion.enabled = true,
-                    Order::Disable => self.motion.enabled = false,
+                    Order::Disable => {
+                        self.motion.enabled = false;
+                        for (id, ..) in self.moves.drain(..) {
+                            self.ends.insert(id, Progress::Failed("off".to_owned()));
+                        }
+                        (self.motion.in_position, self.motion.queue) = (true, 0);
+                    }
                     _ => {}
                 }
                 self.ends.insert(id, Progress::Done);

@@ -33,7 +33,8 @@ impl Component for Jobs {
         let (motion, io) = (b.motion()?.unwrap(), b.iocontrol()?.unwrap());
         MOTION.with(|known| *known.borrow_mut() = Some(motion.clone()));
         let shared = Shared::default();
-        commands::open(b, &shared)?;
+        let now = motion.clone();
+        commands::open(b, &shared, move || now.epoch())?;
         let mut machine = Machine::read(&hal_job::Files::default()).unwrap();
         machine.tools = ToolTable::default();
         let rules = Rules {

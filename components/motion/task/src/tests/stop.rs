@@ -266,3 +266,112 @@ fn a_run_that_was_asked_for_before_a_stop_is_refused() {
     rig.pass(5.0);
     assert_eq!(rig.result(ticket), Some(Ok(())));
 }
+
+/// Somebody else stops motion, as its service does: the moves end, and the epoch rises.
+fn stop_by_another(rig: &mut Rig) {
+    for (id, ..) in rig.fake.moves.drain(..) {
+        rig.fake.ends.insert(id, Progress::Failed("aborted".to_owned()));
+    }
+    rig.fake.motion.epoch.stops += 1;
+    (rig.fake.motion.in_position, rig.fake.motion.queue) = (true, 0);
+}
+
+#[test]
+fn a_stop_of_motion_by_another_ends_the_job_in_every_state() {
+    for (state, seconds, answers) in STATES {
+        let (mut rig, ticket) = at(state, seconds, answers);
+        let aborts = |rig: &mut Rig| rig.sent().iter().filter(|s| *s == "Abort").count();
+        aborts(&mut rig);
+        stop_by_another(&mut rig);
+        rig.step();
+        // Coolant and changer end; motion, which is stopped, gets no second abort.
+        assert_eq!(aborts(&mut rig), 1, "{state}");
+        rig.fake.log.push("Abort".to_owned());
+        check_ended(&mut rig, ticket, state, "aborted");
+        // What is given after the stop runs.
+        rig.good(Command::Mode(Mode::Mdi));
+        let mdi = rig.send(Command::Mdi("G90 G21 G53 G0 X7 Y0 Z0".into()));
+        rig.pass(0.5);
+        assert_eq!(rig.result(mdi), Some(Ok(())), "{state}");
+    }
+}
+
+#[test]
+fn a_pause_of_motion_by_another_pauses_the_job_in_every_state() {
+    for (state, seconds, answers) in STATES {
+        let (mut rig, ticket) = at(state, seconds, answers);
+        rig.fake.motion.epoch.pauses += 1;
+        rig.fake.paused = true;
+        rig.step();
+        assert_eq!(rig.core.interpreting(), Interpreting::Paused, "{state}");
+        rig.sent();
+        rig.pass(5.0);
+        assert!(rig.sent().iter().all(|s| !s.contains("line")), "{state}: nothing begins");
+        assert_eq!(rig.result(ticket), None, "{state}");
+        rig.good(Command::Resume);
+        assert!(!rig.fake.paused, "{state}: motion goes on");
+        assert_ne!(rig.core.interpreting(), Interpreting::Paused, "{state}");
+    }
+}
+
+#[test]
+fn commands_that_were_given_before_a_stop_begin_nothing() {
+    const LATE: &str = "a stop has come meanwhile: give the command again";
+    let line = || Box::<str>::from("G0 X1");
+    let all = |stops: u32, pauses: u32| {
+        let mut rig = Rig::new("G21 G91 G1 X1 F100\nM2\n");
+        rig.pass(0.1);
+        let given = rig.fake.motion.epoch;
+        rig.fake.motion.epoch.stops += stops;
+        rig.fake.motion.epoch.pauses += pauses;
+        let mut refused = Vec::new();
+        for (name, command) in [
+            ("reset", Command::EstopReset),
+            ("on", Command::On),
+            ("home", Command::Home(None)),
+            ("run", Command::Run),
+            ("confirm", Command::Confirm(1)),
+            ("resume", Command::Resume),
+            ("step", Command::Step),
+            ("mdi", Command::Mdi(line())),
+            ("brief", Command::BriefMdi(line())),
+            ("estop", Command::Estop),
+            ("off", Command::Off),
+            ("pause", Command::Pause),
+            ("abort", Command::Abort),
+        ] {
+            rig.tickets += 1;
+            let ticket = Ticket(rig.tickets);
+            rig.core.command(command, given, ticket, &mut rig.fake);
+            if rig.result(ticket) == Some(Err(LATE.to_owned())) {
+                refused.push(name);
+            }
+        }
+        refused
+    };
+    let both = ["reset", "on", "home", "run", "confirm", "resume", "step", "mdi", "brief"];
+    assert_eq!(all(1, 0), both);
+    assert_eq!(all(0, 1), ["home", "resume", "step", "mdi", "brief"]);
+    assert_eq!(all(0, 0), [""; 0]);
+}
+
+#[test]
+fn a_line_of_mdi_that_waits_does_not_outlive_a_stop() {
+    for (stops, pauses) in [(1, 0), (0, 1)] {
+        let mut rig = Rig::new("M2\n");
+        rig.good(Command::Mode(Mode::Mdi));
+        rig.send(Command::Mdi("G4 P1".into()));
+        let waits = rig.send(Command::Mdi("G21 G0 X1".into()));
+        rig.pass(0.1);
+        rig.fake.motion.epoch.stops += stops;
+        rig.fake.motion.epoch.pauses += pauses;
+        rig.step();
+        if pauses > 0 {
+            rig.good(Command::Resume);
+        }
+        rig.pass(3.0);
+        let end = rig.result(waits).unwrap().unwrap_err();
+        assert!(end == "aborted" || end.starts_with("a stop has come"), "{end}");
+        assert!(rig.sent().iter().all(|s| !s.contains("line")));
+    }
+}

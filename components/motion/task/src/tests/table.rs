@@ -2,7 +2,7 @@
 
 use crate::{commands, status, status::TaskStatus, worker::Shared};
 use hal_bench::{Bench, Described};
-use hal_component::{Builder, Component, Error};
+use hal_component::{Builder, Component, Error, StopEpoch};
 use std::fmt::Write;
 
 const BEGIN: &str = "<!-- written by UPDATE_EXPECT=1 cargo test -p task page -->\n";
@@ -15,7 +15,7 @@ impl Component for Page {
     const NAME: &'static str = "page";
     const DOC: &'static str = "Commands and snapshot of the task.";
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        commands::open(b, &Shared::default())?;
+        commands::open(b, &Shared::default(), StopEpoch::default)?;
         b.snapshot::<TaskStatus>("task.status", status::VERSION, "").map(|_| ())
     }
 }

@@ -12,8 +12,8 @@ use crate::{
     programs::UserProgram,
 };
 use hal_component::{
-    Clock, HalValues, IoControlRef, IoRequest, IoState, Messages, MotionEnd, MotionId, MotionRef,
-    MotionRefusal, MotionToken, OperatorRef, Texts, TicketHandle,
+    Clock, HalValues, IoControlRef, IoRequest, IoState, Messages, MotionCommand, MotionEnd,
+    MotionId, MotionRef, MotionRefusal, MotionToken, OperatorRef, StopEpoch, Texts, TicketHandle,
 };
 use hal_gcode::{Environment, Numbered, State, tool::ToolTable};
 use hal_job::{
@@ -144,6 +144,7 @@ impl Machine {
                 feed_override: s.feed_override,
                 rapid_override: s.rapid_override,
                 spindle_override: s.spindle_override,
+                epoch: StopEpoch::of(s.epoch).unwrap_or_default(),
             };
         }
         while let Some(result) = self.io.result() {
@@ -221,11 +222,16 @@ impl Outside for Machine {
         self.io.state()
     }
 
-    fn order(&mut self, order: &Order) -> Result<u64, Refusal> {
+    fn epoch(&self) -> StopEpoch {
+        self.motion.epoch()
+    }
+
+    fn order(&mut self, order: &Order, given: StopEpoch) -> Result<u64, Refusal> {
         let Some(token) = self.token() else {
             return Err(Refusal::Why(NOT_OWNER.into()));
         };
-        match self.motion.push(token, &record(order, self.files.letters)) {
+        let record = MotionCommand { epoch: given.number(), ..record(order, self.files.letters) };
+        match self.motion.push(token, &record) {
             Ok(id) => {
                 self.next += 1;
                 self.orders.insert(self.next, id);
