@@ -2,6 +2,7 @@
 
 use crate::number::{self, arc_tolerance, count, number};
 use crate::spindle::{self, Spindle};
+use crate::travel::coordinates;
 use crate::world::{Version, version};
 use hal_gcode::{
     Dialect, Numbered, Settings,
@@ -49,6 +50,8 @@ pub struct Machine {
     pub folders: Vec<PathBuf>,
     /// The folders of user programs M100 to M199.
     pub codes: Vec<PathBuf>,
+    /// The axes in the order of their joints.
+    pub(crate) letters: Vec<Axis>,
     /// The ends of travel.
     pub limits: [Limit; 9],
     /// The lowest speeds, accelerations and jerks of the axes and of their joints.
@@ -82,6 +85,11 @@ pub struct Files<'a> {
     pub table: Option<&'a Path>,
     /// The parameter file; that of the INI file if it is `None`.
     pub parameters: Option<&'a Path>,
+    /// The letters of the axes where the INI file has no `COORDINATES`; XYZ if it is `None`.
+    pub letters: Option<&'a str>,
+    /// The begin of the names of files that a machine without a section `RS274NGC` keeps: its parameters end with `var`, the
+    /// record of its spindle with `spindle`. Without it, such a machine keeps none.
+    pub state: Option<&'a Path>,
 }
 
 impl Machine {
@@ -102,6 +110,7 @@ impl Machine {
             parameters: None,
             folders: vec![here.clone()],
             codes: vec![here.clone()],
+            letters: Vec::new(),
             limits: [(None, None); 9],
             rates: [[None; 3]; 9],
             top_speed: (f64::INFINITY, f64::INFINITY),
@@ -118,7 +127,7 @@ impl Machine {
         if let Some(path) = files.ini {
             let ini = Ini::read(path).map_err(|e| e.to_string())?;
             out.folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-            out.apply(&ini)?;
+            out.apply(&ini, files.letters.unwrap_or("XYZ"))?;
             let beside = |name: &str| out.folder.join(name);
             table = ini.get("EMCIO", "TOOL_TABLE").map(beside);
             out.spindle_file = ini.get("EMCIO", "SPINDLE_FILE").map(beside);
@@ -128,6 +137,12 @@ impl Machine {
                 out.spindle_file = Some(name.into());
             }
             parameters = ini.get("RS274NGC", "PARAMETER_FILE").map(beside);
+            if ini.section("RS274NGC").next().is_none() {
+                // Nothing is written beside an INI file that says nothing of programs.
+                parameters = files.state.map(|state| state.with_extension("var"));
+                let spindle = files.state.map(|state| state.with_extension("spindle"));
+                out.spindle_file = out.spindle_file.and(spindle);
+            }
             out.ini = Some(ini);
         }
         let asked = files.table.map(Path::to_path_buf);
@@ -148,12 +163,13 @@ impl Machine {
         Ok(out)
     }
 
-    fn apply(&mut self, ini: &Ini) -> Result<(), String> {
+    fn apply(&mut self, ini: &Ini, letters: &str) -> Result<(), String> {
         let is_inch = ini.is_inch().map_err(number::not_a_unit)?;
         let unit = if is_inch { Unit::Inch } else { Unit::Millimetre };
         self.settings.unit = unit;
         self.settings.program_unit = unit;
-        let letters = coordinates(ini);
+        self.letters = coordinates(ini, letters);
+        let letters = self.letters.clone();
         self.settings.axes = mask(&letters);
         let most = u8::try_from(MAX_SPINDLES).unwrap_or(u8::MAX);
         self.settings.spindles = count(ini, "TRAJ", "SPINDLES", most)?.unwrap_or(1);
@@ -377,13 +393,6 @@ fn text(path: &Path) -> Result<String, String> {
     let bytes = hal_ini::file::whole(path);
     let bytes = bytes.map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-/// Returns the axes in the order of their joints.
-pub(crate) fn coordinates(ini: &Ini) -> Vec<Axis> {
-    let text = ini.get("TRAJ", "COORDINATES").unwrap_or("XYZ").to_ascii_lowercase();
-    let find = |c: char| Axis::ALL.into_iter().find(|a| a.letter() == c);
-    text.chars().filter_map(find).collect()
 }
 
 fn mask(axes: &[Axis]) -> AxisMask {

@@ -1,9 +1,6 @@
 //! The travel of the axes: its entries in the INI file, and places beyond it.
 
-use crate::{
-    machine::{Machine, coordinates},
-    number::number,
-};
+use crate::{machine::Machine, number::number};
 use hal_gcode::{
     axis::{Axis, Position},
     canon::Unit,
@@ -66,7 +63,7 @@ impl Machine {
         let k = if axis.is_rotary() { 1.0 } else { self.settings.unit.millimetres() };
         let mut found = Vec::new();
         if let Some(ini) = &self.ini {
-            for section in self.travel_sections(ini, axis, &coordinates(ini)) {
+            for section in self.travel_sections(ini, axis, &self.letters) {
                 let stated = number(ini, &section, name).ok().flatten();
                 if let Some(value) = stated.filter(|value| (value * k).total_cmp(&limit).is_eq()) {
                     let at = ini.all(&section, name).next();
@@ -91,6 +88,13 @@ impl Machine {
         }
         sections
     }
+}
+
+/// Returns the axes in the order of their joints; `letters` are those of a machine whose INI file states none.
+pub(crate) fn coordinates(ini: &Ini, letters: &str) -> Vec<Axis> {
+    let text = ini.get("TRAJ", "COORDINATES").unwrap_or(letters).to_ascii_lowercase();
+    let find = |c: char| Axis::ALL.into_iter().find(|a| a.letter() == c);
+    text.chars().filter_map(find).collect()
 }
 
 /// Returns the section of an axis: `AXIS_X`, or `AXIS_0` in the old kind of file.

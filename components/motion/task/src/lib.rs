@@ -30,6 +30,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 use pins::Pins;
+use std::collections::BTreeMap;
 use worker::{Shared, Worker};
 
 /// Largest number of steps of a job in one step of the worker.
@@ -50,8 +51,9 @@ impl Component for Task {
     const DOC: &'static str = "\
 The task controller: runs programs and lines of G-code.
 
-It is loaded after `iocontrol`, `motmod` and, if there is one, `halui`, which then cannot be unloaded. A start from an INI file with
-a section TASK loads it, with the machine's `ini=`. Its commands switch the machine on, home it, open a
+It is loaded after `iocontrol`, `motmod` and, if there is one, `halui`, which then cannot be unloaded. A start from an INI file
+loads it, with the machine's `ini=`. A machine whose INI file has no section RS274NGC keeps its parameters, its journal and the
+record of its spindle in the user's state folder, and on the virtual clock nowhere. Its commands switch the machine on, home it, open a
 program, run, pause, step and abort it, and execute single lines; `task.status` shows the state, as
 does the snapshot of this name.
 
@@ -122,8 +124,10 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     let ini = b.arg_text("ini").filter(|ini| !ini.is_empty());
     let opened = shared.clone();
     let is_virtual = b.clock().is_virtual();
+    let letters = letters(b);
     b.on_open(move |_| {
-        let made = setup::read(ini.as_deref(), is_virtual).map_err(Error::new)?;
+        let made = setup::read(ini.as_deref(), letters.as_deref(), is_virtual);
+        let made = made.map_err(Error::new)?;
         opened.lock().opened = Some(made);
         Ok(())
     })?;
@@ -133,6 +137,17 @@ fn create(b: &mut Builder<'_>) -> Result<(), Error> {
     let worker = Worker::new(shared, motion, io, operator, b, pins, snapshot);
     let period_ns = i64::try_from(period.as_nanos()).unwrap_or(i64::MAX);
     b.worker("task", "Reads programs and runs jobs.", period_ns, ITEMS, worker)
+}
+
+/// Returns the letters of the joints, if the kinematics say so. A joint without a letter of its own has that before it, as
+/// the second one of a gantry.
+fn letters(b: &mut Builder<'_>) -> Option<String> {
+    let kinematics = b.kinematics().ok()?;
+    let joint = |(n, letter): (usize, char)| Some((kinematics.joint_of(n)?, letter));
+    let known: BTreeMap<usize, char> = "xyzabcuvw".chars().enumerate().filter_map(joint).collect();
+    let (last, _) = known.last_key_value()?;
+    let of = |n: usize| known.range(..=n).next_back().map(|(_, letter)| *letter);
+    (0..=*last).map(of).collect()
 }
 
 hal_component::export!(Task);

@@ -13,6 +13,7 @@ use hal_job::{
 };
 use std::{
     collections::{BTreeMap, BTreeSet},
+    os::unix::ffi::OsStrExt as _,
     path::{Path, PathBuf},
 };
 
@@ -22,16 +23,27 @@ const AT_SPEED_TIMEOUT: f64 = 30.0;
 /// Axes of a machine without an INI file.
 const XYZ: AxisMask = AxisMask(7);
 
-/// Reads a machine's files. `is_virtual`: the clock is, so that the instance stands still while a function works.
+/// Reads a machine's files. `letters` are those of its axes where the INI file has none. `is_virtual`: the clock is, so that
+/// the instance stands still while a function works, and a run depends on no file of the user's state folder.
 ///
 /// # Errors
 /// A file cannot be read, or the startup code has an error.
-pub(crate) fn read(ini: Option<&str>, is_virtual: bool) -> Result<(Box<Core>, Files), String> {
+pub(crate) fn read(
+    ini: Option<&str>,
+    letters: Option<&str>,
+    is_virtual: bool,
+) -> Result<(Box<Core>, Files), String> {
     // Files of the machine stay those of its folder, wherever the process goes.
     let whole = |file| std::path::absolute(file).unwrap_or_else(|_| Path::new(file).into());
     let given = ini.unwrap_or_default();
     let ini = ini.map(whole);
-    let files = machine::Files { ini: ini.as_deref(), ..machine::Files::default() };
+    let state = ini.as_deref().filter(|_| !is_virtual).and_then(state);
+    let files = machine::Files {
+        ini: ini.as_deref(),
+        letters,
+        state: state.as_deref(),
+        ..machine::Files::default()
+    };
     let mut machine = Machine::read(&files).map_err(|why| match &ini {
         // A message names the file as the user did.
         Some(path) if !path.is_file() => {
@@ -43,6 +55,13 @@ pub(crate) fn read(ini: Option<&str>, is_virtual: bool) -> Result<(Box<Core>, Fi
     if ini.is_none() {
         machine.settings.axes = XYZ;
     }
+    let has_programs =
+        machine.ini.as_ref().is_some_and(|ini| ini.section("RS274NGC").next().is_some());
+    let journal = match (&ini, has_programs) {
+        (Some(path), true) => Some(journal(&machine, path)),
+        (Some(_), false) => state.map(|state| state.with_extension("journal")),
+        (None, _) => None,
+    };
     let rules = rules(&machine)?;
     machine.settings.task = true;
     let functions = machine.start_functions(is_virtual);
@@ -51,7 +70,7 @@ pub(crate) fn read(ini: Option<&str>, is_virtual: bool) -> Result<(Box<Core>, Fi
         parameters: machine.parameters.clone(),
         table: machine.table.clone(),
         spindle: machine.spindle_file.clone(),
-        journal: ini.as_deref().map(|ini| journal(&machine, ini)),
+        journal,
         codes: machine.codes.clone(),
         named: named(&machine),
         letters: Letters::from(machine.settings.axes.0),
@@ -59,6 +78,17 @@ pub(crate) fn read(ini: Option<&str>, is_virtual: bool) -> Result<(Box<Core>, Fi
     };
     let world = World { machine, hal: BTreeMap::new(), functions: None };
     Ok((Box::new(Core::new(world, rules)?), files))
+}
+
+/// Returns the begin of the names of this machine's files in the user's state folder: its name, and a number that its path
+/// gives. Returns `None` without a home folder.
+fn state(ini: &Path) -> Option<PathBuf> {
+    // FNV-1a: the same number with every compiler.
+    let hash = ini.as_os_str().as_bytes().iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    let stem = ini.file_stem().unwrap_or_default().to_string_lossy();
+    hal_output::state_file(&format!("{stem}-{hash:016x}"))
 }
 
 /// Returns the file of the journal: that of the INI file, or one beside it.

@@ -107,6 +107,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         ini: ini.as_deref(),
         table: table.as_deref(),
         parameters: parameters.as_deref(),
+        ..Files::default()
     })?;
     if !whole {
         stand_in(&mut machine, parameters.is_some());

@@ -109,6 +109,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         ini: ini.as_deref(),
         table: table.as_deref(),
         parameters: parameters.as_deref(),
+        ..Files::default()
     })?;
     machine.settings.block_delete = is_given(Id::BlockDelete);
     language::set(&mut machine, value(Id::Dialect))?;

@@ -219,9 +219,9 @@ impl MachineStart<'_, '_> {
         });
     }
 
-    /// Loads the task, if the machine has motion and the INI file a section for the task.
+    /// Loads the task, if the machine has motion and its files have not loaded it.
     fn load_task(&mut self, path: &Path) {
-        if self.ini.section("TASK").next().is_none() || !self.has_motion() {
+        if !self.has_command("motion.configure") || self.has_command("task.run") {
             return;
         }
         // The folder of the process is that of the INI file.
@@ -230,8 +230,8 @@ impl MachineStart<'_, '_> {
         self.ask("TASK", Request::Load { module: "task".to_owned(), args });
     }
 
-    fn has_motion(&mut self) -> bool {
-        let patterns = vec!["motion.configure".to_owned()];
+    fn has_command(&mut self, name: &str) -> bool {
+        let patterns = vec![name.to_owned()];
         let list = Request::List { kind: Kind::Commands, patterns, ty: None };
         matches!(self.session.ask(list), Ok(Reply::Commands(list)) if !list.is_empty())
     }
