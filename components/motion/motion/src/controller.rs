@@ -86,9 +86,10 @@ impl Controller {
         let before = self.state.inputs;
         self.state.read_pins(&self.pins);
         self.state.inputs.lockout = self.interlock.read();
+        self.state.has_risen = false;
+        self.state.obey_line();
         self.state.note_stops(&before);
         self.state.switch_kinematics(&self.pins.switch);
-        self.state.obey_line();
         while let Some(command) = self.from.take() {
             // A stop that was commanded before this order comes before it.
             self.state.obey_line();

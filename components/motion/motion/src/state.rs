@@ -124,7 +124,7 @@ pub(crate) struct State {
     pub(crate) line: Arc<StopLine>,
     /// Stop epoch at the end of this cycle.
     pub(crate) epoch: u64,
-    /// True if the epoch has risen in this cycle because motion stopped by itself.
+    /// True if the epoch has risen for this cycle: a stop was commanded, or motion has stopped by itself.
     pub(crate) has_risen: bool,
     /// True if the machine has an interlock.
     pub(crate) has_interlock: bool,
@@ -210,7 +210,6 @@ impl State {
     /// Notes an e-stop or a fall of `motion.enable`, also while the machine is off: nothing that was ordered before begins
     /// after it.
     pub(crate) fn note_stops(&mut self, before: &Inputs) {
-        self.has_risen = false;
         let is_locked = before.lockout.is_none() && self.inputs.lockout.is_some();
         if is_locked || before.enable && !self.inputs.enable {
             self.raise_epoch();

@@ -119,9 +119,17 @@ impl Work for Worker {
         }
         let Some(mut core) = self.core.take() else { return 0 };
         self.world.refresh();
-        for (command, given, handle) in commands {
+        // A stop among the commands raises the epoch; those after it were given after it.
+        let mut renewed = None;
+        for (command, arrived, handle) in commands {
             let ticket = self.world.ticket(handle);
+            let since = renewed.filter(|(before, _)| *before == arrived);
+            let given = since.map_or(arrived, |(_, now)| now);
+            let is_stop = command.is_stop();
             core.command(command, given, ticket, &mut self.world);
+            if is_stop {
+                renewed = Some((arrived, self.world.epoch()));
+            }
         }
         if let Some(operator) = self.world.operator.clone() {
             while let Some((request, given)) = operator.take() {

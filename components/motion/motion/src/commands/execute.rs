@@ -82,7 +82,10 @@ impl State {
         if pulled.is_none() {
             return;
         }
-        if pulled.has(Stop::Off) && self.enabled {
+        // One stop, also where an e-stop has switched off by command and by the interlock.
+        self.has_risen |= pulled.has(Stop::Off);
+        // In e-stop the guard switches off, and keeps its cause.
+        if pulled.has(Stop::Off) && self.enabled && self.inputs.lockout.is_none() {
             self.turn_off(OFF);
         }
         if pulled.has(Stop::Abort) {

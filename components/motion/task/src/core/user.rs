@@ -44,6 +44,11 @@ pub(crate) enum Command {
 }
 
 impl Command {
+    /// Returns whether this is a stop.
+    pub(crate) const fn is_stop(&self) -> bool {
+        matches!(self, Self::Estop | Self::Off | Self::Abort | Self::Pause)
+    }
+
     /// Refuses a command that begins motion or gives power, if a stop has come since it was given.
     fn is_in_time(&self, given: StopEpoch, now: StopEpoch) -> Result<(), String> {
         let is_late = match self {
