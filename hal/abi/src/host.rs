@@ -126,6 +126,9 @@ pub struct CallHost {
     /// Since minor 9: takes the answer to a question. `EAGAIN` while there is none, `ENOENT` if
     /// nothing has the name or nobody has asked.
     pub take_value: Option<unsafe extern "C" fn(*const c_void, question: u64, *mut f64) -> Status>,
+    /// Since minor 11: realtime. Returns the number of gaps in time so far: times in which no thread ran although it was
+    /// to, because the process or the computer stood still, or threads were stopped and started.
+    pub gaps: Option<unsafe extern "C" fn(*const c_void) -> u32>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for CallHost {
@@ -197,6 +200,10 @@ pub struct Host {
     /// Since minor 5: creates the page of a snapshot.
     pub snapshot:
         Option<unsafe extern "C" fn(*mut c_void, *const SnapshotSpec, *mut SnapshotRef) -> Status>,
+    /// Since minor 11: asks whether the value of a pin of this component is measured. The engine keeps the answer in
+    /// `into`, a parameter of this component of type bit.
+    pub measured:
+        Option<unsafe extern "C" fn(*mut c_void, pin: *const Slot, into: *const Slot) -> Status>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for Host {

@@ -80,6 +80,8 @@ pub mod item_flags {
     pub const HIDDEN: u32 = 1;
     /// A limit switch or e-stop input. A machine that leaves it unlinked is not protected.
     pub const SAFETY: u32 = 2;
+    /// Since minor 11: a value that a sensor measures, such as the position of an encoder.
+    pub const MEASURED: u32 = 4;
 }
 
 /// A pin or parameter to create.

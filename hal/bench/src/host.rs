@@ -257,6 +257,12 @@ pub(super) unsafe extern "C" fn now(ctx: *const c_void) -> i64 {
 
 /// # Safety
 /// Called by a component through the records that [`Bench`] made.
+pub(super) unsafe extern "C" fn gaps(ctx: *const c_void) -> u32 {
+    table(ctx).borrow().gaps.load(Relaxed)
+}
+
+/// # Safety
+/// Called by a component through the records that [`Bench`] made.
 pub(super) unsafe extern "C" fn fail_call(ctx: *const c_void, why: Str) {
     *table(ctx).borrow().fault.borrow_mut() = text(why);
 }

@@ -31,6 +31,7 @@ mod host;
 mod random;
 mod response;
 mod table;
+mod time;
 pub mod trace;
 mod work;
 
@@ -47,10 +48,7 @@ use hal_component::{
         host_flags,
     },
 };
-use std::{
-    cell::RefCell,
-    sync::atomic::{AtomicU8, Ordering::Relaxed},
-};
+use std::{cell::RefCell, sync::atomic::AtomicU8};
 use table::{Args, Laid, Table, int};
 
 /// Distance from a slot to the cell of its signal: the own cell of the next slot.
@@ -90,6 +88,7 @@ impl Bench {
             awaited: Some(host::awaited),
             ask_value: None,
             take_value: None,
+            gaps: Some(host::gaps),
         });
         Self { table, calls, flags }
     }
@@ -179,6 +178,7 @@ impl Bench {
                 bind: Some(host::bind),
                 worker: Some(work::worker),
                 snapshot: Some(work::snapshot),
+                measured: None,
             };
             // SAFETY: `host` lives for the duration of the call.
             let status = unsafe { hal_component::create::<C>(&raw const host) };
@@ -279,11 +279,6 @@ impl Bench {
             return Ok(());
         }
         Err(core::mem::take(&mut *self.table.borrow().fault.borrow_mut()))
-    }
-
-    /// Advances the clock by `ns`.
-    pub fn pass(&self, ns: i64) {
-        self.table.borrow().now.fetch_add(ns, Relaxed);
     }
 
     /// Runs a command and returns the lines of its answer.

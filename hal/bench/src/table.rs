@@ -8,7 +8,7 @@ use hal_component::abi::{
 use std::{
     cell::{Cell, RefCell},
     collections::BTreeMap,
-    sync::atomic::{AtomicI64, AtomicU8},
+    sync::atomic::{AtomicI64, AtomicU8, AtomicU32},
 };
 
 /// A pin or parameter on the bench.
@@ -54,6 +54,7 @@ pub(super) struct Table {
     pub(super) args: Args,
     pub(super) failed: String,
     pub(super) now: AtomicI64,
+    pub(super) gaps: AtomicU32,
     pub(super) tick: i64,
     pub(super) said: RefCell<Vec<String>>,
     pub(super) fault: RefCell<String>,

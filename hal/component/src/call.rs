@@ -55,6 +55,14 @@ impl Clock {
         self.0.now.map_or(0, |now| unsafe { now(self.0.ctx) })
     }
 
+    /// Returns the number of gaps in time so far: times in which nothing ran because the process or the computer stood
+    /// still, or the threads were stopped and started. The first cycle after a gap sees the new number.
+    #[must_use]
+    pub fn gaps(&self) -> u32 {
+        // SAFETY: this is the engine's function with the engine's context.
+        self.0.gaps.map_or(0, |gaps| unsafe { gaps(self.0.ctx) })
+    }
+
     /// Returns whether the clock is virtual. A function must then not wait for time to pass.
     #[must_use]
     pub const fn is_virtual(&self) -> bool {

@@ -74,6 +74,15 @@ impl<'a> Decl<'a> {
     }
 }
 
+impl Decl<'_> {
+    /// Marks a value that a sensor measures, such as the position of an encoder.
+    #[must_use]
+    pub const fn measured(mut self) -> Self {
+        self.flags |= item_flags::MEASURED;
+        self
+    }
+}
+
 impl Decl<'static> {
     /// Returns the declaration as a library publishes it without running code: an entry of
     /// [`Component::ITEMS`](crate::Component::ITEMS). `initial` is the initial value as bits of a

@@ -45,6 +45,7 @@ mod interlock;
 mod iocontrol;
 mod item;
 mod kinematics;
+mod measured;
 mod motion;
 mod motion_status;
 mod number;
@@ -62,6 +63,7 @@ mod solved;
 mod stream;
 mod sync;
 mod texts;
+mod wait;
 mod worker;
 
 pub use args::Arg;
@@ -102,6 +104,7 @@ pub use snapshot::{Snapshot, SnapshotReader};
 pub use solved::{Solution, Solved, Unsolved, Ways};
 pub use stream::{StreamIn, StreamOut};
 pub use texts::Texts;
+pub use wait::Wait;
 pub use worker::Work;
 
 /// Nominal period of a thread.

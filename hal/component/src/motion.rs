@@ -44,7 +44,6 @@ impl StopEpoch {
         }
         #[expect(clippy::cast_possible_truncation, reason = "the low half")]
         let pauses = number as u32;
-        #[expect(clippy::cast_possible_truncation, reason = "the high half")]
         let stops = (number >> 32) as u32;
         Some(Self { stops, pauses })
     }

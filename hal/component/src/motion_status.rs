@@ -157,9 +157,23 @@ pub struct MotionStatus {
     pub epoch: u64,
     /// True if the machine reads the e-stop of iocontrol; without it, `motion.disable` is its e-stop.
     pub interlock: bool,
+    /// Wait of motion at rest, as a number of the task's table of waits; 0 is none.
+    pub wait: u32,
+    /// Spindle that it waits for.
+    pub wait_number: i32,
+    /// Machine time in nanoseconds since which it waits.
+    pub wait_since_ns: i64,
+    /// True if the wait ends by itself: the measured speed of the spindle still changes towards its command.
+    pub wait_ends: bool,
+    /// Spindles that somebody else has stopped after they were turned for the path, or for a program, a bit for each. No feed runs until a resume.
+    pub spindles_stopped: u32,
+    /// Spindles whose pin inhibit is TRUE, a bit for each.
+    pub spindles_inhibited: u32,
+    /// Distance travelled along the current move.
+    pub travelled: f64,
 }
 
 impl MotionStatus {
     /// Version, which increases when a field is appended.
-    pub const VERSION: u32 = 6;
+    pub const VERSION: u32 = 7;
 }

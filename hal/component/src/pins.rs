@@ -4,7 +4,7 @@
 /// instances are not those of `count=` and `names=`.
 ///
 /// The doc comment of a field is shown to users. It is followed by the field's type, pin name and
-/// initial value.
+/// initial value, and by words such as `measured` or `safety`, methods of [`Decl`](crate::Decl).
 ///
 /// ```
 /// use hal_component::{In, Out, pins};
@@ -25,7 +25,8 @@ macro_rules! pins {
     (
         $(#[$about:meta])*
         $vis:vis struct $name:ident {
-            $($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $pin:literal, $initial:expr;)+
+            $($(#[doc = $doc:literal])+ $field:ident: $ty:ty = $pin:literal, $initial:expr
+                $(, $flag:ident)*;)+
         }
     ) => {
         $(#[$about])*
@@ -48,7 +49,7 @@ macro_rules! pins {
                         $crate::Decl::new(
                             &$crate::pin_name(prefix, $pin),
                             &$crate::pin_doc(&[$($doc),+]),
-                        ),
+                        )$(.$flag())*,
                         $initial,
                     )?,)+
                 })

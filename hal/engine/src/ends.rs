@@ -57,6 +57,8 @@ impl Ends {
         board::make();
         let watcher = Watcher::begin(program);
         terminal::keep();
+        // Before any thread is started.
+        crate::os::process::keep_continue();
         let stack = Stack::new();
         WAKE.store(sys::waker(), Ordering::Relaxed);
         OURS.store(sys::process(), Ordering::Relaxed);

@@ -6,6 +6,7 @@ pub(crate) mod doc;
 pub(crate) mod item;
 pub(crate) mod listing;
 mod lookup;
+mod measured;
 pub(crate) mod model;
 pub(crate) mod names;
 pub(crate) mod new_item;

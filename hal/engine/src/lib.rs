@@ -100,11 +100,14 @@ pub struct RealtimeOptions {
     /// Time in one call of a function after which its thread counts as stuck, in nanoseconds (see
     /// [`STUCK_NS`]); absent: twice the period of the slowest thread.
     pub stuck_ns: Option<u64>,
+    /// Longest time for which nothing of the instance may run, unless the computer is busy, in nanoseconds
+    /// (see [`MAX_GAP_NS`]); absent: half a second.
+    pub max_gap_ns: Option<u64>,
 }
 
 impl RealtimeOptions {
     /// Default settings.
-    const DEFAULT: Self = Self { cpu: None, idle_us: Some(0), stuck_ns: None };
+    const DEFAULT: Self = Self { cpu: None, idle_us: Some(0), stuck_ns: None, max_gap_ns: None };
 }
 
 impl Default for RealtimeOptions {
@@ -115,3 +118,14 @@ impl Default for RealtimeOptions {
 
 /// Range of [`RealtimeOptions::stuck_ns`]: from a millisecond to an hour.
 pub const STUCK_NS: core::ops::RangeInclusive<u64> = 1_000_000..=3_600_000_000_000;
+
+/// Range of [`RealtimeOptions::max_gap_ns`]: from ten milliseconds to an hour.
+pub const MAX_GAP_NS: core::ops::RangeInclusive<u64> = 10_000_000..=3_600_000_000_000;
+
+/// Starts a program. Signals reach it as they reach this process, but for those that an instance keeps for itself.
+///
+/// # Errors
+/// The program cannot be started.
+pub fn spawn(command: &mut std::process::Command) -> std::io::Result<std::process::Child> {
+    os::process::with_continue(|| command.spawn())
+}

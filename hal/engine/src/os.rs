@@ -65,6 +65,12 @@ pub(crate) fn monotonic_ns() -> i64 {
     t.tv_sec * 1_000_000_000 + t.tv_nsec
 }
 
+/// Returns the clock that also counts while the computer sleeps, in nanoseconds.
+pub(crate) fn boot_ns() -> i64 {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::Boottime);
+    t.tv_sec * 1_000_000_000 + t.tv_nsec
+}
+
 /// Realtime. Sleeps until the monotonic clock reads `ns`.
 pub(crate) fn sleep_until(ns: i64) {
     let t = libc::timespec { tv_sec: ns / 1_000_000_000, tv_nsec: ns % 1_000_000_000 };

@@ -264,6 +264,19 @@ pub struct RealtimeInfo {
     pub stuck_ns: u64,
 }
 
+/// Times in which nothing ran although threads were to run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GapInfo {
+    /// Number of gaps so far.
+    pub count: u32,
+    /// Duration of the last one in nanoseconds.
+    pub ns: u64,
+    /// Machine time at its end, in nanoseconds.
+    pub time: u64,
+    /// Cause of the gap, as a text.
+    pub cause: String,
+}
+
 /// State of the instance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StatusInfo {
@@ -298,6 +311,9 @@ pub struct StatusInfo {
     /// Realtime properties. Absent on the virtual clock.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub realtime: Option<RealtimeInfo>,
+    /// Gaps in time. Absent if there was none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gaps: Option<GapInfo>,
     /// True if hardware is simulated.
     pub simulated: bool,
     /// True while the scripts with which the instance starts are in progress: components may still be loaded.

@@ -7,6 +7,7 @@
 
 mod argument;
 mod at;
+mod at_end;
 mod class;
 mod client;
 mod code;
@@ -18,6 +19,7 @@ mod info;
 mod kind;
 mod message;
 mod order;
+mod orders;
 mod pattern;
 mod pins;
 mod place;
@@ -33,6 +35,7 @@ mod worker;
 
 pub use argument::{ArgInfo, Bounds};
 pub use at::At;
+pub use at_end::{CommandLine, MAX_AT_END};
 
 pub use client::{Client, INTERRUPTED, NOT_RUNNING};
 pub use code::Code;
@@ -42,8 +45,8 @@ pub use flight::{FlightInfo, FlightSpec, KeptInfo, KeptState};
 pub use folder::{Folder, FolderError, peer};
 pub use info::{
     AliasInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo, ForeignPart,
-    FunctInfo, ItemInfo, Offer, RealtimeInfo, SignalInfo, StatusInfo, StoppedRecording, StreamInfo,
-    ThreadInfo, TicketInfo, Usage,
+    FunctInfo, GapInfo, ItemInfo, Offer, RealtimeInfo, SignalInfo, StatusInfo, StoppedRecording,
+    StreamInfo, ThreadInfo, TicketInfo, Usage,
 };
 pub use kind::{Direction, Kind, Lock};
 pub use message::{
@@ -54,6 +57,7 @@ pub use order::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     WayInfo,
 };
+pub use orders::{Orders, Unserved};
 pub use pattern::Patterns;
 pub use pins::{MAX_PAGE_PINS, PinPage, PinPageInfo};
 pub use place::{Place, valid_instance};

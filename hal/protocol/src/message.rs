@@ -1,7 +1,7 @@
 //! Requests of clients.
 
 use crate::class::requests;
-use crate::{Direction, FlightSpec, Kind, Lock, SampleSpec, Type, Value};
+use crate::{CommandLine, Direction, FlightSpec, Kind, Lock, SampleSpec, Type, Value};
 use serde::{Deserialize, Serialize};
 
 /// Version of this protocol. Both sides must use the same version.
@@ -113,6 +113,12 @@ requests! {
         EndSample {
             /// Id from [`crate::SampleInfo::id`].
             id: u64,
+        },
+        /// Sets the commands that the engine executes when this client's connection ends, in whatever way, in place of
+        /// those before: a client that begins a motion which lasts only with it first gives the command that ends it.
+        AtEnd {
+            /// The commands, at most [`crate::MAX_AT_END`].
+            commands: Vec<CommandLine>,
         },
         /// Maps the page of a snapshot, which this client then reads without further requests. A file
         /// descriptor that can only read comes with the answer [`crate::Reply::SnapshotPage`].

@@ -41,11 +41,11 @@ impl Stop {
     }
 }
 
-/// What moves: a command whose presence says that it does, and what each stop then is.
+/// Something that moves: the command whose presence says so, and the command of each stop.
 struct Mover {
     /// Command that begins its motion.
     begins: &'static str,
-    /// Its stops, in the order of [`Stop::ALL`].
+    /// Commands that stop it, in the order of [`Stop::ALL`].
     stops: [&'static str; 4],
 }
 

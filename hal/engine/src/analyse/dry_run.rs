@@ -48,6 +48,7 @@ impl Engine {
                         hidden: false,
                         times: false,
                         safety: false,
+                        measured: false,
                         doc: self.model.doc(""),
                     };
                     self.model.new_item(member, new).map(|_| ())

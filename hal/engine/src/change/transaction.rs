@@ -195,6 +195,7 @@ impl Engine {
     fn has_committed(&mut self) {
         let mut done = self.model.take_staged();
         if done.changes_graph() {
+            self.model.answer_measured();
             self.flight_is_stale();
         }
         if done.opens() {

@@ -74,6 +74,7 @@ impl Model {
                 hidden: false,
                 times: true,
                 safety: false,
+                measured: false,
                 doc,
             };
             let (_, slot) = self.new_item(owner, new)?;

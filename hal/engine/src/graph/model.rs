@@ -9,6 +9,7 @@ use crate::{
     change::staged::{Counters, Staged},
     graph::arena::Arena,
     graph::doc::Doc,
+    graph::measured::Question,
     graph::names::Index,
     graph::ptr::Pointer,
     graph::sites::Site,
@@ -30,6 +31,8 @@ pub(crate) struct Model {
     /// Shared rings of streams.
     pub(in crate::graph) rings: BTreeMap<Name, SharedRing>,
     loader: Loader,
+    /// Questions of components whether their pins are measured.
+    pub(in crate::graph) questions: Vec<Question>,
     /// Components that have been unloaded or are about to be; a stuck thread may still hold some of
     /// them.
     departed: Vec<Ix>,
@@ -47,6 +50,7 @@ impl Model {
             lock: Lock::NONE,
             rings: BTreeMap::new(),
             loader: Loader::new(path),
+            questions: Vec::new(),
             departed: Vec::new(),
             arena: Arena::new(lock)?,
         })

@@ -15,5 +15,6 @@ pub(crate) struct NewItem {
     pub(crate) hidden: bool,
     pub(crate) times: bool,
     pub(crate) safety: bool,
+    pub(crate) measured: bool,
     pub(crate) doc: Doc,
 }

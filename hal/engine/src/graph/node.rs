@@ -153,18 +153,19 @@ struct Rare {
     pointer: Option<Pointer>,
     hidden: bool,
     safety: bool,
+    measured: bool,
 }
 
 impl Item {
     /// Creates an item whose value is at `storage`.
     pub(crate) fn new(new: NewItem, storage: Storage) -> Self {
-        let NewItem { name, other, ty, direction, hidden, times, safety, doc, .. } = new;
+        let NewItem { name, other, ty, direction, hidden, times, safety, measured, doc, .. } = new;
         let (address, own) = match storage {
             Storage::Slot(p) => (p.0.cast(), false),
             Storage::Own(p) => (p, true),
         };
-        let rare = Rare { other, hidden, safety, ..Rare::default() };
-        let is_rare = rare.other.is_some() || hidden || safety;
+        let rare = Rare { other, hidden, safety, measured, ..Rare::default() };
+        let is_rare = rare.other.is_some() || hidden || safety || measured;
         let rare = is_rare.then(|| Box::new(rare));
         Self { name, address, rare, doc, ty, direction, times, own }
     }
@@ -210,6 +211,11 @@ impl Item {
     /// Returns whether the item is a limit switch or an e-stop input.
     pub(crate) fn safety(&self) -> bool {
         self.rare.as_ref().is_some_and(|r| r.safety)
+    }
+
+    /// Returns whether a sensor measures the value.
+    pub(crate) fn is_measured(&self) -> bool {
+        self.rare.as_ref().is_some_and(|r| r.measured)
     }
 
     /// Returns the name under which the item is listed.

@@ -65,6 +65,7 @@ impl Model {
             hidden: false,
             times: true,
             safety: false,
+            measured: false,
             doc: self.graph.docs.number("Cycles run."),
         };
         let (_, beat) = self.new_item(component, beat)?;

@@ -54,6 +54,7 @@ impl Creating<'_> {
             bind: Some(bind),
             worker: Some(worker),
             snapshot: Some(snapshot),
+            measured: Some(measured),
         }
     }
 }
@@ -182,6 +183,14 @@ unsafe extern "C" fn find(
         unsafe { out.write(table) };
     });
     c.answer(found)
+}
+
+/// # Safety
+/// Called by a component during `create` with the context and slots of that call.
+unsafe extern "C" fn measured(ctx: *mut c_void, pin: *const Slot, into: *const Slot) -> Status {
+    let c = creating(ctx);
+    let asked = c.measured(pin, into);
+    c.answer(asked)
 }
 
 /// # Safety

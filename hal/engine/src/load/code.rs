@@ -54,6 +54,7 @@ impl LoadHandle {
                 awaited: None,
                 ask_value: Some(ask_value),
                 take_value: Some(take_value),
+                gaps: Some(gaps),
             },
             component,
             voice: Arc::default(),
@@ -118,6 +119,14 @@ unsafe extern "C" fn message(
 /// Called by a component with the context it was given.
 unsafe extern "C" fn now(ctx: *const c_void) -> i64 {
     keep(ctx).shared.now()
+}
+
+/// Realtime. Returns the number of gaps in time so far.
+///
+/// # Safety
+/// Called by a component with the context it was given.
+unsafe extern "C" fn gaps(ctx: *const c_void) -> u32 {
+    keep(ctx).shared.gaps.count()
 }
 
 /// Asks for a value by its name.
@@ -275,6 +284,7 @@ impl Code<CommandRun> {
             awaited: None,
             ask_value: None,
             take_value: None,
+            gaps: None,
         };
         // SAFETY: the component's code with its state; stop actions take no lock.
         unsafe { (self.run)(self.state, &raw const calls) };
@@ -297,6 +307,7 @@ impl Code<CommandRun> {
             awaited: Some(frame_awaited),
             ask_value: None,
             take_value: None,
+            gaps: None,
         };
         // SAFETY: the component's code with its state, on the control side only.
         let status = unsafe { (self.run)(self.state, &raw const calls) };

@@ -155,6 +155,7 @@ impl<'e> Creating<'e> {
             hidden: spec.flags & item_flags::HIDDEN != 0,
             times: false,
             safety: spec.flags & item_flags::SAFETY != 0,
+            measured: spec.flags & item_flags::MEASURED != 0,
             doc,
         };
         let (ix, slot) = self.engine.model.new_item(owner, item)?;
@@ -355,6 +356,16 @@ impl<'e> Creating<'e> {
             self.engine.model.connect(self.component, by, Edge::Needs);
         }
         Some(found)
+    }
+
+    /// Notes that the component asks whether the value of one of its pins is measured.
+    pub(crate) fn measured(&mut self, pin: *const Slot, into: *const Slot) -> Result<(), Error> {
+        let own = |slot: *const Slot| self.slots.get(&slot.addr()).copied();
+        let (Some(pin), Some(into)) = (own(pin), own(into)) else {
+            return Err(self.malformed("only pins of this component can be asked about"));
+        };
+        self.engine.model.ask_measured(self.component, pin, into);
+        Ok(())
     }
 
     pub(crate) fn action(&self, spec: &ActionSpec) -> Option<Code<CommandRun>> {

@@ -200,7 +200,7 @@ impl Creating<'_> {
             edit::ADD | edit::ADD_INIT => e.model.add_funct(a, b, number, what == edit::ADD_INIT),
             edit::REMOVE => e.model.remove_funct(a, Some(b)),
             edit::START => e.start_threads(),
-            edit::STOP => e.runtime.stop(),
+            edit::STOP => e.runtime.stop_by_command(),
             edit::ALIAS_PIN | edit::ALIAS_PARAM => {
                 let param = what == edit::ALIAS_PARAM;
                 if b.is_empty() { e.model.unalias(param, a) } else { e.model.alias(param, a, b) }

@@ -1,7 +1,7 @@
 //! Processes that this one starts, and their system calls.
 
 use super::RESOLVE_ALL;
-use core::ffi::CStr;
+use core::{ffi::CStr, ptr::null_mut};
 
 /// Returns the name of a signal for messages.
 pub(crate) fn signal_name(signal: i32) -> String {
@@ -17,6 +17,18 @@ pub(crate) fn signal_name(signal: i32) -> String {
         _ => return format!("signal {signal}"),
     };
     name.to_owned()
+}
+
+/// Returns whether a process is stopped, by a signal or by a debugger.
+pub(crate) fn is_stopped(pid: i32) -> bool {
+    let stat = std::fs::read(format!("/proc/{pid}/stat")).unwrap_or_default();
+    is_stopped_in(&stat)
+}
+
+/// Reads the state from a line `PID (NAME) STATE …`; the name may contain anything.
+fn is_stopped_in(stat: &[u8]) -> bool {
+    let state = stat.iter().rposition(|b| *b == b')').and_then(|at| stat.get(at + 2));
+    matches!(state, Some(b'T' | b't'))
 }
 
 /// Kills a group of processes with SIGKILL.
@@ -55,4 +67,100 @@ pub(crate) fn open_library(path: &CStr, global: bool) -> bool {
 pub(crate) fn tell(fd: i32, byte: u8) {
     // SAFETY: a byte owned by this function.
     unsafe { libc::write(fd, (&raw const byte).cast(), 1) };
+}
+
+/// Returns the set of signals that holds SIGCONT alone.
+fn only_continue() -> libc::sigset_t {
+    // SAFETY: all zero is a valid set.
+    let mut set = unsafe { core::mem::zeroed() };
+    // SAFETY: a live set.
+    unsafe { libc::sigemptyset(&raw mut set) };
+    // SAFETY: a live set.
+    unsafe { libc::sigaddset(&raw mut set, libc::SIGCONT) };
+    set
+}
+
+/// Blocks SIGCONT in this thread and in those that it starts: it continues a stopped process all the same, and stays pending
+/// until [`take_continue`].
+pub(crate) fn keep_continue() {
+    let set = only_continue();
+    // SAFETY: a live set.
+    unsafe { libc::pthread_sigmask(libc::SIG_BLOCK, &raw const set, null_mut()) };
+}
+
+/// Runs `act` while this thread does not block SIGCONT, so that a program that it starts does not block it either.
+pub(crate) fn with_continue<T>(act: impl FnOnce() -> T) -> T {
+    let set = only_continue();
+    // SAFETY: all zero is a valid set.
+    let mut before = unsafe { core::mem::zeroed() };
+    // SAFETY: live sets.
+    unsafe { libc::pthread_sigmask(libc::SIG_UNBLOCK, &raw const set, &raw mut before) };
+    let done = act();
+    // SAFETY: the set that was in force before.
+    unsafe { libc::pthread_sigmask(libc::SIG_SETMASK, &raw const before, null_mut()) };
+    done
+}
+
+/// Realtime. Returns whether the process was continued since the last [`take_continue`], where SIGCONT is blocked.
+pub(crate) fn is_continue_pending() -> bool {
+    let mut set = only_continue();
+    // SAFETY: a live set.
+    let status = unsafe { libc::sigpending(&raw mut set) };
+    // SAFETY: the set that the system has filled.
+    status == 0 && unsafe { libc::sigismember(&raw const set, libc::SIGCONT) } == 1
+}
+
+/// Realtime. Removes a pending SIGCONT, where it is blocked. Waits for nothing.
+pub(crate) fn take_continue() {
+    if !is_continue_pending() {
+        return;
+    }
+    let (set, now) = (only_continue(), libc::timespec { tv_sec: 0, tv_nsec: 0 });
+    // SAFETY: live records; nothing about the signal is asked for.
+    unsafe { libc::sigtimedwait(&raw const set, null_mut(), &raw const now) };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{is_continue_pending, is_stopped_in, keep_continue, take_continue, with_continue};
+
+    #[test]
+    fn stopped_processes() {
+        for (line, want) in [
+            (&b"12 (panel) T 1"[..], true),
+            (b"12 (panel) t 1", true),
+            (b"12 (a) T (b) S 1", false),
+            (b"12 (panel) R 1", false),
+            (b"12 (T", false),
+            (b"", false),
+        ] {
+            assert_eq!(is_stopped_in(line), want, "{}", String::from_utf8_lossy(line));
+        }
+        assert!(!super::is_stopped(crate::os::own_pid()));
+    }
+
+    #[test]
+    fn a_signal_that_continues_stays_until_it_is_taken() {
+        // In a thread of its own, whose mask changes.
+        let checks = || {
+            // SAFETY: it has no conditions.
+            let me = unsafe { libc::pthread_self() };
+            // SAFETY: a signal to this thread, which ignores it or keeps it.
+            let raise = || unsafe { libc::pthread_kill(me, libc::SIGCONT) };
+            raise();
+            assert!(!is_continue_pending(), "it is not kept");
+            keep_continue();
+            raise();
+            raise();
+            assert!(is_continue_pending() && is_continue_pending());
+            take_continue();
+            assert!(!is_continue_pending());
+            take_continue();
+            with_continue(raise);
+            assert!(!is_continue_pending(), "it was not kept meanwhile");
+            raise();
+            assert!(is_continue_pending(), "it is kept again");
+        };
+        std::thread::spawn(checks).join().unwrap();
+    }
 }

@@ -2,7 +2,7 @@
 //! it runs while a machine runs.
 
 use rustix::fs::{Mode, OFlags, open};
-use std::io::Write;
+use std::{io::Write, os::fd::OwnedFd};
 
 /// Returns the kernel's number of the calling thread.
 pub(crate) fn this_thread() -> i32 {
@@ -58,6 +58,34 @@ impl Turn {
     }
 }
 
+/// The kernel's counts of how long a thread has run and waited for a processor.
+#[derive(Debug)]
+pub(crate) struct Schedule(OwnedFd);
+
+impl Schedule {
+    /// Opens the counts of the calling thread; `None` if the kernel has none.
+    pub(crate) fn of_this_thread() -> Option<Self> {
+        let flags = OFlags::RDONLY | OFlags::CLOEXEC;
+        open(c"/proc/thread-self/schedstat", flags, Mode::empty()).ok().map(Self)
+    }
+
+    /// Realtime. Returns how long the thread has run and waited for a processor, together, in nanoseconds; `None` if the
+    /// kernel does not count.
+    pub(crate) fn busy_ns(&self) -> Option<i64> {
+        let mut text = [0; 96];
+        let n = rustix::io::pread(&self.0, &mut text, 0).ok()?;
+        busy(text.get(..n)?)
+    }
+}
+
+/// Reads the sum from a line `RUN WAIT SLICES`; a thread that has run at all has a run time above 0.
+fn busy(line: &[u8]) -> Option<i64> {
+    let mut words = core::str::from_utf8(line).ok()?.split_ascii_whitespace();
+    let mut next = || words.next()?.parse::<i64>().ok();
+    let (ran, waited) = (next()?, next()?);
+    (ran > 0).then_some(ran.saturating_add(waited))
+}
+
 /// Returns the current activity of a thread.
 pub(crate) fn doing(tid: i32) -> Doing {
     let mut path = [0; 48];
@@ -86,7 +114,7 @@ fn state(line: &[u8]) -> Doing {
 
 #[cfg(test)]
 mod tests {
-    use super::{Doing, Turn, doing, processor_time, state, this_thread};
+    use super::{Doing, Schedule, Turn, busy, doing, processor_time, state, this_thread};
 
     #[test]
     fn a_thread_that_computes_or_waits_is_not_denied_its_turn() {
@@ -118,6 +146,20 @@ mod tests {
         );
         drop(end);
         waits.join().unwrap();
+    }
+
+    #[test]
+    fn run_time_and_waiting_time_of_a_thread() {
+        assert_eq!(busy(b"1002196 2677127 2\n"), Some(3_679_323));
+        for line in [&b"0 0 0\n"[..], b"", b"12", b"x y"] {
+            assert_eq!(busy(line), None, "{}", String::from_utf8_lossy(line));
+        }
+        // A kernel without these counts has no file, or zeros in it.
+        let Some(schedule) = Schedule::of_this_thread() else { return };
+        let Some(before) = schedule.busy_ns() else { return };
+        let ran = processor_time(this_thread()).unwrap();
+        while processor_time(this_thread()).unwrap() < ran + 20_000_000 {}
+        assert!(schedule.busy_ns().unwrap() >= before + 10_000_000);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::{
     ends::is_wanted,
     observe::probes::Probes,
     os,
+    realtime::gaps::Lookout,
     realtime::shared::Shared,
     realtime::thread::Thread,
     sync::{Arc, Ordering},
@@ -74,8 +75,10 @@ fn boundary(shared: &Shared, me: &Thread, threads: &[Arc<Thread>]) {
 }
 
 /// Runs the cycle that was due at `due`, and sets the time of the next.
-fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
+fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64, lookout: &mut Lookout) {
     let began = os::monotonic_ns();
+    // Before anything moves: the functions of this cycle know of the gap.
+    shared.gaps.look(&shared.sight(due, began, t.period_ns), lookout);
     t.woke(began - due);
     boundary(shared, t, threads);
     let longest = t.cycle(shared, due - shared.origin());
@@ -87,19 +90,23 @@ fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64) {
             t.overran(longest, began - due, now - began, missed);
         }
         next += missed * t.period_ns;
+        // The next cycle is not late after a gap within this one.
+        shared.gaps.look(&shared.sight(began, now, t.period_ns), lookout);
     }
+    lookout.rest(began, now, t.period_ns);
     t.due.store(next, Ordering::Relaxed);
 }
 
 /// Runs one thread until it is asked to end.
 pub(crate) fn run_one(shared: &Shared, t: &Thread) {
     t.tid.store(os::progress::this_thread(), Ordering::Relaxed);
+    let mut lookout = Lookout::new(true);
     let ends = || t.end.load(Ordering::Relaxed) || shared.quit.load(Ordering::Relaxed);
     while !ends() {
         let due = t.due.load(Ordering::Relaxed);
         if slept_until(due) && !ends() {
             let threads = shared.threads.load();
-            beat(shared, t, &threads, due);
+            beat(shared, t, &threads, due, &mut lookout);
         }
     }
 }
@@ -107,6 +114,7 @@ pub(crate) fn run_one(shared: &Shared, t: &Thread) {
 /// Runs all threads in turn, from one timeline.
 pub(crate) fn run_all(shared: &Shared) {
     let tid = os::progress::this_thread();
+    let mut lookout = Lookout::new(false);
     while !shared.quit.load(Ordering::Relaxed) {
         let next = |threads: &[Arc<Thread>]| {
             let dues = threads.iter().map(|t| t.due.load(Ordering::Relaxed));
@@ -123,7 +131,7 @@ pub(crate) fn run_all(shared: &Shared) {
             let own = t.due.load(Ordering::Relaxed);
             if own <= due && !t.end.load(Ordering::Relaxed) {
                 t.tid.store(tid, Ordering::Relaxed);
-                beat(shared, t, &threads, own);
+                beat(shared, t, &threads, own, &mut lookout);
             }
         }
     }

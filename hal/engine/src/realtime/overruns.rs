@@ -1,5 +1,6 @@
-//! Messages about missed real time: the first overrun of each thread, then one a minute.
+//! Messages about missed real time: the first overrun of each thread, then one a minute; and each gap.
 
+use crate::realtime::gaps::{Cause, Gap};
 use std::{collections::BTreeMap, fmt::Write};
 
 /// Time between two messages, in nanoseconds.
@@ -92,6 +93,13 @@ impl Overran {
     fn left_out(&self) -> String {
         if self.missed == 0 { String::new() } else { format!("; {} missed", cycles(self.missed)) }
     }
+}
+
+/// Returns the message about a gap. Who stops and starts threads by command, or after a fault, knows it.
+pub(crate) fn of_gap(gap: &Gap) -> Option<String> {
+    let silent = matches!(gap.cause, Cause::Commanded | Cause::Faulted);
+    let (seconds, why) = (gap.ns as f64 / 1e9, gap.cause.words());
+    (!silent).then(|| format!("realtime: the process stood still for {seconds:.1} s: {why}"))
 }
 
 fn cycles(n: u64) -> String {

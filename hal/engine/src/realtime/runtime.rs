@@ -10,6 +10,8 @@ use crate::{
     ends::{Activity, Control, Doing, Instance},
     graph::{Graph, Ix},
     os,
+    realtime::gaps::{Cause, Gap},
+    realtime::overruns,
     realtime::resources::Realtime,
     realtime::runners::Runners,
     realtime::shared::Shared,
@@ -18,7 +20,7 @@ use crate::{
     realtime::watchdog::Watchdog,
     sync::Arc,
 };
-use hal_protocol::{FaultInfo, RealtimeInfo};
+use hal_protocol::{FaultInfo, GapInfo, RealtimeInfo};
 
 /// Longest time that a change may wait for a boundary, in nanoseconds of wall-clock time.
 pub(crate) const TIMEOUT_NS: i64 = 2_000_000_000;
@@ -57,6 +59,10 @@ pub(crate) struct Runtime {
     fault: Option<FaultInfo>,
     retired: Vec<Retired>,
     ticks: (u64, i64),
+    /// Number of gaps that were reported.
+    gaps_told: u32,
+    /// Machine time at which running threads were stopped, and the cause, until they are started again.
+    halted: Option<(Cause, i64)>,
     /// True if no cycle has begun since threads were stopped.
     quiet: bool,
 }
@@ -67,6 +73,9 @@ impl Runtime {
         let shared = Shared::new(options.clock);
         let stuck_ns = options.realtime.stuck_ns.unwrap_or(0);
         shared.set_stuck_limit(i64::try_from(stuck_ns).unwrap_or(i64::MAX));
+        if let Some(ns) = options.realtime.max_gap_ns {
+            shared.gaps.set_max(i64::try_from(ns).unwrap_or(i64::MAX));
+        }
         let threads = (realtime.scheduling, realtime.cpu);
         Self {
             instance: Instance::new(shared.clone(), &options.place),
@@ -79,6 +88,8 @@ impl Runtime {
             fault: None,
             retired: Vec::new(),
             ticks: (os::ticks(), os::monotonic_ns()),
+            gaps_told: 0,
+            halted: None,
             quiet: true,
             shared,
         }
@@ -171,6 +182,7 @@ impl Runtime {
 
     /// Records the fault that stopped the threads.
     pub(crate) fn set_fault(&mut self, fault: FaultInfo) {
+        self.halt(Cause::Faulted);
         self.fault = Some(fault);
     }
 
@@ -220,6 +232,43 @@ impl Runtime {
             }
         }
         failed
+    }
+}
+
+/// Gaps in time.
+impl Runtime {
+    /// Notes that running threads run no longer: when they are started again, that is a gap.
+    pub(in crate::realtime) fn halt(&mut self, cause: Cause) {
+        if self.is_running() {
+            self.halted = self.halted.or(Some((cause, self.now())));
+        }
+    }
+
+    /// Counts the gap of threads that start again.
+    pub(in crate::realtime) fn end_halt(&mut self) {
+        let time_ns = self.now();
+        if let Some((cause, since)) = self.halted.take() {
+            self.shared.gaps.note(Gap { cause, ns: time_ns - since, time_ns }, None);
+        }
+    }
+
+    /// Returns the messages about gaps since the last call.
+    pub(crate) fn gaps(&mut self) -> Vec<String> {
+        let gaps = &self.shared.gaps;
+        let told = core::mem::replace(&mut self.gaps_told, gaps.count());
+        gaps.since(told).filter_map(|gap| overruns::of_gap(&gap)).collect()
+    }
+
+    /// Returns the number of gaps, and the last one; `None` without any.
+    pub(crate) fn gap_info(&self) -> Option<GapInfo> {
+        let count = self.shared.gaps.count();
+        let last = self.shared.gaps.get(count)?;
+        Some(GapInfo {
+            count,
+            ns: u64::try_from(last.ns).unwrap_or(0),
+            time: u64::try_from(last.time_ns).unwrap_or(0),
+            cause: last.cause.words().to_owned(),
+        })
     }
 }
 

@@ -7,6 +7,7 @@ use crate::{
     load::code::Code,
     messages::mailbox::Mailbox,
     os,
+    realtime::gaps::{Gaps, Sight},
     realtime::questions::Questions,
     realtime::thread::Thread,
     sync::{Arc, AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering},
@@ -148,6 +149,7 @@ pub(crate) struct Shared {
     /// Text of the last panic, until the caller of the code takes it.
     pub(crate) cause: Cause,
     pub(crate) mailbox: Mailbox,
+    pub(crate) gaps: Gaps,
     pub(crate) questions: Questions,
     /// Stop actions of all loaded components, which threads other than the control thread may run.
     pub(crate) stops: ArcSwap<Vec<Arc<Code<CommandRun>>>>,
@@ -176,6 +178,7 @@ impl Shared {
             stuck: ArcSwapOption::empty(),
             cause: Cause::new(),
             mailbox: Mailbox::new(),
+            gaps: Gaps::new(),
             questions: Questions::default(),
             stops: ArcSwap::from_pointee(Vec::default()),
             stopping: AtomicBool::new(false),
@@ -227,6 +230,18 @@ impl Shared {
             os::sleep_until(os::monotonic_ns() + 20_000);
         }
         Stopping(&self.stopping)
+    }
+
+    /// Returns what a thread sees at the monotonic time `now_ns`, that was to wake at `due_ns`.
+    pub(crate) fn sight(&self, due_ns: i64, now_ns: i64, period_ns: i64) -> Sight {
+        Sight {
+            due_ns,
+            now_ns,
+            lead_ns: self.gaps.lead(now_ns),
+            period_ns,
+            time_ns: now_ns - self.origin(),
+            is_running: self.boundary.is_running() && self.fault.get().is_none(),
+        }
     }
 
     /// Returns whether a thread is inside a cycle.

@@ -1,7 +1,7 @@
 //! Connection of a client: request lines in, answers out.
 
 use crate::{Error, graph::Ix, serve::hold::Hold, serve::pins::Shared};
-use hal_protocol::{Failure, MAX_LEN, Reply, WireReply};
+use hal_protocol::{CommandLine, Failure, MAX_LEN, Reply, WireReply};
 use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags};
 use std::{
     io::{ErrorKind, IoSlice, Read, Write},
@@ -49,6 +49,8 @@ pub(crate) struct Client {
     pub(crate) writes: Vec<(Ix, u64)>,
     /// The page through which the client exchanges its values.
     pub(crate) page: Option<Shared>,
+    /// Commands that are executed when the connection ends.
+    pub(crate) at_end: Vec<CommandLine>,
     pub(crate) waits: WaitState,
     pub(crate) advances_clock: bool,
     pub(crate) gone: bool,
@@ -78,6 +80,7 @@ impl Client {
             hold: Hold::NONE,
             writes: Vec::new(),
             page: None,
+            at_end: Vec::new(),
             waits: WaitState::No,
             advances_clock: false,
             gone: false,

@@ -77,6 +77,8 @@ impl Engine {
         if !self.runtime.is_virtual() {
             let late = self.runtime.overruns(self.model.graph(), false);
             self.notices(late);
+            let gaps = self.runtime.gaps();
+            self.notices(gaps);
             let failed = self.runtime.run_tasks(now);
             self.notices(failed);
             self.answer_workers();

@@ -3,17 +3,21 @@
 /// Checks of a hold that are further apart than this, in nanoseconds, are unrelated: in between,
 /// nothing needed the clock to move.
 const GAP_NS: i64 = 1_000_000_000;
+/// Time between two looks at the client's process, in nanoseconds.
+const LOOK_NS: i64 = 50_000_000;
 
 /// Time for which a client has held the virtual clock, in wall-clock time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hold {
     held_ns: i64,
+    /// Part of it at the last look at the client's process.
+    looked_ns: i64,
     last: Option<i64>,
 }
 
 impl Hold {
     /// A hold that has not begun.
-    pub(crate) const NONE: Self = Self { held_ns: 0, last: None };
+    pub(crate) const NONE: Self = Self { held_ns: 0, looked_ns: 0, last: None };
 
     /// Adds the time since the last check. Returns whether the sum is now more than `patience_ns`.
     pub(crate) fn outlasts(&mut self, patience_ns: i64, now: i64) -> bool {
@@ -22,6 +26,15 @@ impl Hold {
             self.held_ns = self.held_ns.saturating_add(since);
         }
         self.held_ns > patience_ns
+    }
+
+    /// Returns whether it is time to look whether the client's process is stopped: now and then, while the clock waits.
+    pub(crate) const fn looks(&mut self) -> bool {
+        let is_time = self.held_ns - self.looked_ns >= LOOK_NS;
+        if is_time {
+            self.looked_ns = self.held_ns;
+        }
+        is_time
     }
 }
 
@@ -44,6 +57,19 @@ mod tests {
         assert_eq!(checks(GAP_NS / 10), Some(102));
         let mut hold = Hold::NONE;
         assert!(!hold.outlasts(TIMEOUT_NS, i64::MAX - 1), "however late the first check is");
+    }
+
+    #[test]
+    fn the_process_is_looked_at_now_and_then_while_the_clock_waits() {
+        let mut hold = Hold::NONE;
+        let mut looks = |ms: i64| {
+            hold.outlasts(TIMEOUT_NS, ms * 1_000_000);
+            hold.looks()
+        };
+        let at = [0, 10, 49, 50, 51, 99, 100, 240, 241, 300].map(&mut looks);
+        assert_eq!(at, [false, false, false, true, false, false, true, true, false, true]);
+        // Nothing needed the clock for a while.
+        assert!(!looks(60_000));
     }
 
     /// In between, nothing needed the clock to move.

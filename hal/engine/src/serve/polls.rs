@@ -45,8 +45,8 @@ pub(crate) fn next_poll(engine: &Engine) -> i64 {
     times.min().unwrap_or(i64::MAX)
 }
 
-/// Returns whether a program that the clock waits for is overdue with its poll. A program that
-/// holds the clock for too long is not waited for again until it polls.
+/// Returns whether a program that the clock waits for is overdue with its poll. A program that is
+/// stopped (SIGSTOP, a debugger) or holds the clock for too long is not waited for again until it polls.
 pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
     let (now, wall) = (engine.runtime.now(), os::monotonic_ns());
     let patience_ns = engine.clients.patience_ns;
@@ -55,21 +55,28 @@ pub(crate) fn owes_poll(engine: &mut Engine) -> bool {
         if c.waits != WaitState::No || c.poll_due.is_none_or(|t| t > now) {
             continue;
         }
-        if c.hold.outlasts(patience_ns, wall) {
+        let is_late = c.hold.outlasts(patience_ns, wall);
+        // A process that is stopped polls when a person lets it: the clock does not wait for that.
+        let is_stopped = c.hold.looks() && os::process::is_stopped(c.pid);
+        if is_late || is_stopped {
             (c.poll_due, c.hold) = (None, Hold::NONE);
-            late.push((c.component, c.pid));
+            late.push((c.component, c.pid, is_stopped));
         } else {
             poll_due = true;
         }
     }
-    for (component, pid) in late {
+    for (component, pid, is_stopped) in late {
         let name =
             component.and_then(|ix| engine.model.graph().component(ix)).map(|c| c.name.clone());
         let name = name.as_ref().map_or("?", |name| name.as_str());
+        let what = if is_stopped {
+            "is stopped".to_owned()
+        } else {
+            format!("has not polled for {}", seconds(patience_ns))
+        };
         engine.notice(format!(
-            "program '{name}' (process {pid}) has not polled for {}: the virtual clock waits for \
-             it again when it polls",
-            seconds(patience_ns)
+            "program '{name}' (process {pid}) {what}: the virtual clock waits for it again when it \
+             polls"
         ));
     }
     poll_due

@@ -69,7 +69,7 @@ impl Engine {
             ActionRequest::Apply { files, edits, dry } => return self.apply(&files, edits, dry),
             ActionRequest::Stop => {
                 self.model.unlocked(hal_protocol::Lock::RUN, "stop_threads")?;
-                self.runtime.stop()?;
+                self.runtime.stop_by_command()?;
             }
             ActionRequest::Timing { thread, on } => {
                 self.model.time_functs(thread.as_deref(), on)?;
@@ -116,6 +116,7 @@ impl Engine {
             | OwnRequest::Unready
             | OwnRequest::Leave
             | OwnRequest::SharePins { .. }
+            | OwnRequest::AtEnd { .. }
             | OwnRequest::Sleep { .. }
             | OwnRequest::Poll { .. }
             | OwnRequest::NewStream { .. }
@@ -142,7 +143,11 @@ impl Engine {
     }
 
     /// `COMPONENT.VERB name=value …`.
-    fn command(&mut self, name: &str, words: &[String]) -> Result<Reply, Error> {
+    pub(in crate::serve) fn command(
+        &mut self,
+        name: &str,
+        words: &[String],
+    ) -> Result<Reply, Error> {
         let owner = crate::graph::find(&self.model.graph().commands, "command", name)?;
         let component = self.model.graph().component(owner);
         let command = component

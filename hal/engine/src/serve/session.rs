@@ -14,8 +14,8 @@ use crate::{
     serve::polls::period,
 };
 use hal_protocol::{
-    ComponentState, Direction, Failure, LATEST, MAX_PAGE_PINS, OwnRequest, PinPageInfo, Reply,
-    Request, Type, Value, WireRequest,
+    CommandLine, ComponentState, Direction, Failure, LATEST, MAX_AT_END, MAX_PAGE_PINS, OwnRequest,
+    PinPageInfo, Reply, Request, Type, Value, WireRequest,
 };
 
 /// Longest sleep of a program, in nanoseconds of machine time.
@@ -96,6 +96,7 @@ pub(crate) fn own(
             has_started(engine, c);
             Reply::Sample(info)
         }
+        OwnRequest::AtEnd { commands } => at_end(engine, c, commands)?,
         OwnRequest::MapSnapshot { name } => {
             let (info, fd) = engine.snapshots.page(&name)?;
             c.fd = Some(fd);
@@ -145,6 +146,20 @@ fn share(engine: &Engine, c: &mut Client, pins: u32) -> Result<Reply, Error> {
     c.fd = Some(page.file()?);
     c.page = Some(page);
     Ok(Reply::PinPage(info))
+}
+
+/// Notes the commands that are executed when the client's connection ends.
+fn at_end(engine: &Engine, c: &mut Client, commands: Vec<CommandLine>) -> Result<Reply, Error> {
+    if commands.len() > MAX_AT_END {
+        let n = commands.len();
+        let why = format!("{n} commands at the end are too many; expected at most {MAX_AT_END}");
+        return Err(Error::Protocol { why: why.into() });
+    }
+    for line in &commands {
+        crate::graph::find(&engine.model.graph().commands, "command", &line.name)?;
+    }
+    c.at_end = commands;
+    Ok(Reply::Done)
 }
 
 fn hello(
@@ -214,6 +229,7 @@ fn new_pin(
         hidden: false,
         times: false,
         safety: false,
+        measured: false,
         doc: engine.model.doc(""),
     };
     let (ix, _) = engine.model.new_item(owner, new)?;
@@ -335,6 +351,10 @@ fn attach(
 
 /// Removes a disconnected client: its component, its pins and its streams.
 pub(crate) fn leave(engine: &mut Engine, c: &mut Client) {
+    for line in core::mem::take(&mut c.at_end) {
+        // What has ended by itself needs no end: nobody is left to tell.
+        drop(engine.command(&line.name, &line.args));
+    }
     c.take_page(engine);
     for ring in engine.model.rings_mut().map(|(_, ring)| ring) {
         if ring.attached == Some(c.id) {

@@ -28,6 +28,7 @@ impl Engine {
             time: u64::try_from(shared.now()).unwrap_or(0),
             scheduling: self.runtime.scheduling().to_owned(),
             realtime: self.runtime.properties(),
+            gaps: self.runtime.gap_info(),
             simulated: self.options.simulate,
             starting: self.is_starting,
             running: self.runtime.is_running() && shared.fault.get().is_none(),

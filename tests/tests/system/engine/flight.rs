@@ -53,7 +53,7 @@ fn a_following_error_in_the_middle_of_a_move() {
 ",
     );
     let output = scratch.halrun(&["--virtual", "printer.ini"]);
-    let said = "motmod: joint 0 following error\nflight recorder: following error: axis.0.f-errored; kept in ";
+    let said = "motmod: axis X following error\nflight recorder: following error: axis.0.f-errored; kept in ";
     assert!(output.stderr.starts_with(said), "{}", output.stderr);
     assert_eq!((output.stderr.lines().count(), output.status), (2, Some(0)));
     let kept = read(&scratch.path().join("crash-1.vcd"));

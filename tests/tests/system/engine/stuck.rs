@@ -14,7 +14,7 @@ use std::sync::{
 
 /// The shortest time that can be configured: threads that are not stuck must still not be reported.
 const SHORTEST: RealtimeOptions =
-    RealtimeOptions { cpu: None, idle_us: Some(0), stuck_ns: Some(1_000_000) };
+    RealtimeOptions { cpu: None, idle_us: Some(0), stuck_ns: Some(1_000_000), max_gap_ns: None };
 
 /// Drivers in two threads; the second thread runs its driver after the function that may get stuck.
 const DRIVERS: &str = "

@@ -6,6 +6,7 @@ mod crashes;
 mod edits;
 mod ends;
 mod false_engine;
+mod gaps;
 mod growth;
 mod instances;
 mod libraries;

@@ -6,6 +6,7 @@ use crate::{
     change::stores::Change,
     graph::arena::Arena,
     os,
+    realtime::gaps::Cause,
     realtime::thread::Thread,
     realtime::watchdog::Watchdog,
     sync::{Arc, Ordering},
@@ -112,8 +113,15 @@ impl Runtime {
     }
 
     /// Lets threads run. Their lists are up to date, and [`Self::prepare`] was called.
-    pub(crate) fn start(&self) {
+    pub(crate) fn start(&mut self) {
+        self.end_halt();
         self.shared.boundary.start();
+    }
+
+    /// Stops the threads by command.
+    pub(crate) fn stop_by_command(&mut self) -> Result<(), Error> {
+        self.halt(Cause::Commanded);
+        self.stop()
     }
 
     /// Prevents further cycles, and waits for those in progress.
