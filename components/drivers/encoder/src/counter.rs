@@ -79,11 +79,11 @@ pins! {
         /// While true, the position is zero.
         reset: In<bool> = "reset", false;
         /// Raw count, which neither index nor reset changes.
-        rawcounts: Out<i32> = "rawcounts", 0;
+        rawcounts: Out<i32> = "rawcounts", 0, measured;
         /// Count since the last index or reset.
-        counts: Out<i32> = "counts", 0;
+        counts: Out<i32> = "counts", 0, measured;
         /// Position, in units.
-        position: Out<f64> = "position", 0.0;
+        position: Out<f64> = "position", 0.0, measured;
         /// Speed, in units per second.
         velocity: Out<f64> = "velocity", 0.0;
         /// Counts per unit; a negative value reverses the direction. A value closer to 0 than 1e-20 is set to 1.

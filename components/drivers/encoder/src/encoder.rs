@@ -105,13 +105,13 @@ pins! {
         /// in seconds, the speed is 0. A value of 0 counts as 1; with a negative scale it must be negative.
         min_speed_estimate: InSet<f64> = "min-speed-estimate", 1.0;
         /// Raw count, which neither index nor reset changes.
-        rawcounts: Out<i32> = "rawcounts", 0;
+        rawcounts: Out<i32> = "rawcounts", 0, measured;
         /// Count since the last index or reset.
-        counts: Out<i32> = "counts", 0;
+        counts: Out<i32> = "counts", 0, measured;
         /// Position, in units.
-        position: Out<f64> = "position", 0.0;
+        position: Out<f64> = "position", 0.0, measured;
         /// Position interpolated between counts from the speed, in units.
-        position_interpolated: Out<f64> = "position-interpolated", 0.0;
+        position_interpolated: Out<f64> = "position-interpolated", 0.0, measured;
         /// Count at the last edge of `latch-input`.
         counts_latched: Out<i32> = "counts-latched", 0;
         /// Position at the last edge of `latch-input`, in units.

@@ -53,6 +53,9 @@ pub(crate) struct Controller {
     pub(crate) clock: Clock,
     #[state]
     pub(crate) last_ns: Option<i64>,
+    /// Number of gaps in time up to the last cycle.
+    #[state]
+    pub(crate) gaps: Option<u32>,
     /// Number of cycles so far.
     #[state]
     pub(crate) cycle: u64,
@@ -87,6 +90,10 @@ impl Controller {
         self.state.read_pins(&self.pins);
         self.state.inputs.lockout = self.interlock.read();
         self.state.has_risen = false;
+        let gaps = self.clock.gaps();
+        if self.gaps.replace(gaps).is_some_and(|last| last != gaps) {
+            self.state.note_gap(&self.pins);
+        }
         self.state.obey_line();
         self.state.note_stops(&before);
         self.state.switch_kinematics(&self.pins.switch);
@@ -105,9 +112,10 @@ impl Controller {
         let s = &mut self.state;
         s.put_out(dt);
         s.watch(&self.pins, dt);
+        s.follow_wait();
         s.find_feedback();
         self.cycle = self.cycle.wrapping_add(1);
-        let enabled = s.enabled;
+        let enabled = s.is_on();
         let joints = s.joints.iter_mut().zip(&self.pins.joints).enumerate();
         let changed = joints.fold(0, |changed, (n, (joint, pins))| {
             changed | u32::from(joint.write_pins(pins, enabled)) << n
@@ -127,7 +135,7 @@ impl Controller {
 
 /// Returns the current velocity: along the path, or of all jogs together.
 fn velocity(s: &State) -> f64 {
-    match s.mode {
+    match s.mode() {
         Mode::Free => sqrt(s.active().map(|j| j.vel_cmd * j.vel_cmd).sum()),
         Mode::Teleop => sqrt(s.axes.iter().map(|a| a.teleop.tp.vel * a.teleop.tp.vel).sum()),
         Mode::Coord => s.path.velocity(),

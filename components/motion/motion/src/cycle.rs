@@ -10,7 +10,8 @@ use crate::{
     state::{Inputs, State},
     switch::SwitchPins,
 };
-use hal_component::Pose;
+use hal_component::{Pose, Wait};
+use hal_safety::Event;
 use hal_trajectory::Scales;
 
 impl State {
@@ -49,19 +50,26 @@ impl State {
             self.trip_probe();
         }
         if self.inputs.jog_stop && !before.jog_stop {
-            self.stop_jogs("stopped by motion.jog-stop");
+            self.tell(Event::JogStop { at_once: false }, "stopped by motion.jog-stop");
         }
         if self.inputs.jog_stop_immediate && !before.jog_stop_immediate {
-            self.halt_jogs("stopped by motion.jog-stop-immediate");
+            let why = "stopped by motion.jog-stop-immediate";
+            self.tell(Event::JogStop { at_once: true }, why);
         }
         self.read_feed(pins);
     }
 
-    fn halt_jogs(&mut self, why: &'static str) {
+    /// Stops every jog without a ramp.
+    pub(crate) fn halt_jogs(&mut self, why: &'static str) {
+        let mut is_hard = false;
         for jogger in self.jogs() {
+            is_hard |= jogger.tp.active;
             jogger.reset(jogger.tp.pos, why);
         }
-        self.count_hard_stop();
+        // What goes on, such as a path, is judged on.
+        if is_hard {
+            self.count_hard_stop();
+        }
     }
 
     /// Computes the factors of feeds and of rapid moves. Adaptive feed and holds count for both.
@@ -85,6 +93,11 @@ impl State {
         let is_inhibited = g.feed_inhibit.get();
         let is_held = self.feed.hold && g.feed_hold.get();
         self.feed.retract = if is_inhibited { Scales::HOLD } else { self.feed.last };
+        self.feed.held = match (is_inhibited, is_held) {
+            (true, _) => Some(Wait::FeedInhibit),
+            (false, true) => Some(Wait::FeedHold),
+            (false, false) => None,
+        };
         self.feed.net = if is_inhibited || is_held { Scales::HOLD } else { scales };
     }
 
@@ -103,7 +116,7 @@ impl State {
             let why = "the kinematics of type {} have no pose for these joints";
             return self.switch.refuse(wanted, why, &self.say);
         }
-        if self.mode != Mode::Free
+        if self.mode() != Mode::Free
             && let Err(why) = self.needs_pose()
         {
             self.kinematics.switch(before);
@@ -121,8 +134,8 @@ impl State {
         self.homing_cycle(dt);
         self.on_soft_limit = false;
         self.offsets(pins, dt);
-        if self.enabled {
-            match self.mode {
+        if self.is_on() {
+            match self.mode() {
                 Mode::Free => self.free(dt),
                 Mode::Teleop => self.teleop(dt),
                 Mode::Coord => self.coord(dt),
@@ -134,14 +147,16 @@ impl State {
             }
             self.sync("the machine is off");
         }
+        let is_on = self.is_on();
         for joint in &mut self.joints {
-            joint.correct(&self.tables, dt, self.enabled);
+            joint.correct(&self.tables, dt, is_on);
         }
         if self.has_locks {
-            self.joints.iter_mut().for_each(|joint| joint.work_lock(self.enabled));
+            self.joints.iter_mut().for_each(|joint| joint.work_lock(is_on));
         }
         self.tell_spindles();
         self.end_override();
+        self.end_ramp();
         if self.stop_ticket.is_some() {
             let rests = self.path.parked() != Parked::No && !self.is_jogging();
             if (self.is_idle() || rests)
@@ -156,14 +171,8 @@ impl State {
         if self.have_wheels_stopped(pins) {
             return;
         }
-        let ready = self.enabled && !self.inputs.jog_inhibit && !self.is_homing();
-        let is_turned = ready && self.is_wheel_turned(pins);
-        let blocked_by = if is_turned { self.blocks_wheel() } else { None };
-        if is_turned {
-            self.take_wheel(blocked_by);
-        }
-        let ready = ready && blocked_by.is_none();
-        let allowed = ready && self.mode == Mode::Free;
+        let ready = self.is_wheel_turned(pins) && self.take_wheel();
+        let allowed = ready && self.mode() == Mode::Free;
         for (joint, pins) in self.joints.iter_mut().zip(&pins.joints) {
             if joint.free.has_counted(pins.jog_counts) {
                 continue;
@@ -185,7 +194,7 @@ impl State {
                 limits
             });
         }
-        let allowed = ready && self.mode == Mode::Teleop;
+        let allowed = ready && self.mode() == Mode::Teleop;
         for (n, pins) in pins.axes.iter().enumerate() {
             if self.axes.get(n).is_none_or(|a| a.teleop.has_counted(pins.jog_counts)) {
                 continue;
@@ -209,7 +218,7 @@ impl State {
 
     /// Returns whether a wheel that counts in this mode has turned.
     fn is_wheel_turned(&self, pins: &Pins) -> bool {
-        match self.mode {
+        match self.mode() {
             Mode::Free => {
                 let mut joints = self.joints.iter().zip(&pins.joints);
                 joints.any(|(joint, pins)| joint.active && joint.free.is_turned(&pins.wheel()))

@@ -12,11 +12,13 @@ mod included;
 mod jogger;
 mod joint;
 mod lock;
+mod names;
 mod offset;
 mod offsets;
 mod outputs;
 mod path;
 mod pins;
+mod safety;
 mod setup;
 mod simple_tp;
 mod smooth;
@@ -25,6 +27,7 @@ mod spindle;
 mod state;
 mod status;
 mod switch;
+mod waits;
 
 use commands::{configure::ConfigCache, interface::CommandInterface, service::Service};
 use controller::{Controller, Handler};
@@ -195,6 +198,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         kinematics,
         clock: b.clock(),
         last_ns: None,
+        gaps: None,
         cycle: 0,
         outputs: outputs::Outputs::default(),
         status,

@@ -63,6 +63,14 @@ impl Offset {
         self.tp.step_exactly(dt);
     }
 
+    /// Brakes, and stays.
+    pub(crate) fn brake(&mut self, dt: f64) {
+        self.last = self.tp.pos;
+        self.tp.enable = false;
+        self.tp.step_exactly(dt);
+        self.request = self.tp.pos;
+    }
+
     /// Reduces the motion of this cycle to a part.
     pub(crate) fn slow_down(&mut self, factor: f64) {
         self.tp.slow_down(self.last, factor);

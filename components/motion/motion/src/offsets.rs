@@ -17,7 +17,7 @@ impl State {
         }) {
             return;
         }
-        let in_axes = self.enabled && self.mode != Mode::Free;
+        let in_axes = self.is_on() && self.mode() != Mode::Free;
         let allowed = in_axes && self.is_all_homed();
         for n in 0..self.axes.len() {
             let Some(pins) = pins.axes.get(n) else { continue };
@@ -28,8 +28,10 @@ impl State {
             }
             axis.offset.ask(&axis::offset(pins), allowed && has_share);
             let limits = if in_axes { self.offset_limits(n) } else { None };
+            let is_stopping = self.is_stopping();
             let Some(axis) = self.axes.get_mut(n) else { continue };
             match limits {
+                Some(_) if is_stopping => axis.offset.brake(dt),
                 Some(limits) => axis.offset.step(&limits, dt),
                 // An applied offset does not vanish at once while the machine is on.
                 None if in_axes => axis.offset.set(axis.offset.tp.pos),

@@ -48,10 +48,10 @@ impl Outputs {
     fn write_state(&mut self, s: &State, g: &GeneralPins, status: &MotionStatus) {
         let (active, limited) = s.is_offset();
         let state = [
-            s.enabled,
+            s.is_on(),
             status.in_position,
-            s.mode == Mode::Coord,
-            s.mode == Mode::Teleop,
+            s.mode() == Mode::Coord,
+            s.mode() == Mode::Teleop,
             status.reverse,
             s.coord_error,
             s.on_soft_limit,

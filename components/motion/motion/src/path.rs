@@ -1,7 +1,7 @@
 //! Realtime. The path: a queue of moves, the planner's path that the axes follow, and its stops, pauses and reversals.
 
 mod coord;
-mod image;
+pub(crate) mod image;
 pub(crate) mod order;
 mod progress;
 mod queue;
@@ -9,6 +9,7 @@ mod reach;
 mod retract;
 mod spindle;
 mod stop;
+mod stopped_spindle;
 mod sweep;
 mod tap;
 pub(crate) mod worker;

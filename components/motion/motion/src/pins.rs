@@ -15,7 +15,7 @@ pub(crate) use shown::{Shown, packed};
 pub(crate) use spindle::SpindlePins;
 
 use crate::{setup::Setup, switch::SwitchPins};
-use hal_component::{Builder, Decl, Error, Field, Touch};
+use hal_component::{Builder, Decl, Error, Field, ParamRo, Touch};
 
 /// The axis letters, in the order of a pose.
 pub(crate) const LETTERS: [char; 9] = ['x', 'y', 'z', 'a', 'b', 'c', 'u', 'v', 'w'];
@@ -90,6 +90,8 @@ pub(crate) struct Pins {
     pub(crate) watch: WatchPins,
     pub(crate) lists: Lists,
     pub(crate) joints: Vec<JointPins>,
+    /// For each joint, TRUE while a sensor measures motor-pos-fb.
+    pub(crate) measured: Vec<ParamRo<bool>>,
     pub(crate) unlocks: Vec<UnlockPins>,
     pub(crate) extras: Vec<ExtraPins>,
     pub(crate) axes: Vec<AxisPins>,
@@ -106,12 +108,14 @@ impl Pins {
         homes: bool,
     ) -> Result<Self, Error> {
         let (mut joints, mut unlocks, mut extras) = (Vec::new(), Vec::new(), Vec::new());
+        let mut measured = Vec::new();
         for n in 0..setup.joints {
             let prefix = format!("joint.{n}.");
             let mut joint = JointPins::make(b, &prefix, Some(&format!("axis.{n}.")))?;
             if homes {
                 joint.homing = Some(HomingPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
             }
+            measured.push(joint.measured(b, &prefix)?);
             joints.push(joint);
             if setup.unlock_mask >> n & 1 == 1 {
                 unlocks.push(UnlockPins::make(b, &prefix, Some(&format!("axis.{n}.")))?);
@@ -135,6 +139,7 @@ impl Pins {
             watch: WatchPins::make(b, "motion.", None)?,
             lists: Lists::make(b, setup)?,
             joints,
+            measured,
             unlocks,
             extras,
             axes,

@@ -104,6 +104,11 @@ impl SimpleTp {
         }
     }
 
+    /// Returns the distance from its target at which the planner may come to rest.
+    pub(crate) fn deadband(&self, dt: f64) -> f64 {
+        tiny(self.max_acc * dt, dt)
+    }
+
     /// Returns whether a cycle without a jerk limit would leave everything as it is: at rest, at the very target.
     fn is_off(&self) -> bool {
         let at = self.pos.to_bits();

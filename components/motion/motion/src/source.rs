@@ -1,33 +1,19 @@
 //! Realtime. Origins of motion: two of them never move at once.
 
-use crate::{
-    commands::{
-        command::{Request, SpindleChange},
-        refusal::Refusal,
-    },
-    path::Parked,
-    state::State,
-};
+use crate::{path::Parked, state::State};
 use hal_component::MotionSource;
+use hal_safety::{Event, OrderSource, Refused};
 use std::sync::{
     Arc,
     atomic::{AtomicBool, Ordering},
 };
 
-const PROGRAM: Refusal = Refusal::new("a program is in progress: motion.abort ends it");
-const LOCAL: Refusal = Refusal::new("a local source moves the machine: motion.abort ends that");
-const REMOTE: Refusal = Refusal::new("a remote source moves the machine: motion.abort ends that");
-const TAKEN: &str = "a local source ended remote motion";
-const ENDED: Refusal =
-    Refusal::new("remote motion was ended: give the command again when the machine is at rest");
+/// Reason for which remote motion ends.
+pub(crate) const REMOTE_ENDED: &str = "a local source ended remote motion";
 
-/// Origin of the last motion, and the claim of the service's owner.
+/// The claim of the service's owner.
 #[derive(Debug, Default)]
 pub(crate) struct Origin {
-    /// Origin of the last motion.
-    pub(crate) source: MotionSource,
-    /// Origin of the last jog beside a path that rests.
-    pub(crate) beside: MotionSource,
     /// True while the owner of the service keeps other sources from beginning motion.
     pub(crate) claimed: Arc<AtomicBool>,
 }
@@ -44,95 +30,40 @@ impl Origin {
 }
 
 impl State {
-    /// Refuses a request that begins motion while another source moves the machine. A local source ends remote motion.
-    pub(crate) fn admit(&mut self, request: &Request, source: MotionSource) -> Result<(), Refusal> {
-        let moves = match request {
-            Request::Jog(_) | Request::Home(_) | Request::Move(_) | Request::PathOutput(_) => true,
-            Request::Mode(_)
-            | Request::Orient(..)
-            | Request::Spindle(
-                SpindleChange { speed: Some(_), .. } | SpindleChange { brake: Some(_), .. },
-            ) => {
-                let foreign = self.origin.is_claimed() && source != MotionSource::Task;
-                return if foreign { Err(PROGRAM) } else { Ok(()) };
-            }
-            _ => false,
-        };
-        if !moves {
-            return Ok(());
+    /// A wheel has turned: it begins local motion, or ends remote motion. Returns whether it may move something.
+    pub(crate) fn take_wheel(&mut self) -> bool {
+        let answer = self.tell(Event::Wheel, REMOTE_ENDED);
+        if answer.refused == Some(Refused::Ended) {
+            self.say.warn(REMOTE_ENDED, &[]);
         }
-        let is_jog = matches!(request, Request::Jog(_));
-        match self.moving_source(is_jog).filter(|mover| *mover != source) {
-            None => {}
-            Some(MotionSource::Remote) if source == MotionSource::Local => {
-                self.end_remote(is_jog);
-                return Err(ENDED);
-            }
-            Some(MotionSource::Task) => return Err(PROGRAM),
-            Some(MotionSource::Local) => return Err(LOCAL),
-            Some(MotionSource::Remote) => return Err(REMOTE),
-        }
-        self.begin(source);
-        Ok(())
-    }
-
-    /// Returns the source that keeps a jog wheel from moving, if there is one. Called only when a wheel has turned.
-    pub(crate) fn blocks_wheel(&self) -> Option<MotionSource> {
-        self.moving_source(true).filter(|mover| *mover != MotionSource::Local)
-    }
-
-    /// A wheel has turned: it begins local motion, or ends remote motion.
-    pub(crate) fn take_wheel(&mut self, blocked_by: Option<MotionSource>) {
-        match blocked_by {
-            Some(MotionSource::Remote) => {
-                self.end_remote(true);
-                self.say.warn(TAKEN, &[]);
-            }
-            Some(MotionSource::Local | MotionSource::Task) => {}
-            None => self.begin(MotionSource::Local),
-        }
-    }
-
-    /// Returns the source that moves the machine, or that has claimed it. Beside a path that rests in a pause, another
-    /// source may jog.
-    fn moving_source(&self, is_jog: bool) -> Option<MotionSource> {
-        if is_jog && self.rests_on_path() {
-            return self.is_jogging().then_some(self.origin.beside);
-        }
-        if !self.is_idle() {
-            return Some(self.origin.source);
-        }
-        self.origin.is_claimed().then_some(MotionSource::Task)
+        answer.refused.is_none()
     }
 
     /// Returns the origin of what moves, or of what moved last.
     pub(crate) fn origin_in_progress(&self) -> MotionSource {
-        if self.rests_on_path() && self.is_jogging() {
-            self.origin.beside
-        } else {
-            self.origin.source
-        }
+        let rests = self.path.can_park() || self.path.parked() != Parked::No;
+        from(self.machine.source(rests && self.is_jogging()))
     }
 
-    /// Returns whether a path rests in a pause, with the axes on it or away from it.
-    fn rests_on_path(&self) -> bool {
-        self.path.can_park() || self.path.parked() != Parked::No
+    /// Returns the origin of the path.
+    pub(crate) fn path_source(&self) -> MotionSource {
+        from(self.machine.source(false))
     }
+}
 
-    fn begin(&mut self, source: MotionSource) {
-        if self.rests_on_path() {
-            self.origin.beside = source;
-        } else {
-            self.origin.source = source;
-        }
+const fn from(source: OrderSource) -> MotionSource {
+    match source {
+        OrderSource::Task => MotionSource::Task,
+        OrderSource::Local => MotionSource::Local,
+        OrderSource::Remote => MotionSource::Remote,
     }
+}
 
-    /// Ends remote motion. A jog beside a path that rests ends jogs alone, and leaves the path.
-    fn end_remote(&mut self, is_jog: bool) {
-        if !(is_jog && self.rests_on_path()) {
-            self.path.abort_with(Refusal::new(TAKEN));
-            self.end_homing(TAKEN);
-        }
-        self.stop_jogs(TAKEN);
+/// Returns a source as the safety machine knows it.
+pub(crate) const fn of(source: MotionSource) -> OrderSource {
+    match source {
+        MotionSource::Task => OrderSource::Task,
+        MotionSource::Local => OrderSource::Local,
+        MotionSource::Remote => OrderSource::Remote,
     }
 }

@@ -1,10 +1,10 @@
 //! Realtime. One spindle.
 
 use crate::{
-    commands::config::SpindleConfig,
+    commands::{config::SpindleConfig, refusal::Refusal},
     pins::{Shown, SpindlePins, packed},
 };
-use hal_component::{Messages, TicketHandle};
+use hal_component::{Messages, MotionSource, TicketHandle};
 
 /// Commanded state of a spindle.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +13,10 @@ pub(crate) struct Spindle {
     speed: f64,
     on: bool,
     brake: bool,
+    /// Speeds that the sources of motion have commanded and not taken back; 0 is none.
+    commanded: [f64; SOURCES],
+    /// The pin inhibit has stopped a spindle that a program had turned: it stays stopped until a command or a resume.
+    is_kept_off: bool,
     pub(crate) scale: f64,
     /// True if moves need not wait for the spindle, in this cycle.
     pub(crate) at_speed: bool,
@@ -41,7 +45,11 @@ pub(crate) struct SpindleInputs {
     /// Measured speed in turns per second.
     pub(crate) speed: f64,
     pub(crate) index_enable: bool,
+    pub(crate) inhibit: bool,
 }
+
+/// Number of sources of motion.
+const SOURCES: usize = 3;
 
 /// State of an orientation.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,6 +69,9 @@ enum Orient {
 /// Maximum speed of a spindle that counts as at rest, in turns per second: a degree in 28 ms.
 const STANDSTILL: f64 = 0.1;
 
+const INHIBITED: &str = "spindle {} was stopped, and cannot turn again: spindle.{}.inhibit is TRUE";
+const NO_OVERRIDE: &str = "spindle {} was stopped, and cannot turn again: its override is 0";
+
 /// Time in seconds for which is-oriented may be TRUE on a turning spindle before the operator is informed.
 const LATE: f64 = 1.0;
 
@@ -70,6 +81,8 @@ impl Default for Spindle {
             speed: 0.0,
             on: false,
             brake: false,
+            commanded: [0.0; SOURCES],
+            is_kept_off: false,
             scale: 1.0,
             at_speed: true,
             config: SpindleConfig::default(),
@@ -87,12 +100,78 @@ impl Default for Spindle {
 }
 
 impl Spindle {
-    /// Turns the spindle; zero stops it.
-    pub(crate) fn turn(&mut self, speed: f64) {
-        self.stop("the spindle was commanded to turn or to stop");
-        if speed != 0.0 {
-            *self = Self { speed, on: true, brake: false, ..*self };
+    /// Turns the spindle for a source, which may take its command back with zero. Another source that stops the
+    /// spindle leaves that command: feeds of the source wait for a resume then. So does the source itself if `keeps`,
+    /// as in the middle of a path.
+    pub(crate) fn command(&mut self, speed: f64, source: MotionSource, keeps: bool) {
+        // A program does not turn a spindle that somebody else has stopped: that takes a resume, or its own M5 before.
+        let is_stopped = source == MotionSource::Task && self.is_lost(source) && !self.turns();
+        if !is_stopped || speed == 0.0 {
+            self.halt("the spindle was commanded to turn or to stop");
+            if speed != 0.0 {
+                self.turn(speed);
+            }
         }
+        if (speed != 0.0 || !keeps)
+            && let Some(place) = self.commanded.get_mut(source as usize)
+        {
+            *place = speed;
+        }
+    }
+
+    /// Turns the spindle round, for the path that follows it.
+    pub(crate) fn turn_round(&mut self, speed: f64) {
+        self.halt("the spindle was commanded to turn or to stop");
+        self.turn(speed);
+        for commanded in self.commanded.iter_mut().filter(|c| **c != 0.0) {
+            *commanded = speed;
+        }
+    }
+
+    fn turn(&mut self, speed: f64) {
+        let on = speed != 0.0;
+        *self = Self { speed, on, brake: !on, is_kept_off: false, ..*self };
+    }
+
+    /// Returns whether somebody else has stopped the spindle since this source turned it.
+    pub(crate) fn is_lost(&self, source: MotionSource) -> bool {
+        let commanded = self.commanded.get(source as usize).copied().unwrap_or_default();
+        commanded != 0.0 && self.speed_out() == 0.0
+    }
+
+    /// Returns the reason why the spindle cannot turn again for this source, if it was stopped; `n` is its number.
+    pub(crate) fn may_restart(&self, source: MotionSource, n: usize) -> Result<(), Refusal> {
+        let n = n as f64;
+        if !self.is_lost(source) {
+            return Ok(());
+        }
+        if self.inputs.inhibit {
+            return Err(Refusal::with(INHIBITED, [n, n, 0.0, 0.0]));
+        }
+        if self.scale == 0.0 {
+            return Err(Refusal::with(NO_OVERRIDE, [n, 0.0, 0.0, 0.0]));
+        }
+        Ok(())
+    }
+
+    /// Turns the spindle as this source has commanded, if it was stopped. Returns whether it was.
+    pub(crate) fn restart(&mut self, source: MotionSource) -> bool {
+        let speed = self.commanded.get(source as usize).copied().unwrap_or_default();
+        let is_lost = self.is_lost(source);
+        if is_lost {
+            self.halt("the spindle was commanded to turn or to stop");
+            self.turn(speed);
+        }
+        is_lost
+    }
+
+    /// Returns the speed of the pin speed-out: with the override, within the spindle's limits, and 0 while it may not turn.
+    fn speed_out(&self) -> f64 {
+        if self.turns() { self.config.limited(self.speed * self.scale) } else { 0.0 }
+    }
+
+    const fn turns(&self) -> bool {
+        self.on && !self.inputs.inhibit && !self.is_kept_off
     }
 
     /// Returns the commanded speed in turns per minute, without override.
@@ -108,17 +187,31 @@ impl Spindle {
         self.brake = brake;
     }
 
+    /// Stops the spindle, and forgets the commands of all sources.
     pub(crate) fn stop(&mut self, why: &'static str) {
+        self.halt(why);
+        (self.commanded, self.is_kept_off) = ([0.0; SOURCES], false);
+    }
+
+    fn halt(&mut self, why: &'static str) {
         if let Orient::Turning { ticket, .. } = self.orient {
             ticket.fail(why);
         }
         *self = Self { speed: 0.0, on: false, brake: true, orient: Orient::Nowhere, ..*self };
     }
 
-    /// Stops the spindle and orients it to an angle; the ticket is done when it is at rest there.
-    pub(crate) fn orient(&mut self, angle: f64, mode: i32, ticket: TicketHandle) {
+    /// Stops the spindle for a source and orients it to an angle; the ticket is done when it is at rest there.
+    pub(crate) fn orient(
+        &mut self,
+        (angle, mode): (f64, i32),
+        source: MotionSource,
+        ticket: TicketHandle,
+    ) {
         let is_again = matches!(self.orient, Orient::Turning { .. });
-        self.stop("the spindle was commanded to orient");
+        self.halt("the spindle was commanded to orient");
+        if let Some(place) = self.commanded.get_mut(source as usize) {
+            *place = 0.0;
+        }
         let orient = Orient::Turning { ticket, is_again, late: 0.0 };
         *self = Self { brake: false, orient, fault: 0, angle, mode, ..*self };
     }
@@ -139,7 +232,10 @@ impl Spindle {
             revs: pins.revs.get(),
             speed: pins.speed_in.get(),
             index_enable: pins.index_enable.get(),
+            inhibit: pins.inhibit.get(),
         };
+        let by_program = self.commanded.get(MotionSource::Task as usize).is_some_and(|c| *c != 0.0);
+        self.is_kept_off |= self.on && self.inputs.inhibit && by_program;
         let Orient::Turning { ticket, is_again, late } = &mut self.orient else { return };
         if core::mem::take(is_again) {
             // An is-oriented that belongs to the previous angle does not count.
@@ -170,7 +266,7 @@ impl Spindle {
 
     /// Returns whether moves need not wait for the spindle.
     pub(crate) fn is_ready(&self, pins: &SpindlePins) -> bool {
-        !self.on || pins.at_speed.get()
+        !self.turns() || pins.at_speed.get()
     }
 
     /// Arms or disarms the handshake with the encoder's index.
@@ -182,8 +278,7 @@ impl Spindle {
 
     /// Writes the pins.
     pub(crate) fn write_pins(&mut self, pins: &SpindlePins) {
-        let runs = self.on && !pins.inhibit.get();
-        let speed = if runs { self.config.limited(self.speed * self.scale) } else { 0.0 };
+        let (runs, speed) = (self.turns(), self.speed_out());
         let orients = matches!(self.orient, Orient::Turning { is_again: false, .. });
         let is_locked = matches!(self.orient, Orient::Locked);
         let state = packed([runs, self.brake, orients, is_locked]);

@@ -2,7 +2,7 @@
 
 use crate::{
     axis::Axis,
-    commands::command::Mode,
+    commands::command::Joints,
     commands::config::TrajConfig,
     commands::refusal::Refusal,
     compensation::Tables,
@@ -14,13 +14,16 @@ use crate::{
     homing::{module::ModuleHoming, sequence::HomingSequence},
     jogger::TravelLimits,
     joint::Joint,
+    names::Names,
     path::{Parked, Path},
     setup::{MAX_JOINTS, Places, Setup},
     source::Origin,
     spindle::Spindle,
     switch::Switch,
+    waits::WaitInProgress,
 };
-use hal_component::{HomingRef, KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle};
+use hal_component::{HomingRef, KinematicsKind, KinematicsRef, Messages, Pose, TicketHandle, Wait};
+use hal_safety::{Event, SafetyMachine};
 use hal_trajectory::Scales;
 use libm::fabs;
 use std::sync::Arc;
@@ -65,6 +68,8 @@ pub(crate) struct Feed {
     pub(crate) net: Scales,
     /// Last products above 0 of override and adaptive feed.
     pub(crate) last: Scales,
+    /// Hold of a pin in this cycle.
+    pub(crate) held: Option<Wait>,
     /// Factors of a retract from a thread, for which holds do not count: `last`, or 0 while the feed is inhibited.
     pub(crate) retract: Scales,
 }
@@ -73,6 +78,7 @@ pub(crate) struct Feed {
 #[derive(Debug)]
 pub(crate) struct State {
     pub(crate) kinematics: KinematicsRef,
+    pub(crate) names: Names,
     pub(crate) switch: Switch,
     pub(crate) say: Messages,
     pub(crate) joints: Vec<Joint>,
@@ -96,8 +102,12 @@ pub(crate) struct State {
     /// Number of tool offsets so far.
     pub(crate) tool_offsets: u32,
     pub(crate) origin: Origin,
-    pub(crate) mode: Mode,
-    pub(crate) enabled: bool,
+    /// Safety machine, which decides on power, orders and stops.
+    pub(crate) machine: SafetyMachine,
+    /// Cause of the ramp in progress.
+    pub(crate) ramp_cause: &'static str,
+    /// Joints whose place is known only by what they were commanded.
+    pub(crate) open_loop: Joints,
     /// Servo period in seconds.
     pub(crate) dt: f64,
     /// Commanded pose of the axes.
@@ -132,6 +142,7 @@ pub(crate) struct State {
     pub(crate) now_ns: i64,
     /// Reason why the axes do not move, for as long as it applies.
     pub(crate) stays: Option<&'static str>,
+    pub(crate) wait: WaitInProgress,
 }
 
 impl State {
@@ -146,6 +157,7 @@ impl State {
         let first_extra = setup.joints - setup.extra_joints;
         let joint = |n| Joint::new(n >= first_extra, setup.unlock_mask >> n & 1 == 1);
         Self {
+            names: Names::of(&kinematics),
             kinematics,
             switch: Switch::default(),
             say,
@@ -167,6 +179,7 @@ impl State {
                 reverse: false,
                 net: Scales::FULL,
                 last: Scales::HOLD,
+                held: None,
                 retract: Scales::HOLD,
             },
             path,
@@ -174,8 +187,9 @@ impl State {
             tool_offset: [0.0; 9],
             tool_offsets: 0,
             origin: Origin::default(),
-            mode: Mode::Free,
-            enabled: false,
+            machine: SafetyMachine::OFF,
+            ramp_cause: "",
+            open_loop: Joints::MAX,
             dt: 0.0,
             pose: [0.0; 9],
             pose_feedback: [0.0; 9],
@@ -197,6 +211,7 @@ impl State {
             has_interlock: false,
             now_ns: 0,
             stays: None,
+            wait: WaitInProgress::default(),
         }
     }
 
@@ -212,7 +227,7 @@ impl State {
     pub(crate) fn note_stops(&mut self, before: &Inputs) {
         let is_locked = before.lockout.is_none() && self.inputs.lockout.is_some();
         if is_locked || before.enable && !self.inputs.enable {
-            self.raise_epoch();
+            self.tell(Event::Cut, "");
         }
     }
 
@@ -235,32 +250,6 @@ impl State {
     /// Returns whether nothing moves and nothing waits to move.
     pub(crate) fn is_idle(&self) -> bool {
         self.path.is_idle() && !self.is_jogging() && !self.is_homing()
-    }
-
-    /// Changes the mode, which requires a machine at rest.
-    pub(crate) fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
-        if mode == self.mode {
-            return Ok(());
-        }
-        let parks = self.mode == Mode::Coord && mode == Mode::Teleop && self.path.can_park();
-        if self.path.parked() != Parked::No {
-            return Err(Refusal::new(
-                "the path is paused: motion.resume goes back to it, motion.abort ends it",
-            ));
-        }
-        if !self.is_idle() && !parks {
-            return Err(Refusal::new("the mode cannot change while the machine moves"));
-        }
-        if mode == Mode::Free {
-            self.needs_no_offset()?;
-        }
-        self.needs_world(mode)?;
-        if parks {
-            self.path.set_parked(Parked::Away(self.pose));
-        }
-        self.mode = mode;
-        self.sync("the mode has changed");
-        Ok(())
     }
 
     /// Resets all planners to the positions of the joints.

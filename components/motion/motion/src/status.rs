@@ -25,6 +25,7 @@ const MOTION: u128 = fields::<MotionStatus>(&[
     "joint_velocity",
     "pose_feedback",
     "axis_to_go",
+    "travelled",
 ]);
 
 /// The snapshot, its last record, and the values from which its other fields were written last.
@@ -34,7 +35,7 @@ pub(crate) struct Status {
     #[state]
     record: MotionStatus,
     #[state]
-    state: Shown<5>,
+    state: Shown<7>,
     #[state]
     spindles: [Shown<4>; MAX_SPINDLES],
 }
@@ -74,6 +75,7 @@ impl Status {
         r.pose = s.pose;
         r.pose_feedback = s.pose_feedback;
         r.axis_to_go = s.path.axis_to_go();
+        r.travelled = s.path.along().0;
         let places = r.joint_position.iter_mut().zip(&mut r.joint_feedback);
         let places = places.zip(&mut r.joint_velocity);
         for (joint, ((position, feedback), velocity)) in s.joints.iter().zip(places) {
@@ -98,7 +100,7 @@ impl Status {
     fn has_changed(&mut self, s: &State, lists: &Lists) -> bool {
         let current = s.path.current();
         let state = packed([
-            s.enabled,
+            s.is_on(),
             s.path.is_idle(),
             s.axes.iter().any(|axis| axis.teleop.tp.active),
             s.feed.adaptive,
@@ -119,11 +121,15 @@ impl Status {
         ]);
         let kind = current.map_or(0, |c| c.kind as u32);
         let mut changed = self.state.changes([
-            state | u64::from(s.mode as u32) << 32 | u64::from(source(s)) << 48,
+            state | u64::from(s.mode() as u32) << 32 | u64::from(source(s)) << 48,
             u64::from(current.map_or(0, |c| c.id)) << 32 | u64::from(kind),
             u64::from(current.map_or(0, |c| c.line)) << 32 | s.path.depth() as u64,
             u64::from(s.tool_offsets) << 32 | u64::from(s.probe.number),
             s.epoch,
+            u64::from(s.wait.kind as u32) << 32
+                | u64::from(s.wait.number.cast_unsigned()) << 8
+                | u64::from(s.wait.is_ramp),
+            u64::from(s.lost_spindles()) << 32 | u64::from(inhibited(s)),
         ]);
         let r = &self.record;
         changed |= differ(lists.analog_in.iter().map(In::get), &r.analog_in);
@@ -183,8 +189,8 @@ pub(crate) struct Cycle {
 fn update(r: &mut MotionStatus, s: &State, lists: &Lists) {
     let current = s.path.current();
     let (homing, jogging) = (s.is_homing(), s.is_jogging());
-    r.enabled = s.enabled;
-    r.mode = s.mode as u32;
+    r.enabled = s.is_on();
+    r.mode = s.mode() as u32;
     r.in_position = s.path.is_idle() && !jogging && !homing;
     r.all_homed = s.is_all_homed();
     r.homing = homing;
@@ -238,7 +244,19 @@ fn update(r: &mut MotionStatus, s: &State, lists: &Lists) {
         put(&mut r.spindle_orient_state, n, state);
         put(&mut r.spindle_orient_fault, n, fault);
     }
+    r.wait = s.wait.kind as u32;
+    r.wait_number = s.wait.number;
+    r.wait_since_ns = s.wait.since_ns;
+    r.wait_ends = s.wait.is_ramp;
+    r.spindles_stopped = s.lost_spindles();
+    r.spindles_inhibited = inhibited(s);
     r.joints = u32::try_from(s.joints.len()).unwrap_or(0);
+}
+
+/// Returns the spindles whose pin inhibit is TRUE.
+fn inhibited(s: &State) -> u32 {
+    let bits = s.spindles.iter().map(|spindle| spindle.inputs.inhibit).enumerate();
+    bits.fold(0, |sum, (n, is)| sum | u32::from(is) << n)
 }
 
 /// Returns the code of the origin of the last motion.

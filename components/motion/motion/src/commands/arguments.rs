@@ -96,6 +96,12 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
         "What part of a joint's velocity and acceleration the correction of backlash or screw \
          errors has, above 0, to 0.9; moves have the rest; at first 0.1 where either is given.",
     ),
+    &Arg::text(
+        "fault-stop",
+        "How a joint ends motion when its limit switch closes, or its following error exceeds the limit: drop, as at first, \
+         cuts the power at once; ramp brakes everything within the limits and then switches off, unless the error reaches \
+         twice its limit.",
+    ),
     &Arg::float(
         "offset-av-ratio",
         "What part of an axis's velocity and acceleration its external offset has, 0 to 0.9; moves \
@@ -153,6 +159,7 @@ pub(crate) const JOINT: &[&str] = &[
     "comp-file",
     "comp-file-type",
     "comp-av-ratio",
+    "fault-stop",
 ];
 pub(crate) const AXIS: &[&str] =
     &["min-limit", "max-limit", "max-velocity", "max-acceleration", "max-jerk", "offset-av-ratio"];

@@ -2,19 +2,9 @@
 
 use crate::commands::config::{AxisConfig, JointConfig, SpindleConfig, TrajConfig};
 use hal_component::{MotionSource, Pose, StopEpoch, TicketHandle};
+pub(crate) use hal_safety::Mode;
+use hal_safety::OrderKind;
 pub(crate) use hal_trajectory::Mode as PathMode;
-
-/// Mode that determines the meaning of jogs and moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Mode {
-    /// Jogs move single joints.
-    #[default]
-    Free,
-    /// Jogs move axes.
-    Teleop,
-    /// Moves take the axes along a path.
-    Coord,
-}
 
 /// Target of a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -199,39 +189,51 @@ pub(crate) enum Command {
     Request(Request, MotionSource, StopEpoch, TicketHandle),
 }
 
-/// Stops after which an order that was given before them is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ends {
-    /// It is never too late for it.
-    Never,
-    /// E-stop, off, abort and faults.
-    Stops,
-    /// All of these, and a pause.
-    Pauses,
-}
-
 impl Request {
-    /// Returns the stops that end this order: those of everything that begins motion, gives power or makes motion possible.
-    pub(crate) const fn ends(&self) -> Ends {
+    /// Returns whether this is a step of a job of the owner of motion.
+    pub(crate) const fn is_of_job(&self) -> bool {
+        matches!(
+            self,
+            Self::Move(_)
+                | Self::PathOutput(_)
+                | Self::Spindle(_)
+                | Self::Orient(..)
+                | Self::Run(_)
+        )
+    }
+
+    /// Returns the order that the safety machine decides on.
+    pub(crate) const fn order(&self) -> OrderKind {
         match self {
+            Self::Enable => OrderKind::Enable,
+            Self::Mode(mode) => OrderKind::Mode(*mode),
+            Self::Home(_) => OrderKind::Home,
+            Self::Unhome(_) => OrderKind::Unhome,
+            Self::Jog(Jog { target: JogTarget::Joint(_), .. }) => {
+                OrderKind::Jog(hal_safety::Jog::Joint)
+            }
+            Self::Jog(Jog { target: JogTarget::Axis(_), .. }) => {
+                OrderKind::Jog(hal_safety::Jog::Axis)
+            }
+            Self::Move(_) => OrderKind::Move,
+            Self::PathOutput(_) => OrderKind::PathOutput,
+            Self::Run(Run::Resume) => OrderKind::Resume,
+            Self::Run(Run::Step) => OrderKind::Step,
+            Self::Run(Run::Reverse) => OrderKind::Reverse,
+            Self::Run(Run::Forward) => OrderKind::Forward,
+            Self::Spindle(change) => OrderKind::Spindle {
+                // A stop is for everybody.
+                drives: !matches!((change.speed, change.brake), (None | Some(0.0), None)),
+                turns: change.turns(),
+                powers: !matches!(change.speed, None | Some(0.0)),
+            },
+            Self::Orient(..) => OrderKind::Orient,
+            Self::Output(_) | Self::OverrideLimits => OrderKind::Setting,
             Self::Disable
             | Self::Abort
             | Self::JogStop(_)
-            | Self::Unhome(_)
             | Self::Feed(_)
-            | Self::Run(Run::Pause) => Ends::Never,
-            Self::Spindle(change) if !change.turns() => Ends::Never,
-            Self::Enable
-            | Self::Mode(_)
-            | Self::Move(_)
-            | Self::PathOutput(_)
-            | Self::Spindle(_)
-            | Self::Orient(..)
-            | Self::Output(_)
-            | Self::OverrideLimits => Ends::Stops,
-            Self::Jog(_)
-            | Self::Home(_)
-            | Self::Run(Run::Resume | Run::Step | Run::Reverse | Run::Forward) => Ends::Pauses,
+            | Self::Run(Run::Pause) => OrderKind::Harmless,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Settings of `motion.configure`.
 
+use hal_safety::Reaction;
+
 /// Fraction of a joint's velocity and acceleration for its correction, if none is set.
 pub(crate) const DEFAULT_SHARE: f64 = 0.1;
 
@@ -21,6 +23,8 @@ pub(crate) struct JointConfig {
     pub(crate) table: Option<usize>,
     /// Fraction of velocity and acceleration that is reserved for the correction, if it was set.
     pub(crate) correction_share: Option<f64>,
+    /// Reaction to a closed limit switch and to a following error.
+    pub(crate) fault_stop: Reaction,
 }
 
 /// Homing settings of a joint, in machine units and seconds.
@@ -77,6 +81,7 @@ impl Default for JointConfig {
             backlash: 0.0,
             table: None,
             correction_share: None,
+            fault_stop: Reaction::Drop,
         }
     }
 }

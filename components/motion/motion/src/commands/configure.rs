@@ -10,6 +10,7 @@ use crate::{
     compensation::{MAX_TABLES, Tables},
 };
 use hal_component::Error;
+use hal_safety::Reaction;
 use std::collections::BTreeMap;
 
 /// Configuration so far.
@@ -104,6 +105,17 @@ impl ConfigCache {
         let range = "above 0, and at most 0.9";
         take(call, "comp-av-ratio", &mut c.correction_share, legal, range)?;
         self.screw(call, &mut c)?;
+        if let Some(text) = call.text("fault-stop") {
+            c.fault_stop = match text.to_ascii_lowercase().as_str() {
+                "drop" => Reaction::Drop,
+                "ramp" => Reaction::Ramp,
+                _ => {
+                    return Err(Error::new(format!(
+                        "fault-stop is '{text}', must be drop or ramp"
+                    )));
+                }
+            };
+        }
         Ok(Command::Joint(n, c))
     }
 

@@ -2,21 +2,23 @@
 
 use crate::{
     commands::command::{
-        Arc, Command, Ends, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Move, Output,
-        Request, Run, Speed, SpindleChange,
+        Arc, Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Move, Output, Request, Run,
+        Speed, SpindleChange,
     },
     commands::refusal::Refusal,
     guards::stop_line::Stop,
     jogger::{By, Jogger, TravelLimits},
-    path::Parked,
+    names::{JointText, Names, joint_text},
     path::order::{Kind, PathMove},
     setup::put,
     state::State,
 };
-use hal_component::{MotionSource, StopEpoch, TicketHandle};
+use hal_component::{MotionSource, TicketHandle};
+use hal_safety::Event;
 use hal_trajectory::Shape;
 
 /// Time at which a ticket is completed.
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Answer {
     /// Now: the command is complete.
     Done,
@@ -33,7 +35,7 @@ impl State {
                     self.joints.get(n).is_some_and(|j| !j.active || config.is_tighter(&j.config)),
                 );
                 if self.joints.get_mut(n).is_some_and(|j| j.configure(config))
-                    && self.enabled
+                    && self.is_on()
                     && self.is_idle()
                 {
                     self.sync("a joint was configured");
@@ -61,17 +63,27 @@ impl State {
                 self.traj = config;
             }
             Command::Request(request, source, given, ticket) => {
-                let says_more = self.inputs.lockout.is_some() && matches!(request, Request::Enable);
-                if self.is_stale(&request, given) && !says_more {
-                    return self.refuse_stale(source, ticket);
+                let taken = self.take(&request, source, given);
+                let rests_late = taken.as_ref().is_ok_and(|taken| taken.rests_late);
+                match taken.and_then(|taken| self.request(request, source, &taken, ticket)) {
+                    Ok(answer) => {
+                        if rests_late {
+                            self.path.pause();
+                        }
+                        if answer == Answer::Done {
+                            ticket.done();
+                        }
+                    }
+                    // The owner of motion has many moves under way at a stop, and tells what is wrong with a step of its job,
+                    // with its line.
+                    Err(why)
+                        if source == MotionSource::Task
+                            && (why.is_stale() || request.is_of_job()) =>
+                    {
+                        why.fail(ticket);
+                    }
+                    Err(why) => why.report(&self.say, ticket),
                 }
-                let admitted = self.admit(&request, source);
-                match admitted.and_then(|()| self.request(request, ticket)) {
-                    Ok(Answer::Done) => ticket.done(),
-                    Ok(Answer::Later) => {}
-                    Err(why) => return why.report(&self.say, ticket),
-                }
-                self.rest_late_move(&request, given);
             }
         }
     }
@@ -84,51 +96,28 @@ impl State {
         }
         // One stop, also where an e-stop has switched off by command and by the interlock.
         self.has_risen |= pulled.has(Stop::Off);
-        // In e-stop the guard switches off, and keeps its cause.
-        if pulled.has(Stop::Off) && self.enabled && self.inputs.lockout.is_none() {
-            self.turn_off(OFF);
-        }
-        if pulled.has(Stop::Abort) {
-            self.abort();
-        }
-        if pulled.has(Stop::Pause) {
-            self.pause();
+        for (stop, event, why) in STOPS {
+            // In e-stop the guard switches off, and keeps its cause.
+            let is_of_guard = stop == Stop::Off && self.inputs.lockout.is_some();
+            if pulled.has(stop) && !is_of_guard {
+                self.tell(event, why);
+            }
         }
     }
 
-    /// Returns whether an order was given before a stop that ends it.
-    fn is_stale(&self, request: &Request, given: StopEpoch) -> bool {
-        let now = self.line.epoch();
-        match request.ends() {
-            Ends::Never => false,
-            Ends::Stops => given.stops != now.stops,
-            Ends::Pauses => given != now,
-        }
-    }
-
-    /// Refuses an order that was given before a stop. The owner of motion has many moves under way at a stop, and knows.
-    fn refuse_stale(&self, source: MotionSource, ticket: TicketHandle) {
-        match source {
-            MotionSource::Task => STALE.fail(ticket),
-            MotionSource::Local | MotionSource::Remote => STALE.report(&self.say, ticket),
-        }
-    }
-
-    /// A move that was given before a pause rests with the path.
-    fn rest_late_move(&mut self, request: &Request, given: StopEpoch) {
-        if matches!(request, Request::Move(_)) && given.pauses != self.line.epoch().pauses {
-            self.path.pause();
-        }
-    }
-
-    fn request(&mut self, request: Request, ticket: TicketHandle) -> Result<Answer, Refusal> {
+    fn request(
+        &mut self,
+        request: Request,
+        source: MotionSource,
+        taken: &hal_safety::Answer,
+        ticket: TicketHandle,
+    ) -> Result<Answer, Refusal> {
         match request {
-            Request::Enable => return self.enable(ticket),
-            // The stop line has switched it off already, and aborted and paused below.
-            Request::Disable => {}
-            Request::Mode(mode) => self.set_mode(mode)?,
+            Request::Enable if taken.powers => return Ok(self.enable(ticket)),
+            // The stop line has switched it off already, and aborted and paused below. The mode has changed.
+            Request::Enable | Request::Disable | Request::Mode(_) | Request::Run(Run::Pause) => {}
             Request::Home(set) => {
-                self.home(set, ticket)?;
+                self.home(set, ticket);
                 return Ok(Answer::Later);
             }
             Request::Unhome(set) => self.unhome(set)?,
@@ -137,13 +126,20 @@ impl State {
             Request::Move(m) => return self.move_to(m, ticket),
             Request::PathOutput(output) if self.path.is_idle() => self.set_output(output),
             Request::PathOutput(output) => self.path.push_output(output)?,
-            Request::Run(run) => self.run(run)?,
+            Request::Run(Run::Resume) => {
+                self.restart_spindles(source)?;
+                self.resume(taken.resume)?;
+            }
+            Request::Run(Run::Step) => {
+                self.restart_spindles(source)?;
+                self.path.run(Run::Step)?;
+            }
+            Request::Run(run) => self.path.run(run)?,
             Request::Abort => return Ok(self.await_stop(ticket)),
-            Request::Spindle(change) => self.change_spindle(change)?,
+            Request::Spindle(change) => self.change_spindle(change, source)?,
             Request::Orient(n, angle, mode) => {
-                self.needs_enabled("the spindle cannot turn: the machine is not enabled")?;
                 if let Some(spindle) = self.spindles.get_mut(n) {
-                    spindle.orient(angle, mode, ticket);
+                    spindle.orient((angle, mode), source, ticket);
                 }
                 return Ok(Answer::Later);
             }
@@ -158,21 +154,8 @@ impl State {
         Ok(Answer::Done)
     }
 
-    fn enable(&mut self, ticket: TicketHandle) -> Result<Answer, Refusal> {
-        if let Some(lockout) = self.inputs.lockout {
-            return Err(lockout.refusal());
-        }
-        if !self.inputs.enable {
-            return Err(Refusal::new("can't enable motion, enable input is false"));
-        }
-        if self.active().next().is_none() {
-            return Err(Refusal::new(
-                "can't enable motion, no joint is configured, see motion.configure",
-            ));
-        }
-        if self.enabled {
-            return Ok(Answer::Done);
-        }
+    /// Switches on; the safety machine has agreed.
+    fn enable(&mut self, ticket: TicketHandle) -> Answer {
         for joint in &mut self.joints {
             joint.error = false;
             joint.track_feedback("the machine was off");
@@ -180,16 +163,11 @@ impl State {
         self.sync("the machine was off");
         self.leave_world();
         self.last_jump.clear();
-        self.enabled = true;
         if self.feed.scale > 1.0 {
             self.feed.scale = 1.0;
         }
         self.enable_ticket = Some(ticket);
-        Ok(Answer::Later)
-    }
-
-    pub(crate) fn needs_enabled(&self, text: &'static str) -> Result<(), Refusal> {
-        if self.enabled { Ok(()) } else { Err(Refusal::new(text)) }
+        Answer::Later
     }
 
     /// Returns the joints of a set; a set of all bits means all active joints.
@@ -206,22 +184,9 @@ impl State {
     }
 
     fn jog(&mut self, jog: Jog, ticket: TicketHandle) -> Result<Answer, Refusal> {
-        self.needs_enabled("cannot jog: the machine is not enabled")?;
-        if self.inputs.jog_inhibit {
-            return Err(Refusal::new("cannot jog while jog-inhibit is active"));
-        }
-        if self.is_homing() {
-            return Err(Refusal::new("cannot jog while homing"));
-        }
-        if matches!(self.path.parked(), Parked::Returns(_) | Parked::Back(_)) {
-            return Err(Refusal::new("cannot jog while the axes go back to their path"));
-        }
         let limits = match jog.target {
             JogTarget::Joint(n) => self.joint_limits(n)?,
-            JogTarget::Axis(letter) => {
-                self.set_mode(Mode::Teleop)?;
-                self.jog_limits(letter)?
-            }
+            JogTarget::Axis(letter) => self.jog_limits(letter)?,
         };
         let Some(jogger) = self.jogger(jog.target) else {
             return Err(Refusal::new("cannot jog: no such joint or axis"));
@@ -238,7 +203,7 @@ impl State {
         {
             let up = target > at;
             if (up && inputs.at_max) || (target < at && inputs.at_min) {
-                return Err(past_switch(n, up));
+                return Err(past_switch(&self.names, n, up));
             }
         }
         let held = (jog.distance != JogDistance::Continuous).then_some(ticket);
@@ -253,7 +218,8 @@ impl State {
         if goes != target {
             match jog.target {
                 JogTarget::Joint(n) => {
-                    self.say.warn("jog of joint {} ends at its limit, {}", &[n as f64, goes]);
+                    let (text, numbers, count) = self.names.with_numbers(&ENDS, n, &[goes]);
+                    self.say.warn(text, numbers.get(..count).unwrap_or_default());
                 }
                 JogTarget::Axis(_) => self.say.warn("jog ends at the axis's limit, {}", &[goes]),
             }
@@ -268,16 +234,15 @@ impl State {
         }
     }
 
-    fn joint_limits(&mut self, n: usize) -> Result<TravelLimits, Refusal> {
+    /// Returns the limits of a jog of a joint, if it jogs by itself.
+    pub(crate) fn joint_limits(&self, n: usize) -> Result<TravelLimits, Refusal> {
         let Some(joint) = self.joints.get(n).filter(|j| j.active) else {
             return Err(not_configured(n));
         };
         if let Some((why, say)) = joint.refuses_jog() {
             return Err(Refusal::joint(why, say, n));
         }
-        let limits = joint.jog_limits();
-        self.set_mode(Mode::Free)?;
-        Ok(limits)
+        Ok(joint.jog_limits())
     }
 
     fn jog_stop(&mut self, target: Option<JogTarget>, ticket: TicketHandle) -> Answer {
@@ -315,8 +280,6 @@ impl State {
     }
 
     fn push(&mut self, m: Move, ticket: TicketHandle) -> Result<(), Refusal> {
-        self.needs_enabled("need to be enabled, in coord mode for linear move")?;
-        self.set_mode(Mode::Coord)?;
         let traj = &self.traj;
         let most = traj.max_acceleration;
         if m.probe.is_some() {
@@ -353,43 +316,11 @@ impl State {
         self.path.push(&self.pose, &m.to, order, Some(ticket))
     }
 
-    fn run(&mut self, run: Run) -> Result<(), Refusal> {
-        if run == Run::Pause {
-            return Ok(());
-        }
-        let is_away = self.path.parked() != Parked::No;
-        if is_away && run != Run::Resume {
-            return Err(Refusal::new("the axes have left the path: motion.resume goes back to it"));
-        }
-        if self.mode != Mode::Coord && run != Run::Resume && run != Run::Forward {
-            return Err(Refusal::new("there is no path: it needs coordinated mode"));
-        }
-        if run == Run::Resume { self.resume() } else { self.path.run(run) }
-    }
-
     /// Plans the rest of the path again if a limit has become tighter. A path that has ended is left in any case.
     fn replan(&mut self, is_tighter: bool) {
         if is_tighter || self.path.is_idle() {
             self.path.replan();
         }
-    }
-
-    /// Brakes everything that moves; the path rests where it comes to a stop.
-    fn pause(&mut self) {
-        self.end_homing("paused");
-        self.stop_jogs("paused");
-        if !self.path.is_idle() {
-            self.path.pause();
-        }
-    }
-
-    fn abort(&mut self) {
-        self.origin.free();
-        let tapping = self.path.abort();
-        self.end_homing("aborted");
-        self.stop_jogs("aborted");
-        let all = self.spindles.iter_mut().enumerate();
-        all.filter(|(n, _)| tapping != Some(*n)).for_each(|(_, s)| s.stop("aborted"));
     }
 
     fn await_stop(&mut self, ticket: TicketHandle) -> Answer {
@@ -399,10 +330,13 @@ impl State {
         Answer::Later
     }
 
-    fn change_spindle(&mut self, change: SpindleChange) -> Result<(), Refusal> {
-        if change.speed.is_some_and(|s| s != 0.0) {
-            self.needs_enabled("the spindle cannot turn: the machine is not enabled")?;
-        }
+    fn change_spindle(
+        &mut self,
+        change: SpindleChange,
+        source: MotionSource,
+    ) -> Result<(), Refusal> {
+        // A program stops a spindle between its moves; a stop by anybody else in the middle of a path is none of the path's.
+        let keeps = source != MotionSource::Task && !self.path.is_idle();
         let Some(spindle) = self.spindles.get_mut(change.spindle) else {
             return Err(Refusal::new("there is no such spindle"));
         };
@@ -410,7 +344,7 @@ impl State {
             spindle.scale = scale;
         }
         if let Some(speed) = change.speed {
-            spindle.turn(speed);
+            spindle.command(speed, source, keeps);
         }
         if let Some(brake) = change.brake {
             spindle.brake(brake);
@@ -438,9 +372,12 @@ impl State {
     }
 }
 
-const OFF: &str = "the machine was switched off";
-
-const STALE: Refusal = Refusal::new("a stop has come meanwhile: give the command again");
+/// Stops that commands ask for, the strongest first, with their causes.
+const STOPS: [(Stop, Event, &str); 3] = [
+    (Stop::Off, Event::Off, "the machine was switched off"),
+    (Stop::Abort, Event::Abort, "aborted"),
+    (Stop::Pause, Event::Pause, "paused"),
+];
 
 const fn not_configured(n: usize) -> Refusal {
     Refusal::joint(
@@ -450,18 +387,14 @@ const fn not_configured(n: usize) -> Refusal {
     )
 }
 
-const fn past_switch(n: usize, up: bool) -> Refusal {
-    if up {
-        Refusal::joint(
-            "cannot jog further past the positive limit switch",
-            "Can't jog joint {} further past max hard limit.",
-            n,
-        )
-    } else {
-        Refusal::joint(
-            "cannot jog further past the negative limit switch",
-            "Can't jog joint {} further past min hard limit.",
-            n,
-        )
-    }
+static ENDS: JointText = joint_text!("jog of ", " ends at its limit, {}");
+static PAST_MAX: JointText = joint_text!("Can't jog ", " further past max hard limit.");
+static PAST_MIN: JointText = joint_text!("Can't jog ", " further past min hard limit.");
+
+fn past_switch(names: &Names, n: usize, up: bool) -> Refusal {
+    let (why, say) = match up {
+        true => ("cannot jog further past the positive limit switch", &PAST_MAX),
+        false => ("cannot jog further past the negative limit switch", &PAST_MIN),
+    };
+    Refusal::joint(why, names.text(say, n).0, n)
 }

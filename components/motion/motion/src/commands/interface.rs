@@ -7,6 +7,7 @@ use crate::{
         Command, FeedChange, Jog, JogDistance, JogTarget, Joints, Mode, Request, SpindleChange,
     },
     commands::configure::{ConfigCache, Target},
+    commands::numbers::{factor, number, share},
     commands::path_rows::PATH_ROWS,
     guards::stop_line::{Stop, StopLine},
     pins::LETTERS,
@@ -138,7 +139,11 @@ It takes effect in the next cycle, before all commands that wait. Orders that we
     },
     Row {
         name: "motion.spindle",
-        doc: "Turns or stops a spindle.",
+        doc: "\
+Turns or stops a spindle.
+
+A stop while a path that needs the spindle is in progress pauses the path: motion.resume turns the spindle again. So does
+`spindle.N.inhibit`.",
         args: &[
             &SPINDLE,
             &Arg::float("speed", "Turns per minute, negative in reverse; 0 stops and brakes."),
@@ -368,37 +373,4 @@ pub(crate) fn letter(text: &str) -> Result<usize, Error> {
         _ => None,
     };
     found.ok_or_else(|| Error::new(format!("axis '{text}' is none of x y z a b c u v w")))
-}
-
-pub(super) fn number(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
-    match call.float(name) {
-        Some(v) if !v.is_finite() => {
-            Err(Error::new(format!("{name} is {v}, must be a finite number")))
-        }
-        given => Ok(given),
-    }
-}
-
-pub(super) fn above(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
-    match number(call, name)? {
-        Some(v) if v <= 0.0 => Err(Error::new(format!("{name} is {v}, must be above 0"))),
-        given => Ok(given),
-    }
-}
-
-pub(super) fn factor(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
-    match number(call, name)? {
-        Some(v) if v < 0.0 => Err(Error::new(format!("{name} is {v}, must be 0 or more"))),
-        given => Ok(given),
-    }
-}
-
-/// Returns a factor from 0 to 1.
-fn share(call: &Call<'_>, name: &str) -> Result<Option<f64>, Error> {
-    match number(call, name)? {
-        Some(v) if !(0.0..=1.0).contains(&v) => {
-            Err(Error::new(format!("{name} is {v}, must be 0 to 1")))
-        }
-        given => Ok(given),
-    }
 }

@@ -5,7 +5,8 @@ use crate::{
     commands::command::{
         Arc, Follows, Move, Output, PathMode, Probe, Request, Run, Speed, Sync as SpindleSync,
     },
-    commands::interface::{CommandInterface, EPOCH, Row, above, factor, number, within},
+    commands::interface::{CommandInterface, EPOCH, Row, within},
+    commands::numbers::{above, factor, number},
     pins::LETTERS,
 };
 use hal_component::{Arg, Error, abi::ArgSpec};
@@ -191,7 +192,10 @@ the path.",
     },
     Row {
         name: "motion.resume",
-        doc: "Goes on along the path after motion.pause or motion.step.",
+        doc: "\
+Goes on along the path after motion.pause, motion.step or the stop of a spindle that the path needs.
+
+Such a spindle turns again first, and the path waits for its at-speed. It is refused while `spindle.N.inhibit` is TRUE.",
         args: &[&EPOCH],
         read: |_, _| Ok(Request::Run(Run::Resume)),
     },

@@ -41,6 +41,11 @@ impl Refusal {
         self
     }
 
+    /// Returns whether a stop has come since the command was given.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.text == hal_safety::Refused::Stale.text()
+    }
+
     pub(crate) fn fail(self, ticket: TicketHandle) {
         ticket.fail_with(self.text, &self.numbers);
     }

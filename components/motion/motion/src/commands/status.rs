@@ -5,14 +5,19 @@ use crate::{
     guards::stops::Stop,
     pins::{JointPins, LETTERS, Pins},
 };
-use hal_component::{Builder, Call, Error, MotionStatus, Receiver, SnapshotReader};
+use hal_component::{
+    Arg, Builder, Call, Error, MotionStatus, Receiver, SnapshotReader, Wait, abi::ArgSpec,
+};
 use std::sync::{Arc, Mutex, PoisonError};
 
 const DOC: &str = "\
 Tells how the machine is: one line for all, one per joint that takes part, one per axis that is not
 at zero. After a joint would have jumped, one line says where, how far and what moved it, until the
-machine is switched on again. At the end, one line for each stop since the last motion.status: its
-time and its cause.";
+machine is switched on again. While motion waits at rest, one line says for what, since when, and how to go on. At the
+end, one line for each stop since the last motion.status: its time and its cause.";
+
+const STOPS: ArgSpec =
+    Arg::bit("stops", "FALSE: leaves the stops to the next motion.status.").or("TRUE");
 
 /// Declares the command.
 pub(crate) fn open(
@@ -23,8 +28,11 @@ pub(crate) fn open(
     stops: Receiver<Stop>,
 ) -> Result<(), Error> {
     let stops = Mutex::new(stops);
-    b.command("motion.status", DOC, &[], move |call| {
+    b.command("motion.status", DOC, &[&STOPS], move |call| {
         tell(&pins, status.get().as_ref(), &last_jump, call);
+        if call.bit("stops") == Some(false) {
+            return Ok(());
+        }
         let mut stops = stops.lock().unwrap_or_else(PoisonError::into_inner);
         read_stops(&mut stops).iter().for_each(|line| call.reply(line));
         Ok(())
@@ -59,6 +67,9 @@ fn tell(pins: &Pins, status: Option<&MotionStatus>, last_jump: &LastJump, call: 
         g.current_vel.get(),
         g.distance_to_go.get(),
     ));
+    if let Some(line) = status.and_then(wait_line) {
+        call.reply(&line);
+    }
     if let Some(jump) = last_jump.get() {
         call.reply(&format!(
             "jump joint={} from={:.6} to={:.6} allowed={:.6} by {}",
@@ -73,6 +84,17 @@ fn tell(pins: &Pins, status: Option<&MotionStatus>, last_jump: &LastJump, call: 
     for (letter, axis) in LETTERS.iter().zip(&pins.axes).filter(|(_, a)| a.pos_cmd.get() != 0.0) {
         call.reply(&format!("axis {letter} position={:.6}", axis.pos_cmd.get()));
     }
+}
+
+/// Returns the line about what motion waits for, as `task.status` has it.
+fn wait_line(status: &MotionStatus) -> Option<String> {
+    let (wait, number) = (Wait::of(status.wait), status.wait_number);
+    let until = if status.wait_ends { "itself" } else { "never" };
+    (wait != Wait::Nothing).then(|| {
+        let (name, text) = (wait.name(), wait.text("motion", number));
+        let since = status.wait_since_ns as f64 / 1e9;
+        format!("wait for={name} number={number} since={since:.3} until={until} {text}")
+    })
 }
 
 fn line(n: usize, joint: &JointPins, homed: bool) -> String {

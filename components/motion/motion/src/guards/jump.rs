@@ -14,7 +14,7 @@ use crate::{
 impl State {
     /// Writes the commands of this cycle, or none of them if one would jump.
     pub(crate) fn put_out(&mut self, dt: f64) {
-        let enabled = self.enabled;
+        let enabled = self.is_on();
         let mut passed = [(MotorCommand::default(), Steps::default()); MAX_JOINTS];
         for (joint, place) in self.joints.iter().zip(&mut passed) {
             let command = joint.command(enabled);
@@ -34,13 +34,14 @@ impl State {
         let mut cause = None;
         for n in 0..self.joints.len() {
             let Some(joint) = self.joints.get(n) else { continue };
-            let Err(jump) = joint.step_guard.judge(&joint.command(self.enabled), dt) else {
+            let Err(jump) = joint.step_guard.judge(&joint.command(self.is_on()), dt) else {
                 continue;
             };
             let mover = if jump.is_of_correction { Mover::Correction } else { self.mover(n) };
             let words = words(mover);
             let [from, to] = [jump.from, jump.to].map(|place| rounded(place, 1e9));
-            self.say.error(words.say, &[n as f64, from, to, rounded(jump.allowed, 1e12)]);
+            let numbers = [from, to, rounded(jump.allowed, 1e12)];
+            self.names.error(&self.say, &words.say, n, &numbers);
             if cause.is_none() {
                 self.last_jump.set(n, mover, jump);
             }
@@ -63,7 +64,7 @@ impl State {
             return Mover::PosthomeCmd;
         }
         let offset = self.axes.iter().any(|a| a.offset.moves());
-        match self.mode {
+        match self.mode() {
             Mode::Free => match joint.free.by {
                 By::Command => Mover::Jog,
                 By::Wheel => Mover::Wheel,

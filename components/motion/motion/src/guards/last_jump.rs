@@ -1,6 +1,9 @@
 //! Realtime. Record of the jump that switched the machine off: the joint, its intended step, and the source of the motion.
 
-use crate::guards::step::Jump;
+use crate::{
+    guards::step::Jump,
+    names::{JointText, joint_text},
+};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Source of a joint's motion, in the order of [`WORDS`].
@@ -22,7 +25,7 @@ pub(crate) enum Mover {
 /// Texts for a source: for tickets, for the operator, and by itself.
 pub(crate) struct Words {
     pub(crate) cause: &'static str,
-    pub(crate) say: &'static str,
+    pub(crate) say: JointText,
     name: &'static str,
 }
 
@@ -30,10 +33,13 @@ macro_rules! words {
     ($name:literal) => {
         Words {
             cause: concat!("a joint would have jumped: ", $name),
-            say: concat!(
-                "joint {} would jump from {} to {} in one cycle, where at most {} is allowed: ",
-                $name,
-                "; the machine is switched off"
+            say: joint_text!(
+                "",
+                concat!(
+                    " would jump from {} to {} in one cycle, where at most {} is allowed: ",
+                    $name,
+                    "; the machine is switched off"
+                )
             ),
             name: $name,
         }

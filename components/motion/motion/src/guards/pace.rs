@@ -66,7 +66,7 @@ impl State {
     }
 
     fn slow_down(&mut self, factor: f64, before: &Pose) {
-        match self.mode {
+        match self.mode() {
             // In coordinated mode the planner has proved the path; the offsets alone move less.
             Mode::Free | Mode::Coord => {}
             Mode::Teleop => {

@@ -1,8 +1,8 @@
 //! Realtime. The stop line: stops that are commanded, and the stop epoch by which orders from before them are refused.
 //!
-//! A stop does not wait behind the commands before it. Whoever commands one pulls the line ([`StopLine::pull`]), which raises
-//! the epoch at once, and the next cycle of the controller acts on it before it takes any command. Commands from before the
-//! stop are still in the queue then, and are refused by their epoch.
+//! A stop does not wait behind the commands before it. The command of a stop pulls the line ([`StopLine::pull`]), which
+//! raises the epoch at once, and the next cycle of the controller acts on it before it takes any command. Commands from
+//! before the stop are still in the queue then, and are refused by their epoch.
 
 use crate::commands::command::{Request, Run};
 use hal_component::StopEpoch;

@@ -1,98 +1,128 @@
-//! Realtime. Causes that switch the machine off.
+//! Realtime. Causes that switch the machine off, by a drop or by a ramp.
 
-use crate::{commands::refusal::Refusal, joint::Joint, pins::Pins, state::State};
+use crate::{
+    guards::interlock::Lockout,
+    names::{JointText, joint_text},
+    pins::Pins,
+    state::State,
+};
+use hal_safety::{Answer, Event, Stop, Trouble};
+
+static ON_SWITCH: JointText = joint_text!("", " on limit switch error");
+static AMPLIFIER: JointText = joint_text!("", " amplifier fault");
+static FOLLOWING: JointText = joint_text!("", " following error");
+
+/// Causes of this cycle: the first one that stops something, and the strongest stop.
+#[derive(Default)]
+struct FoundCauses {
+    cause: Option<&'static str>,
+    answer: Answer,
+    /// True if the joints braked after a fault before: soft faults were told then.
+    was_stopping: bool,
+}
 
 impl State {
     /// Checks every cause to switch off; completes the ticket of the enable command.
     pub(crate) fn guard(&mut self, pins: &Pins) {
-        if self.enabled
-            && let Some(cause) = self.cause(pins)
-        {
-            self.stop_for(cause);
+        if self.is_on() {
+            let mut found =
+                FoundCauses { was_stopping: self.is_stopping(), ..FoundCauses::default() };
+            self.judge_machine(pins, &mut found);
+            let is_troubled = |j: &crate::joint::Joint| {
+                let inputs = &j.inputs;
+                inputs.at_max | inputs.at_min | inputs.amp_fault | j.was_ferrored
+            };
+            if self.joints.iter().any(is_troubled) {
+                self.judge_joints(&mut found);
+            }
+            for (n, _) in pins.lists.misc_errors.iter().enumerate().filter(|(_, e)| e.get()) {
+                self.say.error("Motion Stopped by misc error {}", &[n as f64]);
+                self.find(&mut found, Trouble::Hard, "motion stopped by misc error");
+            }
+            if let Some(cause) = found.cause {
+                self.stops.keep(self.now_ns, cause);
+                self.obey(&found.answer, cause);
+            }
         }
         if let Some(ticket) = self.enable_ticket.take() {
             ticket.done();
         }
     }
 
-    /// Returns the first cause to switch off; reports all causes to the operator.
-    fn cause(&mut self, pins: &Pins) -> Option<&'static str> {
-        let mut cause = None;
+    /// Reports an e-stop, a missing enable input, and faults of spindles.
+    fn judge_machine(&mut self, pins: &Pins, found: &mut FoundCauses) {
         if let Some(lockout) = self.inputs.lockout {
-            self.say.error(lockout.cause(), &[]);
-            cause.get_or_insert(lockout.cause());
+            match lockout {
+                // What somebody has commanded is no error.
+                Lockout::Commanded => self.say.notice(lockout.cause(), &[]),
+                Lockout::Open => self.say.error(lockout.cause(), &[]),
+            }
+            self.find(found, Trouble::Hard, lockout.cause());
         } else if !self.inputs.enable {
             self.say.error("motion stopped by enable input", &[]);
-            cause.get_or_insert("motion stopped by enable input");
+            self.find(found, Trouble::Hard, "motion stopped by enable input");
         }
         for (n, _) in pins.spindles.iter().enumerate().filter(|(_, s)| s.amp_fault_in.get()) {
             self.say.error("spindle {} amplifier fault", &[n as f64]);
-            cause.get_or_insert("spindle amplifier fault");
+            self.find(found, Trouble::Hard, "spindle amplifier fault");
         }
-        let troubled = |j: &Joint| {
-            let inputs = &j.inputs;
-            inputs.at_max | inputs.at_min | inputs.amp_fault | j.was_ferrored
-        };
-        if self.joints.iter().any(troubled) {
-            self.judge_joints(&mut cause);
-        }
-        for (n, _) in pins.lists.misc_errors.iter().enumerate().filter(|(_, e)| e.get()) {
-            self.say.error("Motion Stopped by misc error {}", &[n as f64]);
-            cause.get_or_insert("motion stopped by misc error");
-        }
-        cause
     }
 
     /// Reports joints on switches, with faults, or with following errors.
-    fn judge_joints(&mut self, cause: &mut Option<&'static str>) {
-        for (n, joint) in self.joints.iter_mut().enumerate().filter(|(_, j)| j.active) {
+    fn judge_joints(&mut self, found: &mut FoundCauses) {
+        for n in 0..self.joints.len() {
+            let Some(joint) = self.joints.get(n).filter(|j| j.active) else { continue };
             let on_switch = joint.inputs.at_max || joint.inputs.at_min;
-            let mut trip = |text, why| {
-                self.say.error(text, &[n as f64]);
-                joint.error = true;
-                cause.get_or_insert(why);
-            };
+            let (by, has_fault) = (joint.config.fault_stop, joint.inputs.amp_fault);
             if on_switch && !self.overriding && !joint.homing.has_limits() {
-                trip("joint {} on limit switch error", "joint on limit switch error");
+                self.trip(found, n, Trouble::Limit(by), &ON_SWITCH, "joint on limit switch error");
             }
-            if joint.inputs.amp_fault {
-                trip("joint {} amplifier fault", "joint amplifier fault");
+            if has_fault {
+                self.trip(found, n, Trouble::Hard, &AMPLIFIER, "joint amplifier fault");
             }
         }
-        for (n, joint) in self.joints.iter_mut().enumerate().filter(|(_, j)| j.is_ferrored()) {
-            self.say.error("joint {} following error", &[n as f64]);
-            joint.error = true;
-            cause.get_or_insert("joint following error");
+        for n in 0..self.joints.len() {
+            let Some(joint) = self.joints.get(n).filter(|j| j.is_ferrored()) else { continue };
+            let error = libm::fabs(joint.ferror);
+            let twice = error.is_nan() || error >= 2.0 * joint.ferror_limit;
+            let trouble = Trouble::Following { by: joint.config.fault_stop, twice };
+            self.trip(found, n, trouble, &FOLLOWING, "joint following error");
         }
     }
 
-    /// Switches the machine off for a cause that is kept.
+    /// Reports the trouble of a joint, once in a ramp, and lets the safety machine decide.
+    fn trip(
+        &mut self,
+        found: &mut FoundCauses,
+        n: usize,
+        trouble: Trouble,
+        say: &'static JointText,
+        cause: &'static str,
+    ) {
+        let Some(joint) = self.joints.get_mut(n) else { return };
+        let was_told = core::mem::replace(&mut joint.error, true);
+        let stop = self.find(found, trouble, cause);
+        if !(found.was_stopping && was_told && stop == Stop::None) {
+            self.names.error(&self.say, say, n, &[]);
+        }
+    }
+
+    /// Lets the safety machine decide on a trouble; keeps the first cause and the strongest stop.
+    fn find(&mut self, found: &mut FoundCauses, trouble: Trouble, cause: &'static str) -> Stop {
+        let facts = self.facts();
+        let answer = self.machine.on(Event::Trouble(trouble), &facts);
+        if answer.stop > Stop::None {
+            found.cause.get_or_insert(cause);
+        }
+        if answer.stop > found.answer.stop {
+            found.answer = answer;
+        }
+        answer.stop
+    }
+
+    /// Switches the machine off at once for a cause that is kept.
     pub(crate) fn stop_for(&mut self, cause: &'static str) {
         self.stops.keep(self.now_ns, cause);
-        self.raise_epoch();
-        self.turn_off(cause);
-    }
-
-    /// Switches the machine off: all motion ends, and all tickets that wait for motion are refused.
-    pub(crate) fn turn_off(&mut self, cause: &'static str) {
-        self.enabled = false;
-        self.count_hard_stop();
-        self.path.clear(Refusal::new(cause));
-        self.end_homing(cause);
-        for joint in &mut self.joints {
-            joint.homing.homed &= !joint.config.home.is_volatile;
-            joint.track_feedback(cause);
-        }
-        self.unhome_volatile();
-        for axis in &mut self.axes {
-            axis.teleop.reset(axis.teleop.tp.pos, cause);
-        }
-        for spindle in &mut self.spindles {
-            spindle.stop(cause);
-        }
-        if let Some(ticket) = self.enable_ticket.take() {
-            ticket.fail(cause);
-        }
-        self.override_moved = false;
+        self.tell(Event::Trouble(Trouble::Hard), cause);
     }
 }

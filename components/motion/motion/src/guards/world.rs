@@ -3,6 +3,7 @@
 
 use crate::{commands::command::Mode, commands::refusal::Refusal, setup::Places, state::State};
 use hal_component::KinematicsKind;
+use hal_safety::Event;
 use libm::fabs;
 
 /// Rounding error of a position, relative to it.
@@ -79,10 +80,11 @@ impl State {
     /// Returns to free mode when a machine whose axes cannot move is switched on, or gains a joint, in a mode that
     /// moves axes.
     pub(crate) fn leave_world(&mut self) {
-        let Err(why) = self.needs_world(self.mode) else { return };
+        let Err(why) = self.needs_world(self.mode()) else { return };
         why.say(&self.say);
         self.say.warn("the machine is in free mode now", &[]);
-        self.mode = Mode::Free;
+        let facts = self.facts();
+        self.machine.on(Event::NoPlace, &facts);
         self.sync(why.text());
     }
 

@@ -15,6 +15,7 @@ use crate::{
     state::State,
 };
 use hal_component::{TicketHandle, abi::homing_call};
+use hal_safety::Event;
 
 /// Time in which a module must begin to home a joint, in seconds.
 const TIMEOUT: f64 = 1.0;
@@ -50,7 +51,7 @@ impl State {
     /// Has the module write its pins, after the joints.
     pub(crate) fn write_module_pins(&mut self) {
         let Some(module) = &mut self.module else { return };
-        module.put(&self.joints, self.enabled);
+        module.put(&self.joints, self.machine.is_on());
         module.service.call(homing_call::WRITE_PINS, 0);
     }
 
@@ -69,7 +70,7 @@ impl State {
             joint.homing.await_module();
         }
         module.request = Some(Request { set, waiting: set, ticket, has_run: false, quiet: 0.0 });
-        module.put(&self.joints, self.enabled);
+        module.put(&self.joints, self.machine.is_on());
         module.has_records = true;
         if is_all {
             module.service.call(homing_call::HOME, -1);
@@ -94,7 +95,7 @@ impl State {
                 let text = self.module.as_ref().map_or("", |m| m.texts.unfinished);
                 self.say.error(text, &[n as f64]);
                 self.stops.keep(self.now_ns, UNFINISHED);
-                self.end_homing(UNFINISHED);
+                self.tell(Event::HomingFailed, UNFINISHED);
             }
             Ended::Failed(n, why) => self.fail_homing(n, why),
             Ended::Wrong(n, why) => {
@@ -119,7 +120,7 @@ impl State {
 
     fn run_module(&mut self, dt: f64) -> Ended {
         let Some(module) = &mut self.module else { return Ended::No };
-        let runs = self.enabled && self.mode == Mode::Free;
+        let runs = self.machine.is_on() && self.machine.mode() == Mode::Free;
         let is_asked = module.request.is_some();
         let mut is_active = false;
         if runs {
@@ -200,7 +201,7 @@ impl State {
     /// Aborts all homing of the module. Joints that were being homed are not homed, whatever it says of them.
     pub(crate) fn cancel_module(&mut self, why: &'static str) {
         let Some(module) = &mut self.module else { return };
-        module.put(&self.joints, self.enabled);
+        module.put(&self.joints, self.machine.is_on());
         for (n, joint) in self.joints.iter().enumerate().filter(|(_, j)| j.active) {
             if joint.homing.is_module_at_work() {
                 module.distrusted |= 1 << n;
@@ -217,8 +218,9 @@ impl State {
     /// Unhomes joints of the module.
     pub(crate) fn unhome_by_module(&mut self, set: Joints) -> Result<(), Refusal> {
         let Some(module) = &mut self.module else { return Ok(()) };
-        module.put(&self.joints, self.enabled);
-        let what = if self.enabled { homing_call::UNHOME_FREE } else { homing_call::UNHOME_OFF };
+        module.put(&self.joints, self.machine.is_on());
+        let what =
+            if self.machine.is_on() { homing_call::UNHOME_FREE } else { homing_call::UNHOME_OFF };
         each(set, |n| {
             module.service.call(what, n);
         });
@@ -246,6 +248,19 @@ impl State {
         }
         module.put(&self.joints, false);
         module.service.call(homing_call::UNHOME_OFF, -2);
+        let kept = (0..self.joints.len()).filter(|n| module.service.state(*n).is_homed());
+        module.distrusted |= set & kept.fold(0, |kept, n| kept | 1 << n);
+    }
+}
+
+impl State {
+    /// Unhomes joints of the module that a gap in time has unhomed, whatever it says of them.
+    pub(crate) fn unhome_for_gap(&mut self, set: Joints) {
+        let Some(module) = self.module.as_mut().filter(|_| set != 0) else { return };
+        module.put(&self.joints, self.machine.is_on());
+        each(set, |n| {
+            module.service.call(homing_call::UNHOME_OFF, n);
+        });
         let kept = (0..self.joints.len()).filter(|n| module.service.state(*n).is_homed());
         module.distrusted |= set & kept.fold(0, |kept, n| kept | 1 << n);
     }

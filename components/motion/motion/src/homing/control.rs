@@ -1,35 +1,25 @@
 //! Realtime. Homing of the machine: when joints may be homed or unhomed, and what ends it.
 
 use crate::{
-    commands::command::{Joints, Mode},
+    commands::command::Joints,
     commands::refusal::Refusal,
     homing::error::HomingError,
-    homing::sequence::{HomingSequence, Progress, check, has, with_partners},
+    homing::sequence::{HomingSequence, Progress, has, with_partners},
     state::State,
 };
 use hal_component::TicketHandle;
+use hal_safety::Event;
 
 impl State {
-    /// Begins to home joints; the ticket is done when all are homed.
-    pub(crate) fn home(&mut self, set: Joints, ticket: TicketHandle) -> Result<(), Refusal> {
-        self.needs_enabled("cannot home: the machine is not enabled")?;
-        if self.inputs.homing_inhibit {
-            return Err(Refusal::new("homing denied by motion.homing-inhibit"));
-        }
-        if self.homing.is_some() || self.is_module_asked() {
-            return Err(Refusal::new("cannot home: homing is under way"));
-        }
-        let asked = self.wanted(set)?;
+    /// Begins to home joints, of which the safety machine has agreed; the ticket is done when all are homed.
+    pub(crate) fn home(&mut self, set: Joints, ticket: TicketHandle) {
+        // It was checked as the request was.
+        let Ok(asked) = self.wanted(set) else { return };
         if self.module.is_some() {
-            self.set_mode(Mode::Free)?;
-            self.home_by_module(asked, set == Joints::MAX, ticket);
-            return Ok(());
+            return self.home_by_module(asked, set == Joints::MAX, ticket);
         }
         let set = with_partners(&self.joints, asked);
-        check(&self.joints, set)?;
-        self.set_mode(Mode::Free)?;
         self.homing = Some(HomingSequence::begin(&mut self.joints, set, ticket));
-        Ok(())
     }
 
     /// Runs one cycle of all joints that are being homed.
@@ -54,7 +44,7 @@ impl State {
         let code = self.joints.get(n).map_or(0, |j| j.homing.code());
         self.say.error(why.say(), &[n as f64, f64::from(code)]);
         self.stops.keep(self.now_ns, why.text());
-        self.end_homing(why.text());
+        self.tell(Event::HomingFailed, why.text());
     }
 
     /// Aborts homing, and brakes.
@@ -71,12 +61,6 @@ impl State {
 
     pub(crate) fn unhome(&mut self, set: Joints) -> Result<(), Refusal> {
         let set = self.wanted(set)?;
-        if !self.is_idle() {
-            return Err(Refusal::new("cannot unhome while the machine moves"));
-        }
-        if self.enabled {
-            self.set_mode(Mode::Free)?;
-        }
         self.unhome_by_module(set)?;
         for (n, joint) in self.joints.iter_mut().enumerate() {
             if has(set, n) {

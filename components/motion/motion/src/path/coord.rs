@@ -3,13 +3,14 @@
 
 use super::{Drive, Parked, order::PathSetup};
 use crate::{
-    commands::command::{Mode, Run},
+    commands::command::Run,
     commands::refusal::Refusal,
     jogger::By,
     setup::put,
     state::{ProbeResult, State},
 };
-use hal_component::Pose;
+use hal_component::{MotionSource, Pose};
+use hal_safety::{Event, Resume, Stop};
 
 impl State {
     /// Runs a cycle of coordinated mode.
@@ -19,14 +20,15 @@ impl State {
             self.path.begin(setup);
         }
         let before = self.pose;
+        let (scales, retract) = self.held_scales();
         let pace = self.follow_spindle(dt);
         let drive = Drive {
             dt,
-            scales: self.feed.net,
-            retract: self.feed.retract,
-            retract_top: self.top_speed(self.feed.retract.feed),
+            scales,
+            retract,
+            retract_top: self.top_speed(retract.feed),
             reverse: self.feed.reverse,
-            top: self.top_speed(self.feed.net.feed),
+            top: self.top_speed(scales.feed),
             may_begin: self.at_speed,
             probe: self.inputs.probe,
             pace,
@@ -38,14 +40,14 @@ impl State {
             self.keep_probed(&before);
         }
         if let Some(why) = self.path.take_failed() {
-            why.say(&self.say);
+            self.say_of_path(why);
         }
         while let Some(output) = self.path.due() {
             self.set_output(output);
         }
         if let Some(why) = self.path.take_refused() {
             self.coord_error = true;
-            why.say(&self.say);
+            self.say_of_path(why);
         }
         if let Err(why) = self.place(&before, dt) {
             self.path.clear(why);
@@ -55,6 +57,13 @@ impl State {
             const WHY: &str = "an external offset takes a joint beyond its limit: the move ends";
             self.path.abort_with(Refusal::new(WHY));
             self.say.error(WHY, &[]);
+        }
+    }
+
+    /// Tells the operator why a move has failed. The owner of motion learns it from the move, and tells it with the line.
+    pub(super) fn say_of_path(&self, why: Refusal) {
+        if self.path_source() != MotionSource::Task {
+            why.say(&self.say);
         }
     }
 
@@ -71,16 +80,13 @@ impl State {
         self.probe = ProbeResult { number, found: true, measured, commanded: *commanded };
     }
 
-    /// Sends the axes back to a path that they have left, or ends the pause of one that they follow.
-    pub(crate) fn resume(&mut self) -> Result<(), Refusal> {
-        let place = match self.path.parked() {
-            Parked::No => return self.path.run(Run::Resume),
-            Parked::Returns(_) | Parked::Back(_) => return Ok(()),
-            Parked::Away(place) => place,
+    /// Ends the pause of a path, or sends the axes back to one that they have left.
+    pub(crate) fn resume(&mut self, resume: Resume) -> Result<(), Refusal> {
+        let place = match (resume, self.path.parked()) {
+            (Resume::Path, _) => return self.path.run(Run::Resume),
+            (Resume::Return, Parked::Away(place)) => place,
+            _ => return Ok(()),
         };
-        if self.is_jogging() {
-            return Err(Refusal::new("cannot resume while an axis jogs"));
-        }
         for (n, to) in place.iter().enumerate() {
             if self.pose.get(n).is_some_and(|at| at.to_bits() != to.to_bits()) {
                 let limits = self.jog_limits(n)?;
@@ -99,8 +105,11 @@ impl State {
             Parked::No | Parked::Away(_) => {}
             Parked::Returns(_) if self.is_jogging() => {}
             Parked::Returns(place) => {
-                let near = |(at, to): (&f64, &f64)| libm::fabs(at - to) <= BACK;
-                let is_back = self.pose.iter().zip(&place).all(near);
+                let dt = self.dt;
+                let mut axes = self.axes.iter().zip(self.pose.iter().zip(&place));
+                let is_back = axes.all(|(axis, (at, to))| {
+                    libm::fabs(at - to) <= BACK + axis.teleop.tp.deadband(dt)
+                });
                 self.path.set_parked(if is_back {
                     Parked::Back(place)
                 } else {
@@ -109,7 +118,9 @@ impl State {
             }
             Parked::Back(_) => {
                 self.path.set_parked(Parked::No);
-                self.mode = Mode::Coord;
+                let facts = self.facts();
+                // The path stays as it is.
+                self.machine.on(Event::Back, &facts);
                 self.path.resume_soon();
             }
         }
@@ -117,12 +128,10 @@ impl State {
 
     /// A probe that trips during a jog or homing ends it.
     pub(crate) fn trip_probe(&mut self) {
-        if self.is_homing() {
-            self.end_homing("the probe tripped during homing");
-            self.say.error("the probe tripped during homing", &[]);
-        } else if self.is_jogging() {
-            self.stop_jogs("the probe tripped during a jog");
-            self.say.error("the probe tripped during a jog", &[]);
+        let (homing, jog) = ("the probe tripped during homing", "the probe tripped during a jog");
+        let why = if self.is_homing() { homing } else { jog };
+        if self.tell(Event::Probe, why).stop != Stop::None {
+            self.say.error(why, &[]);
         }
     }
 
@@ -164,7 +173,8 @@ impl State {
     }
 }
 
-/// Distance from a path at which axes count as back on it, in units; the first cycle on the path closes it.
+/// Distance from a path at which axes count as back on it, in units, beside the deadband of their planners; the first cycle
+/// on the path closes it.
 const BACK: f64 = 2e-6;
 
 /// Distance from the path in exact mode, in millimetres.

@@ -25,7 +25,7 @@ impl Image {
 }
 
 /// Returns the axis that each joint follows: the one whose unit moves it by a unit.
-fn axes_of_joints(kinematics: &KinematicsRef) -> [Option<usize>; MAX_JOINTS] {
+pub(crate) fn axes_of_joints(kinematics: &KinematicsRef) -> [Option<usize>; MAX_JOINTS] {
     let mut axes = [None; MAX_JOINTS];
     let mut zero = [0.0; MAX_JOINTS];
     if kinematics.inverse(&[0.0; AXES], &mut zero).is_err() {

@@ -83,18 +83,18 @@ fn joints(
     let direct = image.axes_of_joints().is_some();
     if direct {
         for t in (0..3).flat_map(|n| (0..2).filter_map(move |k| sweep.extreme(n, k))) {
-            inside(setup, &from, &at(t)?, order, false)?;
+            inside(setup, image, &from, &at(t)?, (order, false))?;
         }
     } else {
         let parts = (sweep.length() / SAMPLE).ceil();
         let parts = if parts > SAMPLES.0 { parts.min(SAMPLES.1) } else { SAMPLES.0 };
         let mut t = 1.0;
         while t < parts {
-            inside(setup, &from, &at(t / parts)?, order, false)?;
+            inside(setup, image, &from, &at(t / parts)?, (order, false))?;
             t += 1.0;
         }
     }
-    inside(setup, &from, &at(1.0)?, order, true)
+    inside(setup, image, &from, &at(1.0)?, (order, true))
 }
 
 fn solved(image: &Image, pose: &Pose, line: u32) -> Result<Joints, Refusal> {
@@ -110,10 +110,10 @@ fn solved(image: &Image, pose: &Pose, line: u32) -> Result<Joints, Refusal> {
 /// Refuses joint positions beyond a limit, and motion of a joint that is not configured.
 fn inside(
     setup: &PathSetup,
+    image: &Image,
     from: &Joints,
     places: &Joints,
-    order: &PathMove,
-    is_end: bool,
+    (order, is_end): (&PathMove, bool),
 ) -> Result<(), Refusal> {
     let line = f64::from(order.line);
     let limits = setup.joint_min.iter().zip(&setup.joint_max).zip(&setup.joint_active);
@@ -133,6 +133,16 @@ fn inside(
         let is_beyond = |pos: f64| pos > max + SLACK || pos < min - SLACK;
         if !is_beyond(*place) || !is_end && is_beyond(*start) {
             continue;
+        }
+        // A person knows the axis, where each joint follows one.
+        let axis = image.axes_of_joints().and_then(|axes| axes.get(n).copied().flatten());
+        let known = if is_arc(order) { &ARCS } else { &LINES };
+        if let Some([above, below]) = axis.and_then(|axis| known.get(axis)) {
+            return Err(if place > max {
+                Refusal::with(above, [line, *max, place - max, 0.0])
+            } else {
+                Refusal::with(below, [line, *min, min - place, 0.0])
+            });
         }
         let texts = if is_arc(order) { CIRCULAR } else { LINEAR };
         return Err(if place > max {

@@ -7,8 +7,8 @@ use crate::{
     spindle::Spindle,
     state::State,
 };
-use hal_component::TicketHandle;
-use hal_trajectory::{Shape, Step};
+use hal_component::{MotionSource, TicketHandle};
+use hal_trajectory::{Scales, Shape, Step};
 use libm::{copysign, fabs, sqrt};
 
 /// Turns of a spindle after which its index is late.
@@ -146,14 +146,14 @@ impl Tracker {
     fn tap(&mut self, spindle: &mut Spindle, back: f64, rests: bool) {
         match self.stage {
             Stage::In if self.depth <= self.place || self.aborted.is_some() => {
-                spindle.turn(-self.speed * back);
+                spindle.turn_round(-self.speed * back);
                 self.stage = Stage::Out;
             }
             Stage::Out if self.place <= 0.0 => {
                 if self.aborted.is_some() {
                     spindle.stop("aborted");
                 } else {
-                    spindle.turn(self.speed);
+                    spindle.turn_round(self.speed);
                 }
                 self.stage = Stage::Above;
             }
@@ -303,6 +303,25 @@ impl Path {
         !matches!(self.tracker.stage, Stage::Ready)
     }
 
+    /// Returns the spindle whose index the path waits for.
+    pub(crate) fn awaited_index(&self) -> Option<usize> {
+        matches!(self.tracker.stage, Stage::Index(_)).then_some(self.tracker.spindle)
+    }
+
+    /// Returns the spindle whose speed or place the path follows.
+    pub(crate) fn followed_spindle(&self) -> Option<usize> {
+        if self.is_bound() {
+            Some(self.tracker.spindle)
+        } else {
+            self.per_turn().map(|s| s.spindle)
+        }
+    }
+
+    /// Returns whether these overrides hold the move that is next.
+    pub(crate) fn is_held_by(&self, scales: &Scales) -> bool {
+        self.next_move().is_some_and(|(_, order)| order.kind.scale(scales) == 0.0)
+    }
+
     /// Returns the feed per turn of the current move, or of the first one.
     fn per_turn(&self) -> Option<Sync> {
         // Before its first cycle, a path has no line.
@@ -319,12 +338,15 @@ impl State {
     pub(crate) fn follow_spindle(&mut self, dt: f64) -> Option<Pace> {
         let sync = self.path.bound()?;
         let ready = self.at_speed && self.feed.net.feed > 0.0 && !self.path.is_paused();
+        let is_of_owner = self.path_source() == MotionSource::Task;
         let spindle = self.spindles.get_mut(sync.spindle)?;
         let why = match self.path.pace(spindle, &sync, ready, dt) {
             Ok(pace) => return Some(pace),
             Err(why) => why,
         };
-        why.say(&self.say);
+        if !is_of_owner {
+            why.say(&self.say);
+        }
         self.coord_error = true;
         // In its hole, a tap that is too far from its spindle still turns with it: both go out together.
         if why.text() == FAR.text() && self.path.abort_tap(why).is_some() {

@@ -2,7 +2,7 @@
 
 use super::pins;
 use crate::jogger::WheelPins;
-use hal_component::{In, Io, Out};
+use hal_component::{Builder, Decl, Error, In, Io, Out, ParamRo};
 
 pins! {
     /// Pins of one joint.
@@ -114,6 +114,18 @@ pins! {
 }
 
 impl JointPins {
+    /// Declares the parameter that tells whether a sensor measures motor-pos-fb.
+    pub(crate) fn measured(
+        &self,
+        b: &mut Builder<'_>,
+        prefix: &str,
+    ) -> Result<ParamRo<bool>, Error> {
+        let name = format!("{prefix}motor-pos-fb-measured");
+        let doc = "TRUE while a sensor measures motor-pos-fb, such as an encoder. FALSE if it is the count of the \
+                   joint's own step generator: a gap in time then unhomes the joint if it moves.";
+        b.measured(&self.motor_pos_fb, Decl::new(&name, doc).hidden())
+    }
+
     /// Returns the pins of the jog wheel.
     pub(crate) const fn wheel(&self) -> WheelPins {
         WheelPins {

@@ -44,7 +44,8 @@ pins! {
         at_speed: In<bool> = true, "at-speed" was "at-speed";
         /// TRUE from the spindle's amplifier when it has a fault: switches the machine off.
         amp_fault_in: In<bool> = false, "amp-fault-in" [safety];
-        /// TRUE stops the spindle and keeps it stopped; the commanded speed is kept.
+        /// TRUE stops the spindle and keeps it stopped. A spindle that a program has turned turns again by a resume or a command,
+        /// another one when the pin is FALSE.
         inhibit: In<bool> = false, "inhibit" was "inhibit";
         /// TRUE when the spindle is at rest at orient-angle, as commanded by `orient`; the pin counts while orient is
         /// TRUE and speed-in is not above 0.1 turns per second, and then the spindle is locked.

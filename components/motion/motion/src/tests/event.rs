@@ -66,7 +66,7 @@ const EVENTS: &[Event] = &[
         "joint.0.pos-lim-sw-in",
         true,
         "joint on limit switch error",
-        "joint 0 on limit switch error"
+        "axis X on limit switch error"
     ),
     Event {
         name: "ferror",
@@ -76,9 +76,9 @@ const EVENTS: &[Event] = &[
         },
         end: |rig| rig.stuck[0] = false,
         cause: "joint following error",
-        said: "joint 0 following error",
+        said: "axis X following error",
     },
-    pin!("amp", "joint.1.amp-fault-in", true, "joint amplifier fault", "joint 1 amplifier fault"),
+    pin!("amp", "joint.1.amp-fault-in", true, "joint amplifier fault", "axis Y amplifier fault"),
     pin!(
         "spindle",
         "spindle.0.amp-fault-in",

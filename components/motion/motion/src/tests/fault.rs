@@ -30,18 +30,18 @@ fn each_cause_switches_off_and_is_told_once() {
             "motion stopped by enable input",
             "motion stopped by enable input",
         ),
-        ("joint.1.amp-fault-in", true, "joint amplifier fault", "joint 1 amplifier fault"),
+        ("joint.1.amp-fault-in", true, "joint amplifier fault", "axis Y amplifier fault"),
         (
             "joint.2.pos-lim-sw-in",
             true,
             "joint on limit switch error",
-            "joint 2 on limit switch error",
+            "axis Z on limit switch error",
         ),
         (
             "joint.0.neg-lim-sw-in",
             true,
             "joint on limit switch error",
-            "joint 0 on limit switch error",
+            "axis X on limit switch error",
         ),
         (
             "motion.misc-error-01",
@@ -90,7 +90,7 @@ fn a_joint_that_does_not_follow() {
         rig.cycle();
     }
     assert!(0.45 < largest && largest <= 0.5, "{largest}");
-    assert_eq!(rig.bench.said(), ["joint 0 following error"]);
+    assert_eq!(rig.bench.said(), ["axis X following error"]);
     assert_eq!(rig.end(), Err("joint following error"));
     assert!(rig.is("joint.0.error") && !rig.is("joint.1.error"));
     rig.strict = false;
@@ -115,7 +115,7 @@ fn feedback_that_is_no_number_is_a_following_error() {
             rig.bench.set("joint.1.motor-pos-fb", value);
             rig.cycles(1);
             assert!(!rig.is("motion.motion-enabled"));
-            assert_eq!(rig.bench.said(), ["joint 1 following error"]);
+            assert_eq!(rig.bench.said(), ["axis Y following error"]);
             assert!(rig.joint(1, "motor-pos-cmd").is_finite());
             // It cannot be switched on in this state.
             assert_eq!(rig.failed("motion.enable"), "joint following error");
@@ -156,12 +156,12 @@ fn off_a_switch_with_limits_overridden() {
     assert!(rig.is("joint.0.pos-hard-limit") && !rig.is("joint.0.neg-hard-limit"));
     rig.done("motion.override-limits");
     rig.done("motion.enable");
-    assert_eq!(rig.bench.said(), ["joint 0 on limit switch error"]);
+    assert_eq!(rig.bench.said(), ["axis X on limit switch error"]);
     assert_eq!(
         rig.failed("motion.jog joint=0 velocity=5 distance=1"),
         "cannot jog further past the positive limit switch"
     );
-    assert_eq!(rig.bench.said(), ["Can't jog joint 0 further past max hard limit."]);
+    assert_eq!(rig.bench.said(), ["Can't jog axis X further past max hard limit."]);
     rig.say("motion.jog joint=0 velocity=5 distance=-1");
     rig.cycles(100);
     rig.bench.set("joint.0.pos-lim-sw-in", false);

@@ -257,7 +257,7 @@ fn a_thread_that_is_given_later_begins_at_the_index() {
 /// A refused move behind a thread ends what comes after it, and the thread itself goes on.
 #[test]
 fn a_refused_move_of_a_thread_leaves_the_thread_before_it() {
-    let limit = "linear move on line {} would exceed joint {}'s positive limit, {}, by {}";
+    let limit = "linear move on line {} would exceed Y's positive limit, {}, by {}";
     for is_late in [false, true] {
         let mut lathe = Lathe::new(600.0, 400.0);
         lathe.rig.say("motion.move x=40 pitch=1.5");
@@ -401,7 +401,7 @@ fn moves_that_cannot_follow_are_refused() {
         ),
         (
             "motion.tap y=300 pitch=1.5",
-            "linear move on line {} would exceed joint {}'s positive limit, {}, by {}",
+            "linear move on line {} would exceed Y's positive limit, {}, by {}",
         ),
     ] {
         lathe.rig.say(text);

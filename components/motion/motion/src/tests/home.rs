@@ -176,7 +176,7 @@ fn what_ends_homing() {
     assert_eq!(rail.rig.end(), Err("hit limit while homing"));
     rail.cycle();
     assert!(!rail.rig.is("motion.motion-enabled"));
-    let said = ["j0 hit limit in home state 7", "joint 0 on limit switch error"];
+    let said = ["j0 hit limit in home state 7", "axis X on limit switch error"];
     assert_eq!(rail.rig.bench.said(), said);
 
     // Unless it is configured to ignore the limit switch.

@@ -57,7 +57,7 @@ fn soft_limits_hold_when_homed() {
     }
     assert_eq!(
         rig.bench.said(),
-        ["jog of joint 2 ends at its limit, 100", "jog of joint 2 ends at its limit, -100"]
+        ["jog of axis Z ends at its limit, 100", "jog of axis Z ends at its limit, -100"]
     );
     // At the limit, motion beyond is not possible, and motion back is.
     rig.done("motion.jog joint=0 velocity=90 distance=10");

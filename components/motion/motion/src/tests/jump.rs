@@ -212,7 +212,7 @@ fn the_message_says_which_joint_from_where_to_where_and_how_far_it_may() {
     assert_eq!(rig.end(), Err(why));
     let said = has_stopped(&mut rig, before, "a coordinated move");
     let (text, rest) = said.split_once(" to ").unwrap();
-    assert!(text.starts_with("joint 1 would jump from 3.00"), "{text}");
+    assert!(text.starts_with("axis Y would jump from 3.00"), "{text}");
     let (to, rest) = rest.split_once(' ').unwrap();
     assert!((to.parse::<f64>().unwrap() + 447.0).abs() < 0.1, "{said}");
     assert!(rest.starts_with("in one cycle, where at most 0.09 is allowed: "), "{said}");

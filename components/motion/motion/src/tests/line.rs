@@ -271,13 +271,13 @@ fn targets_beyond_a_limit_are_refused() {
     for (text, why, said) in [
         (
             "motion.move x=201 velocity=1",
-            "linear move on line {} would exceed joint {}'s positive limit, {}, by {}",
-            "linear move on line 0 would exceed joint 0's positive limit, 200, by 1",
+            "linear move on line {} would exceed X's positive limit, {}, by {}",
+            "linear move on line 0 would exceed X's positive limit, 200, by 1",
         ),
         (
             "motion.move x=10 z=-100.1 velocity=1",
-            "linear move on line {} would exceed joint {}'s negative limit, {}, by {}",
-            "linear move on line 0 would exceed joint 2's negative limit, -100, by 0.1",
+            "linear move on line {} would exceed Z's negative limit, {}, by {}",
+            "linear move on line 0 would exceed Z's negative limit, -100, by 0.1",
         ),
     ] {
         assert_eq!(rig.failed(text), why);

@@ -37,6 +37,7 @@ bit OUT kb-jog-active
 float OUT motor-offset
 float OUT motor-pos-cmd
 float IN motor-pos-fb
+bit RO motor-pos-fb-measured
 bit OUT neg-hard-limit
 bit IN neg-lim-sw-in
 float OUT pos-cmd

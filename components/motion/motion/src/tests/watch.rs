@@ -128,3 +128,14 @@ fn limits_that_are_lowered_in_motion() {
     assert!((rig.float("joint.0.watch-acceleration") - 0.999).abs() < 1e-4);
     assert_eq!(counts(&rig), (0, 0));
 }
+
+#[test]
+fn an_immediate_stop_of_jogs_is_no_stop_of_a_path() {
+    let mut rig = Rig::homed(&[]);
+    rig.say("motion.move x=100 velocity=45");
+    rig.cycles(300);
+    rig.bench.set("motion.jog-stop-immediate", true);
+    rig.cycles(10);
+    assert_eq!(counts(&rig), (0, 0));
+    assert!((rig.joint(0, "vel-cmd") - 45.0).abs() < 1e-6);
+}

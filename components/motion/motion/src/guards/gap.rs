@@ -1,0 +1,33 @@
+//! Realtime. Switch-off after a gap in time: the process or the computer stood still, or the threads were stopped and
+//! started. What the machine did meanwhile is unknown, and nothing may go on by itself.
+
+use crate::{joint::Joint, pins::Pins, state::State};
+use hal_safety::Event;
+
+const CAUSE: &str = "motion stopped: the process stood still";
+const LOST: &str = "joint {} is no longer homed: it moved when the process stood still, and only its own steps are \
+                    counted";
+
+impl State {
+    /// Switches the machine off after a gap. A joint that moved then, and whose position no sensor measures, is no longer
+    /// homed: a motor loses steps when their pulses end at speed.
+    pub(crate) fn note_gap(&mut self, pins: &Pins) {
+        let measured = pins.measured.iter().enumerate().filter(|(_, m)| m.get());
+        self.open_loop = measured.fold(u32::MAX, |open, (n, _)| open & !(1 << n));
+        let homed = bits(&self.joints, |j| j.homing.homed);
+        if self.is_on() {
+            self.say.error(CAUSE, &[]);
+            self.stops.keep(self.now_ns, CAUSE);
+        }
+        let moved = bits(&self.joints, |j| j.active && j.vel_cmd != 0.0) & self.open_loop;
+        let lost = self.tell(Event::Gap, CAUSE).unhome;
+        for n in (0..self.joints.len()).filter(|n| (lost & homed & moved) >> n & 1 == 1) {
+            self.say.error(LOST, &[n as f64]);
+        }
+        self.unhome_for_gap(lost);
+    }
+}
+
+fn bits(joints: &[Joint], is: impl Fn(&Joint) -> bool) -> u32 {
+    joints.iter().enumerate().filter(|(_, j)| is(j)).fold(0, |bits, (n, _)| bits | 1 << n)
+}

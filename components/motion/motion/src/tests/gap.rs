@@ -1,0 +1,100 @@
+//! Gaps in time: the process, the computer or the threads stood still.
+
+use super::Rig;
+
+const CAUSE: &str = "motion stopped: the process stood still";
+const MEASURED: [&str; 3] = [
+    "joint.0.motor-pos-fb-measured",
+    "joint.1.motor-pos-fb-measured",
+    "joint.2.motor-pos-fb-measured",
+];
+const HOMED: [&str; 3] = ["joint.0.homed", "joint.1.homed", "joint.2.homed"];
+
+/// Asserts that the first cycle after a gap has switched the machine off and has moved nothing.
+fn stops(rig: &mut Rig, what: &str) {
+    rig.strict = false;
+    let feedback = [0, 1, 2].map(|n| rig.joint(n, "motor-pos-fb"));
+    rig.bench.gap();
+    rig.cycle();
+    assert!(!rig.is("motion.motion-enabled"), "{what}");
+    let commanded = [0, 1, 2].map(|n| rig.joint(n, "motor-pos-cmd"));
+    assert_eq!(commanded, feedback, "{what}: nothing moves in that cycle");
+    rig.cycles(100);
+    assert_eq!([0, 1, 2].map(|n| rig.joint(n, "motor-pos-cmd")), feedback, "{what}: nor later");
+}
+
+#[test]
+fn motion_of_any_kind_ends_in_the_first_cycle_after_a_gap() {
+    for text in [
+        "motion.jog joint=0 velocity=20",
+        "motion.jog joint=0 velocity=20 distance=50",
+        "motion.move x=100 velocity=20",
+        "motion.home joint=1",
+    ] {
+        let mut rig = Rig::homed(&[]);
+        if text.contains("home ") {
+            rig.say("motion.configure joint=1 home-search-vel=-5 home-latch-vel=1");
+        }
+        rig.say(text);
+        rig.cycles(200);
+        stops(&mut rig, text);
+        assert_eq!(rig.bench.said().first().map(String::as_str), Some(CAUSE), "{text}");
+        // The command of a jog without an end is done when the jog has begun.
+        let is_endless = text.ends_with("velocity=20") && text.contains("jog");
+        assert_eq!(rig.end(), if is_endless { Ok(()) } else { Err(CAUSE) }, "{text}");
+        // A person switches it on again, and nothing goes on by itself.
+        let before = rig.places();
+        rig.done("motion.enable");
+        rig.cycles(200);
+        assert_eq!(rig.places(), before, "{text}");
+    }
+}
+
+#[test]
+fn a_joint_that_moved_is_unhomed_unless_a_sensor_measures_it() {
+    for (measured, homed) in
+        [(&MEASURED[..0], &HOMED[2..]), (&MEASURED[1..2], &HOMED[1..]), (&MEASURED[..], &HOMED[..])]
+    {
+        let mut rig = Rig::homed(&[]);
+        measured.iter().for_each(|pin| rig.bench.set(pin, true));
+        rig.say("motion.jog joint=0 velocity=20");
+        rig.say("motion.jog joint=1 velocity=20");
+        rig.cycles(200);
+        stops(&mut rig, "jogs");
+        // Joint 2 did not move.
+        assert_eq!(rig.which(&HOMED), homed, "{measured:?}");
+        let mut want = vec![CAUSE.to_owned()];
+        want.extend((0..2).filter(|n| !measured.contains(&MEASURED[*n])).map(|n| {
+            format!(
+                "joint {n} is no longer homed: it moved when the process stood still, and only its \
+                 own steps are counted"
+            )
+        }));
+        assert_eq!(rig.bench.said(), want);
+    }
+}
+
+#[test]
+fn a_gap_of_a_machine_at_rest_unhomes_nothing_and_one_that_is_off_only_refuses_old_orders() {
+    let mut rig = Rig::homed(&[]);
+    rig.cycles(10);
+    stops(&mut rig, "rest");
+    assert_eq!((rig.which(&HOMED), rig.bench.said()), (HOMED.to_vec(), vec![CAUSE.to_owned()]));
+    // An order that waits since before the gap switches nothing on.
+    rig.say("motion.enable");
+    rig.bench.gap();
+    assert!(rig.end().is_err());
+    assert!(!rig.is("motion.motion-enabled"));
+    assert_eq!(rig.bench.said(), ["a stop has come meanwhile: give the command again"]);
+    rig.done("motion.enable");
+    rig.done("motion.jog joint=0 velocity=20 distance=1");
+}
+
+#[test]
+fn gaps_before_the_first_cycle_are_none() {
+    let mut rig = Rig::off(&[]);
+    rig.bench.gap();
+    rig.done("motion.enable");
+    rig.cycles(3);
+    assert!(rig.is("motion.motion-enabled"));
+}
