@@ -4,7 +4,9 @@ pub(crate) mod already;
 pub(crate) mod apply;
 pub mod dry_run;
 pub(crate) mod execute;
+mod late;
 pub(crate) mod messages;
+mod open_command;
 pub(crate) mod program;
 pub(crate) mod prompt;
 pub mod remote;
@@ -112,6 +114,8 @@ pub struct Session<'a> {
     pub(crate) returned: Option<String>,
     /// Pass of a start with `[HAL]TWOPASS`.
     pub(crate) pass: Option<Pass>,
+    /// Commands in progress whose refusals are reported when they come.
+    open_commands: Vec<open_command::OpenCommand>,
 }
 
 impl core::fmt::Debug for Session<'_> {
@@ -155,6 +159,7 @@ impl<'a> Session<'a> {
             operator: None,
             returned: None,
             pass: None,
+            open_commands: Vec::new(),
         }
     }
 
@@ -268,7 +273,9 @@ impl<'a> Session<'a> {
             if line.dos {
                 self.warn_as(Code::DosLines, "File contains DOS-style line endings.");
             }
-            match self.line(&line, nested) {
+            let result = self.line(&line, nested);
+            self.tell_late_refusals();
+            match result {
                 Ok(Step::On) => {}
                 Ok(Step::Quit) => break,
                 Err(_) if self.ended => return Outcome::Ended,

@@ -15,6 +15,7 @@ pub(crate) mod refused;
 mod serve;
 mod settings;
 mod table;
+mod waiting;
 
 use crate::{
     Bytes, Error, Outcome, Session, Stdio, Terminal,
@@ -168,8 +169,9 @@ pub(crate) fn instance_options(plan: &Plan, files: &Files) -> Options {
     options.interlock = matches!(plan.script, Script::Ini(_));
     let asked = files.ini.as_ref().is_some_and(|ini| compat::of_ini(ini) == Ok(true));
     options.earlier_values |= asked;
-    let stuck_ns = files.ini.as_ref().and_then(|ini| realtime::of_ini(ini).ok().flatten());
-    options.realtime.stuck_ns = options.realtime.stuck_ns.or(stuck_ns);
+    let times = files.ini.as_ref().and_then(|ini| realtime::of_ini(ini).ok()).unwrap_or_default();
+    options.realtime.stuck_ns = options.realtime.stuck_ns.or(times.stuck_ns);
+    options.realtime.max_gap_ns = options.realtime.max_gap_ns.or(times.max_gap_ns);
     options
 }
 
@@ -186,7 +188,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
             return 1;
         }
     };
-    let (outcome, programs) = script(plan, files, &mut engine, terminal);
+    let (outcome, status, programs) = script(plan, files, &mut engine, terminal);
     let mut code = match outcome {
         Outcome::Good => 0,
         Outcome::Failed => 1,
@@ -213,6 +215,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
     if plan.script == Script::Terminal && outcome == Outcome::Failed {
         code = 0;
     }
+    code = status.unwrap_or(code);
     if !engine.close_checked() {
         code = 1;
     }
@@ -231,7 +234,7 @@ fn script(
     files: &Files,
     engine: &mut Engine,
     terminal: &mut dyn Terminal,
-) -> (Outcome, Vec<Child>) {
+) -> (Outcome, Option<u8>, Vec<Child>) {
     let mut link = Local::new(engine);
     // What a person types has no end that programs could wait for.
     link.set_starting(plan.script != Script::Terminal);
@@ -267,9 +270,9 @@ fn script(
         (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
     };
     let outcome = session.settle(outcome);
-    let outcome = match &plan.job {
+    let (outcome, status) = match &plan.job {
         Some(job) if outcome == Outcome::Good => job::run(&mut session, job),
-        _ => outcome,
+        _ => (outcome, None),
     };
     let outcome = match (&plan.script, &files.ini) {
         (Script::Ini(path), Some(ini))
@@ -282,5 +285,5 @@ fn script(
     if plan.interactive && outcome != Outcome::Ended && plan.script != Script::Terminal {
         typed(&mut session);
     }
-    (outcome, session.into_programs())
+    (outcome, status, session.into_programs())
 }

@@ -102,6 +102,12 @@ const KEYS: &[Key] = &[
         help: "stop the machine when a function does not return for this long, such as `\"5ms\"`",
     },
     Key {
+        name: "max-gap",
+        form: Form::Text,
+        variable: "HAL_MAX_GAP",
+        help: "switch motion off after the process stood still for this long, such as `\"500ms\"`",
+    },
+    Key {
         name: "compat",
         form: Form::Text,
         variable: "HAL_COMPAT",
@@ -276,7 +282,7 @@ mod tests {
             ),
             (
                 "x = 1\n",
-                ":1: no key 'x'; there are clock, simulate, hold, for, record, instance, rtmod-dir, linuxcnc-modules, cpu, dma-latency, stuck-time, compat, log",
+                ":1: no key 'x'; there are clock, simulate, hold, for, record, instance, rtmod-dir, linuxcnc-modules, cpu, dma-latency, stuck-time, max-gap, compat, log",
             ),
             ("clock = \"fast\"\n", ":1: 'clock' is \"real\" or \"virtual\""),
             ("\nhold = 1\n", ":2: 'hold' is true or false"),

@@ -27,11 +27,6 @@ const ENOENT: i32 = -2;
 /// Reason why a command was not completed when the wait for it ends.
 const STOPPED: &str = "the threads have stopped before it was carried out";
 
-/// Number of times that a client asks whether the machine has refused a command.
-const EARLY_LOOKS: u32 = 10;
-/// Time between these questions in milliseconds.
-const EARLY_MS: u32 = 2;
-
 /// Sections of `show`, in order.
 const SECTIONS: &[(Kind, &str)] = &[
     (Kind::Components, "Loaded HAL Components:"),
@@ -273,10 +268,31 @@ impl Session<'_> {
         } else {
             Vec::new()
         };
+        let wait = self.wait_of(kind);
         self.listing(&reply, |reply| match reply {
-            Reply::Status(status) => status::text(status, &threads, kind),
+            Reply::Status(status) => status::text(status, &threads, wait.as_deref(), kind),
             _ => String::new(),
         })
+    }
+
+    /// Returns what the job or motion waits for, as the commands `task.status` and `motion.status` tell it.
+    fn wait_of(&mut self, kind: StatusKind) -> Option<String> {
+        let is_shown = matches!(kind, StatusKind::All | StatusKind::Instance);
+        if !is_shown || self.style.json || self.dry_run.is_some() {
+            return None;
+        }
+        let list =
+            Request::List { kind: Kind::Commands, patterns: vec!["*.status".to_owned()], ty: None };
+        let Ok(Reply::Commands(commands)) = self.ask(list) else { return None };
+        // The causes of stops stay for the client that asks for them.
+        let known: [(&str, &[&str]); 2] =
+            [("task.status", &[]), ("motion.status", &["stops=FALSE"])];
+        let (name, args) =
+            known.into_iter().find(|(name, _)| commands.iter().any(|c| c.name == *name))?;
+        let args = args.iter().map(|arg| (*arg).to_owned()).collect();
+        let request = Request::Command { name: name.to_owned(), args };
+        let Ok(Reply::Answer(answer)) = self.ask(request) else { return None };
+        answer.lines.iter().find_map(|line| line.strip_prefix("wait ")).map(str::to_owned)
     }
 
     fn lock(&mut self, change: Option<LockChange>) -> Result<(), Error> {
@@ -349,25 +365,6 @@ impl Session<'_> {
             Reply::Ticket(_) => Ok(()),
             _ => Err(Error::Unexpected),
         }
-    }
-
-    /// Returns the failure of a command that the machine refuses within its first cycles. A script does not wait for
-    /// it: the log has the refusal.
-    fn early_refusal(&mut self, name: &str, id: u64) -> Result<(), Error> {
-        if self.link.is_local() {
-            return Ok(());
-        }
-        for _ in 0..EARLY_LOOKS {
-            self.ask(Request::Idle { ms: EARLY_MS, flow: false })?;
-            match self.ask(Request::Ticket { id, wait: false })? {
-                Reply::Ticket(TicketInfo::Failed(why)) => {
-                    return Err(Error::GivenUp { command: name.into(), why: why.into() });
-                }
-                Reply::Ticket(TicketInfo::Pending) => {}
-                _ => break,
-            }
-        }
-        Ok(())
     }
 }
 

@@ -140,7 +140,7 @@ impl Session<'_> {
                 command.stderr(Stdio::null());
             }
         }
-        command.spawn()
+        hal_engine::spawn(&mut command)
     }
 
     /// Returns the result for a program that cannot be started: the same as for one that fails at

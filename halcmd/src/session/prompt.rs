@@ -17,7 +17,7 @@ use std::{
     time::Duration,
 };
 
-pub(crate) use aside::{Aside, Kept};
+pub(crate) use aside::{Aside, Kept, was_said};
 
 /// Time for which the session's thread serves the engine before it checks for input again.
 const SERVE_MS: u32 = 10;

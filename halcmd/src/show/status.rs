@@ -12,7 +12,12 @@ const LOCKS: &[(Lock, &str)] = &[
 
 /// Returns the sections that a kind of `status` prints.
 #[must_use]
-pub(crate) fn text(status: &StatusInfo, threads: &[ThreadInfo], kind: StatusKind) -> String {
+pub(crate) fn text(
+    status: &StatusInfo,
+    threads: &[ThreadInfo],
+    wait: Option<&str>,
+    kind: StatusKind,
+) -> String {
     let all = kind == StatusKind::All;
     let mut text = String::new();
     if all || kind == StatusKind::Lock {
@@ -23,6 +28,9 @@ pub(crate) fn text(status: &StatusInfo, threads: &[ThreadInfo], kind: StatusKind
     }
     if all || kind == StatusKind::Instance {
         instance(&mut text, status, threads);
+        if let Some(wait) = wait {
+            text.push_str(&format!("  {:<11} {wait}\n", "wait:"));
+        }
     }
     text
 }
@@ -81,6 +89,11 @@ fn instance(text: &mut String, status: &StatusInfo, threads: &[ThreadInfo]) {
         let by = t.overrun_by.as_ref().map(|f| format!(", the last by '{f}'")).unwrap_or_default();
         let (overruns, missed, name) = (t.overruns, t.missed, &t.name);
         line("overruns:", &format!("{overruns} of thread '{name}', {missed} cycles missed{by}"));
+    }
+    if let Some(gaps) = &status.gaps {
+        let (last, at) = (gaps.ns as f64 / 1e9, gaps.time as f64 / 1e9);
+        let (count, cause) = (gaps.count, &gaps.cause);
+        line("gaps:", &format!("{count}, the last of {last:.1} s until {at:.1} s: {cause}"));
     }
     for kind in kinds(status) {
         let of_kind = || status.foreign.iter().filter(|f| f.kind == kind);
@@ -231,6 +244,7 @@ pub(crate) mod samples {
             time: 2_500_000_000,
             scheduling: "all in one place".to_owned(),
             realtime: None,
+            gaps: None,
             simulated: true,
             starting: false,
             running: true,
@@ -249,7 +263,7 @@ mod tests {
     use super::{samples, seconds, text};
     use crate::{language::command::StatusKind, show};
     use hal_protocol::{
-        FaultInfo, ForeignPart, Lock, RealtimeInfo, ThreadInfo, WorkerInfo, WorkerState,
+        FaultInfo, ForeignPart, GapInfo, Lock, RealtimeInfo, ThreadInfo, WorkerInfo, WorkerState,
     };
 
     /// Scripts search the output for `lock`: only the lines that LinuxCNC prints have it.
@@ -280,14 +294,14 @@ mod tests {
                  \x20 HAL_LOCK_RUN     - running/stopping HAL is locked\n",
             ),
         ] {
-            let got = text(&samples::status(Lock(level)), &[], StatusKind::Lock);
+            let got = text(&samples::status(Lock(level)), &[], None, StatusKind::Lock);
             assert_eq!(got, format!("HAL locking status:\n{want}"));
         }
     }
 
     #[test]
     fn memory() {
-        let got = text(&samples::status(Lock::NONE), &[], StatusKind::Memory);
+        let got = text(&samples::status(Lock::NONE), &[], None, StatusKind::Memory);
         let want = "HAL memory status\n\
              \x20 used/total shared memory:   18032/2097152\n\
              \x20 active/recycled components: 11/0\n\
@@ -308,7 +322,7 @@ mod tests {
             let latency = latency.to_vec();
             let thread =
                 ThreadInfo { latency, latency_max, ..show::samples::thread("t", 1_000_000, &[]) };
-            let text = text(&status, &[thread], StatusKind::Instance);
+            let text = text(&status, &[thread], None, StatusKind::Instance);
             let lines = text.lines().skip_while(|l| !l.contains("memory:"));
             lines.map(|l| l.trim_start().to_owned()).collect::<Vec<_>>()
         };
@@ -365,6 +379,12 @@ mod tests {
         });
         status.recording = Some(("/tmp/x.vcd".to_owned(), 3));
         status.stuck = status.fault.clone().map(|f| FaultInfo { cause: "why".to_owned(), ..f });
+        status.gaps = Some(GapInfo {
+            count: 2,
+            ns: 3_040_000_000,
+            time: 12_345_678_901,
+            cause: "the computer slept".to_owned(),
+        });
         let part = |name: &str, memory| ForeignPart {
             component: name.to_owned(),
             kind: "component in C".to_owned(),
@@ -383,14 +403,16 @@ mod tests {
              \x20 threads:    running; all in one place\n\
              \x20 hardware:   simulated\n\
              \x20 overruns:   3 of thread 'fast', 1012 cycles missed, the last by 'adder'\n\
+             \x20 gaps:       2, the last of 3.0 s until 12.3 s: the computer slept\n\
              \x20 foreign:    probe, laser: each a component in C, whose reads and writes are not known; 192 \
              bytes of memory\n\
              \x20 stuck:      component 'siggen', function 'siggen.0.update' in thread 'fast': \
              why\n\
              \x20 fault:      component 'siggen', function 'siggen.0.update' in thread 'fast': \
              index out of range\n\
-             \x20 recording:  /tmp/x.vcd (3 records lost)\n";
-        assert_eq!(text(&status, &[late], StatusKind::Instance), want);
+             \x20 recording:  /tmp/x.vcd (3 records lost)\n\
+             \x20 wait:       for=m0 a person\n";
+        assert_eq!(text(&status, &[late], Some("for=m0 a person"), StatusKind::Instance), want);
         assert_eq!(seconds(3_000_000_000), "3 s");
         assert_eq!(seconds(1), "0.000000001 s");
     }
@@ -414,7 +436,7 @@ mod tests {
             thread: String::new(),
             cause: "index out of range".to_owned(),
         });
-        let got = text(&status, &[], StatusKind::Instance);
+        let got = text(&status, &[], None, StatusKind::Instance);
         let want = "\x20 worker:     'planner.plan' of component 'planner', failed: 12 steps, 240 items\n\
              \x20 fault:      component 'planner', worker 'planner.plan': index out of range\n";
         assert!(got.ends_with(want), "{got}");

@@ -56,6 +56,8 @@ pub struct DryRun {
     target: Target,
     main: Box<str>,
     seen: u32,
+    /// The line whose times are counted, for a target that is a number.
+    counted: Option<(Box<str>, u32)>,
     /// The last line from which a start is possible.
     good: Option<LineBegin>,
     effects: Effects,
@@ -77,6 +79,7 @@ impl DryRun {
             target,
             main,
             seen: 0,
+            counted: None,
             good: None,
             effects,
             found: None,
@@ -84,6 +87,12 @@ impl DryRun {
             refused_state: None,
             rest: 0,
         }
+    }
+
+    /// Counts the times of this line of a file, for a target that is a number.
+    #[must_use]
+    pub fn counting(self, file: &str, line: u32) -> Self {
+        Self { counted: Some((file.into(), line)), ..self }
     }
 
     /// Runs at most `lines` lines. Returns the state before the place once it is found, and `None` before.
@@ -160,11 +169,17 @@ impl DryRun {
     fn is_wanted(&self, here: &LineBegin) -> bool {
         match &self.target {
             Target::Line { file, line, .. } => {
-                let name = file.as_deref().unwrap_or(&self.main);
-                let is_same = *here.file == *name || *here.file == *name.trim_end_matches(".ngc");
-                here.line == *line && is_same
+                is_line(here, file.as_deref().unwrap_or(&self.main), *line)
             }
             Target::Number(number) => here.number == *number,
+        }
+    }
+
+    /// Tells whether a line is that whose times are counted.
+    fn is_counted(&self, here: &LineBegin) -> bool {
+        match &self.counted {
+            Some((file, line)) => is_line(here, file, *line),
+            None => self.is_wanted(here),
         }
     }
 
@@ -175,10 +190,10 @@ impl DryRun {
         if middle.is_none() {
             self.good = Some(here.clone());
         }
+        self.seen += u32::from(self.is_counted(here));
         if !self.is_wanted(here) {
             return;
         }
-        self.seen += 1;
         if let Target::Line { pass, .. } = self.target
             && self.seen != pass
         {
@@ -197,12 +212,12 @@ impl DryRun {
             state: state.clone(),
             begin: here.clone(),
             calls,
-            pass: (self.seen, self.seen),
+            pass: (self.seen.max(1), self.seen.max(1)),
             more: false,
             effects: self.effects.clone(),
         }));
-        // A number names one time.
-        self.rest = if matches!(self.target, Target::Line { .. }) { COUNTED_LINES } else { 0 };
+        // A number without a line names one time.
+        self.rest = if self.counts() { COUNTED_LINES } else { 0 };
     }
 
     /// Counts further times of a found place, or searches the next possible line. Returns whether this has ended.
@@ -214,15 +229,21 @@ impl DryRun {
             return true;
         }
         let is_place = self.found.as_ref().is_some_and(|f| f.begin.number == here.number);
-        self.seen += u32::from(!is_place && self.found.is_some() && self.is_wanted(here));
+        self.seen += u32::from(!is_place && self.found.is_some() && self.is_counted(here));
         if self.rest == 0 {
-            if let (Some(found), Target::Line { .. }) = (&mut self.found, &self.target) {
-                found.more = true;
+            let counts = self.counts();
+            if let Some(found) = &mut self.found {
+                found.more = counts;
             }
             return true;
         }
         self.rest -= 1;
         false
+    }
+
+    /// Tells whether the times of a line are counted.
+    const fn counts(&self) -> bool {
+        matches!(self.target, Target::Line { .. }) || self.counted.is_some()
     }
 
     fn place(&self, here: &LineBegin) -> Place {
@@ -235,6 +256,11 @@ impl DryRun {
         self.program.calls.iter().for_each(|issued| self.effects.note(issued));
         Ok(goes_on)
     }
+}
+
+/// Tells whether this is the line of a file, whose name may lack its ending.
+fn is_line(here: &LineBegin, file: &str, line: u32) -> bool {
+    here.line == line && (*here.file == *file || *here.file == *file.trim_end_matches(".ngc"))
 }
 
 /// Returns the series in whose middle a state is.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::{fmt, path::PathBuf};
 
 /// Version of the records.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// A record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,8 +52,14 @@ pub struct At {
     pub number: u64,
     /// The line, from 1.
     pub line: u32,
+    /// The file of the line.
+    pub file: Box<str>,
     /// Commanded place in machine units.
     pub pose: [f64; 9],
+    /// Distance in machine units travelled along the move in execution.
+    pub gone: f64,
+    /// Distance in machine units to its end; 0 without a move.
+    pub left: f64,
     /// Every joint was homed.
     pub homed: bool,
     /// The tool in the spindle.
@@ -172,7 +178,18 @@ mod tests {
             outputs: Outputs::default(),
             tools: ToolTable::parse("T1 P1 Z2\n").0,
         };
-        let at = |number| Record::At(At { number, line: 2, pose: [0.1; 9], homed: true, tool: 3 });
+        let at = |number| {
+            Record::At(At {
+                number,
+                line: 2,
+                file: "job.ngc".into(),
+                pose: [0.1; 9],
+                gone: 1.5,
+                left: 2.5,
+                homed: true,
+                tool: 3,
+            })
+        };
         vec![
             Record::Begin(Box::new(begin)),
             Record::File("job.ngc".into(), 77),

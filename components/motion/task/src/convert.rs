@@ -3,6 +3,7 @@
 mod spline;
 
 use crate::outside::{FileAction, FileKind, Move, Order, PathEnd, Pitch, Shape, Speed};
+use hal_component::Wait;
 use hal_gcode::{
     Call, Settings, State,
     axis::{Axis, Position},
@@ -63,10 +64,8 @@ pub(crate) enum Action {
         p: f64,
         q: f64,
     },
-    /// Pauses the job; at the operator's wish if `optional`.
-    Pause {
-        optional: bool,
-    },
+    /// Pauses the job for this reason; at M1, if the operator wants that.
+    Pause(Wait),
     /// A message for the operator.
     Message(Box<str>),
     /// The end of the program.
@@ -104,6 +103,8 @@ pub(crate) struct Converter {
     at: [f64; 9],
     /// Coordinate system in force.
     pub(crate) system: u8,
+    /// The line has changed the pallet: its stop is that of M60.
+    pallet: bool,
     change_position: Option<[Option<f64>; 9]>,
 }
 
@@ -122,6 +123,7 @@ impl Converter {
             spindles: [Spindle::default(); MAX_SPINDLES],
             at: [0.0; 9],
             system: 1,
+            pallet: false,
             change_position,
         }
     }
@@ -136,6 +138,7 @@ impl Converter {
         self.cam_tolerance = state.modal.naive_tolerance;
         self.system = state.modal.system;
         self.sync = None;
+        self.pallet = false;
         self.at = at;
         for (spindle, modal) in self.spindles.iter_mut().zip(&state.modal.spindles) {
             spindle.speed = modal.speed;
@@ -194,6 +197,7 @@ impl Converter {
                 self.sync = Some(Pitch { spindle, travel, velocity_mode });
             }
             Call::StopSpeedFeedSync => self.sync = None,
+            Call::PalletShuttle => self.pallet = true,
             Call::Dwell(seconds) => out.push(Action::Dwell(seconds)),
             Call::SetSpindleSpeed { .. }
             | Call::SetSpindleMode { .. }
@@ -344,9 +348,13 @@ fn other_action(call: Call, converter: &mut Converter, line: u32, out: &mut Vec<
             Action::Input { index, analog, mode, timeout }
         }
         Call::UserCode { code, p, q } => Action::UserCode { code, p, q },
-        Call::ProgramStop => Action::Pause { optional: false },
-        Call::OptionalProgramStop => Action::Pause { optional: true },
-        Call::ProgramEnd | Call::Finish => Action::End,
+        Call::ProgramStop if core::mem::take(&mut converter.pallet) => Action::Pause(Wait::Pallet),
+        Call::ProgramStop => Action::Pause(Wait::Stop),
+        Call::OptionalProgramStop => Action::Pause(Wait::OptionalStop),
+        Call::ProgramEnd | Call::Finish => {
+            converter.pallet = false;
+            Action::End
+        }
         Call::Message(text) | Call::Print(text) => Action::Message(text),
         Call::LogOpen { name, append } => {
             Action::File(FileAction::Open { kind: FileKind::Log, name, append })

@@ -9,14 +9,18 @@
 //!                          └──────────────── ending ◀────────────────────────┘
 //! ```
 
+pub(crate) mod awaited;
 mod check;
 mod checking;
 mod end;
+mod ended;
 mod entry;
 mod function;
 mod journal;
 mod origin;
 mod overrides;
+mod pause;
+mod progress;
 mod pump;
 mod read;
 mod recover;
@@ -26,13 +30,17 @@ mod tool;
 pub(crate) mod user;
 mod values;
 mod wait;
+mod wait_record;
+mod watch;
 
 use crate::{
     convert::{Action, Converter},
-    outside::{Order, Outside, Ticket},
+    outside::{Outside, Ticket},
 };
 use checking::Checking;
-use hal_component::StopEpoch;
+use ended::{ESTOP, OFF, STOPPED};
+pub(crate) use ended::{EndedBy, is_stop};
+use hal_component::{StopEpoch, Wait};
 use hal_gcode::{Interpreter, Request, state::modal::MAX_SPINDLES};
 use hal_job::{World, run};
 use journal::Keeping;
@@ -48,8 +56,6 @@ use tool::Held;
 
 /// Number of lines of MDI that can wait.
 pub(crate) const MDI_LEN: usize = 10;
-/// Reason for the end of a job that somebody has aborted.
-const STOPPED: &str = "aborted";
 /// Number of steps that the interpreter may be ahead.
 const READ_AHEAD: usize = 256;
 
@@ -120,6 +126,8 @@ struct Job {
     /// Stop epoch in which the job was given, or resumed last: its orders are of this epoch.
     given: StopEpoch,
     paused: bool,
+    /// The reason of the pause.
+    why_paused: Wait,
     /// Pauses when a step of another line is next; the number of the line, once one has begun.
     stepping: Option<Option<u64>>,
     /// Pause was sent to motion.
@@ -152,11 +160,25 @@ struct Flight {
 enum Waiting {
     Order(u64),
     Io(u64),
-    Change { id: u64, tool: i32 },
-    Dwell { until: f64 },
-    Input { index: u32, analog: bool, mode: u8, until: f64, before: bool },
-    Oriented { until: f64 },
-    Program,
+    Change {
+        id: u64,
+        tool: i32,
+    },
+    Dwell {
+        until: f64,
+    },
+    Input {
+        index: u32,
+        analog: bool,
+        mode: u8,
+        until: f64,
+        before: bool,
+    },
+    Oriented {
+        until: f64,
+    },
+    /// A program of the user with this code.
+    Program(u16),
 }
 
 /// An abort in progress.
@@ -182,6 +204,10 @@ struct Surface {
 enum Asked {
     Order(u64),
     Io(u64),
+    /// The reset of the e-stop.
+    Reset(u64),
+    /// The order to go on after a pause.
+    Resume(u64),
 }
 
 /// The core of the task.
@@ -210,6 +236,8 @@ pub(crate) struct Core {
     /// Mode that comes back after lines of MDI from another mode.
     mode_before: Option<Mode>,
     asked: Vec<(Asked, Ticket)>,
+    /// Commands to switch on that wait for a reset of the e-stop.
+    on_after_reset: Vec<(StopEpoch, Ticket)>,
     serial: u64,
     last_tag: Option<Arc<Tag>>,
     undo: Undo,
@@ -219,6 +247,7 @@ pub(crate) struct Core {
     surface: [Option<Surface>; MAX_SPINDLES],
     /// Time since which a move waits for the spindle.
     at_speed_since: Option<f64>,
+    waits: awaited::Waits,
     pub(crate) feed: overrides::Feed,
     pub(crate) spindle_scale: [f64; MAX_SPINDLES],
     pub(crate) spindle_counts: [bool; MAX_SPINDLES],
@@ -227,6 +256,9 @@ pub(crate) struct Core {
     pub(crate) input_was_late: bool,
     /// Number of jobs that have ended, and of those that have failed.
     pub(crate) jobs: (u32, u32),
+    pub(crate) ended_by: EndedBy,
+    /// The parameter file could not be written, which was told.
+    is_unsaved: bool,
     /// Number of aborts, and of ends of the state on.
     pub(crate) stops: u32,
     /// Stop epoch of motion as it is known.
@@ -275,6 +307,7 @@ impl Core {
             mdi_text: Box::default(),
             mode_before: None,
             asked: Vec::new(),
+            on_after_reset: Vec::new(),
             serial: 0,
             last_tag: None,
             undo: Undo::default(),
@@ -283,12 +316,15 @@ impl Core {
             keeping: Keeping::default(),
             surface: [None; MAX_SPINDLES],
             at_speed_since: None,
+            waits: awaited::Waits::default(),
             feed: overrides::Feed::default(),
             spindle_scale: [1.0; MAX_SPINDLES],
             spindle_counts: [true; MAX_SPINDLES],
             overriding: overrides::Orders::default(),
             input_was_late: false,
             jobs: (0, 0),
+            ended_by: EndedBy::default(),
+            is_unsaved: false,
             stops: 0,
             seen: StopEpoch::default(),
             job_time: 0.0,
@@ -300,6 +336,12 @@ impl Core {
 
     /// Does at most `items` steps of work and returns their number.
     pub(crate) fn step(&mut self, out: &mut impl Outside, items: u32) -> u32 {
+        let done = self.work(out, items);
+        self.follow_wait(out);
+        done
+    }
+
+    fn work(&mut self, out: &mut impl Outside, items: u32) -> u32 {
         if let Some(job) = &self.job {
             let now = out.now() - job.began;
             let runs = !self.flight.is_empty() && !job.paused;
@@ -322,114 +364,6 @@ impl Core {
         let done = (0..items).take_while(|_| self.pump(out)).count();
         self.keep_journal(out);
         u32::try_from(done).unwrap_or(items)
-    }
-
-    /// Follows e-stop and the machine's state; a job ends when the machine goes off.
-    fn watch(&mut self, out: &mut impl Outside) {
-        let (io, motion) = (out.io(), out.motion());
-        let power = match (io.estop.is_released(), motion.enabled) {
-            (false, _) => Power::Estop,
-            (true, false) => Power::Off,
-            (true, true) => Power::On,
-        };
-        // Nothing moves in e-stop, whatever is wired.
-        if power == Power::Estop && motion.enabled {
-            drop(out.order(&Order::Disable, out.epoch()));
-        }
-        let is_stopped = self.see_stops(motion.epoch);
-        let was = core::mem::replace(&mut self.power, power);
-        if was == Power::On && power != Power::On {
-            let is_estop = power == Power::Estop;
-            let off = "the machine was switched off";
-            let why = if is_estop { "the machine is in e-stop" } else { off };
-            self.stops = self.stops.wrapping_add(1);
-            self.mode = if self.job.is_some() { self.mode } else { Mode::Manual };
-            return self.end_job(why, out);
-        }
-        if is_stopped {
-            return self.obey_stop(motion.epoch, out);
-        }
-        self.obey_pause(motion.epoch);
-        if self.job.is_some() && self.rules.needs_homing && !motion.all_homed {
-            self.fail("a joint is no longer homed", out);
-        }
-    }
-
-    /// Returns whether motion was stopped by somebody else since it was last asked.
-    fn see_stops(&mut self, now: StopEpoch) -> bool {
-        let is_stopped = self.seen.is_stopped_by(now);
-        if is_stopped || self.seen.is_paused_by(now) {
-            self.seen = now;
-        }
-        is_stopped
-    }
-
-    /// Motion was stopped: what was given before ends, and coolant and tool change with it.
-    fn obey_stop(&mut self, now: StopEpoch, out: &mut impl Outside) {
-        self.stops = self.stops.wrapping_add(1);
-        if self.ending.is_some() {
-            return;
-        }
-        let given = self.job.as_ref().map(|job| job.given).or_else(|| self.checking.given());
-        if given.is_none_or(|given| given.is_stopped_by(now)) {
-            self.end_all(STOPPED, true, out);
-        }
-    }
-
-    /// Motion was paused: a job that was given before rests until it is resumed.
-    fn obey_pause(&mut self, now: StopEpoch) {
-        if let Some(job) = &mut self.job
-            && job.given.is_paused_by(now)
-        {
-            (job.paused, job.held) = (true, true);
-        }
-    }
-
-    /// Returns the epoch of the job's orders.
-    fn job_epoch(&self, out: &impl Outside) -> StopEpoch {
-        self.job.as_ref().map_or_else(|| out.epoch(), |job| job.given)
-    }
-
-    /// Returns whether a job is in execution or ending, or a program is checked before its start.
-    pub(crate) fn is_busy(&self) -> bool {
-        self.job.is_some() || self.ending.is_some() || self.checking.is_before_start()
-    }
-
-    /// Returns whether something is in execution or waits; between two lines of MDI that wait, nothing is in execution.
-    pub(crate) fn has_work(&self) -> bool {
-        self.is_busy() || !self.mdi.is_empty()
-    }
-
-    /// Returns the state of the interpreter.
-    pub(crate) fn interpreting(&self) -> Interpreting {
-        match &self.job {
-            None if self.ending.is_some() => Interpreting::Waiting,
-            None if self.checking.is_before_start() => Interpreting::Reading,
-            None => Interpreting::Idle,
-            Some(job) if job.paused => Interpreting::Paused,
-            Some(job) if job.reading == Reading::Lines && self.waiting.is_none() => {
-                Interpreting::Reading
-            }
-            Some(_) => Interpreting::Waiting,
-        }
-    }
-
-    /// Returns the line in execution; 0 without one.
-    pub(crate) fn line(&self) -> u32 {
-        if self.awaited_tool().is_some() && self.waiting.is_none() {
-            return self.queue.front().map_or(0, |entry| entry.origin.line);
-        }
-        let flight = self.flight.front().map(|f| f.origin.line);
-        match (&self.waiting, &self.current) {
-            (Some(_), Some(origin)) => origin.line,
-            (_, Some(origin)) => flight.unwrap_or(origin.line),
-            (_, None) => flight.unwrap_or(0),
-        }
-    }
-
-    /// Returns the number of steps that wait in the task.
-    pub(crate) fn queue_len(&self) -> usize {
-        self.queue.len()
     }
 
     /// Tells the operator something.

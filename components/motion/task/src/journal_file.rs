@@ -139,6 +139,19 @@ mod tests {
     use super::*;
     use hal_job::journal::{At, Journal};
 
+    fn at(number: u64) -> At {
+        At {
+            number,
+            line: 1,
+            file: "job.ngc".into(),
+            pose: [0.0; 9],
+            gone: 0.0,
+            left: 0.0,
+            homed: true,
+            tool: 0,
+        }
+    }
+
     #[test]
     fn a_disk_that_is_full_leaves_no_journal() {
         // Every write to this device fails as on a full disk.
@@ -148,7 +161,7 @@ mod tests {
         let (store, _due) = sync_channel(1);
         let open = Open { file: full, store, kept: String::new(), place: String::new() };
         let mut journal = JournalFile { path: Some(path.clone()), open: Some(open) };
-        let at = At { number: 1, line: 1, pose: [0.0; 9], homed: true, tool: 0 };
+        let at = at(1);
         let why = journal.write(&Record::At(at.clone())).unwrap_err();
         assert!(why.ends_with(": No space left on device"), "{why}");
         assert!(!path.exists(), "what is old is not the job's");
@@ -183,8 +196,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("hal-journal-long-{}", std::process::id()));
         let first = Record::File("job.ngc".into(), 7).line();
         let mut open = begin(&path, first.clone(), String::new(), 10_000).unwrap();
-        let place =
-            |number| Record::At(At { number, line: 1, pose: [0.0; 9], homed: true, tool: 0 });
+        let place = |number| Record::At(at(number));
         let answer = Record::Answer(hal_gcode::Answer::Input(1.0));
         for number in 0..1000 {
             let record = place(number);

@@ -155,6 +155,18 @@ pub(crate) struct MotionState {
     pub(crate) spindle_override: [f64; 8],
     /// Stop epoch of the cycle.
     pub(crate) epoch: StopEpoch,
+    /// Wait of motion: number of a [`hal_component::Wait`], its object, and the machine time since which it lasts.
+    pub(crate) wait: u32,
+    pub(crate) wait_number: i32,
+    pub(crate) wait_since: f64,
+    /// The wait is a ramp, which ends by itself.
+    pub(crate) wait_ends: bool,
+    /// Spindles that were stopped after the program turned them, and those that are inhibited; a bit for each.
+    pub(crate) spindles_stopped: u32,
+    pub(crate) spindles_inhibited: u32,
+    /// Distance travelled along the move in execution, and to its end.
+    pub(crate) travelled: f64,
+    pub(crate) to_go: f64,
 }
 
 /// Importance of a message.

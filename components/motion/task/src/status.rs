@@ -2,7 +2,7 @@
 
 use crate::{
     codes,
-    core::{Core, Interpreting, file_name, restart::Shown},
+    core::{Core, Interpreting, awaited::WaitRecord, file_name, restart::Shown},
     outside::{Level, MotionState},
 };
 use hal_component::{IoState, Plain, abi::OperatorView};
@@ -14,7 +14,7 @@ use hal_gcode::{
 use std::sync::Arc;
 
 /// Version of [`TaskStatus`].
-pub(crate) const VERSION: u32 = 6;
+pub(crate) const VERSION: u32 = 7;
 /// Number of words of a text.
 const TEXT: usize = 32;
 /// Number of spindles.
@@ -115,6 +115,20 @@ pub(crate) struct TaskStatus {
     pub(crate) command: [u64; TEXT],
     /// Override of rapid moves.
     pub(crate) rapid_override: f64,
+    /// Wait of the job, or of motion without a job, as a number of the table of waits.
+    pub(crate) wait: u32,
+    /// Spindle, tool, input or user code that it waits for.
+    pub(crate) wait_number: i32,
+    /// Machine time in seconds since which it waits.
+    pub(crate) wait_since: f64,
+    /// Machine time in seconds at which the wait ends by itself; -1 if that is not known.
+    pub(crate) wait_until: f64,
+    /// True if the wait ends by itself, whatever anybody does.
+    pub(crate) wait_ends: bool,
+    /// Text that says who is waited for and how to go on, encoded as the path of the program.
+    pub(crate) wait_text: [u64; TEXT],
+    /// End of the last job: 0 none has ended, 1 complete, 2 an error, 3 an abort, 4 an e-stop, 5 switched off.
+    pub(crate) ended_by: u32,
 }
 
 /// The state of the task, with its texts.
@@ -122,6 +136,7 @@ pub(crate) struct TaskStatus {
 pub(crate) struct Report {
     pub(crate) status: Option<TaskStatus>,
     pub(crate) message: String,
+    wait: WaitRecord,
     file: String,
     velocity: f64,
     /// The start that waits for its confirmation.
@@ -134,6 +149,7 @@ impl Report {
         Self {
             status: Some(status(core, io, now)),
             message: core.message.to_string(),
+            wait: core.wait_record().clone(),
             file,
             velocity: motion.velocity,
             start: core.shown_start(),
@@ -145,7 +161,7 @@ impl Report {
         let Some(s) = &self.status else { return vec!["task state=unknown".to_owned()] };
         let name = |names: &[&'static str], n: u32| *names.get(n as usize).unwrap_or(&"?");
         let bit = |on: bool| if on { "TRUE" } else { "FALSE" };
-        vec![
+        let mut lines = vec![
             format!(
                 "task state={} mode={} interpreter={} queue={} mdi-queue={} jobs={} failed={}",
                 name(&["estop", "off", "on"], s.state),
@@ -158,7 +174,7 @@ impl Report {
             ),
             format!(
                 "program file={} line={} read={} time={:.3} left={} velocity={:.3} optional-stop={} \
-                 block-delete={} stepping={}",
+                 block-delete={} stepping={} ended-by={}",
                 self.file,
                 s.line,
                 s.line_read,
@@ -172,6 +188,7 @@ impl Report {
                 bit(s.optional_stop),
                 bit(s.block_delete),
                 bit(s.stepping),
+                name(&["nothing", "end", "error", "abort", "estop", "off"], s.ended_by),
             ),
             format!(
                 "tool number={} prepared={} waits-for={} mist={} flood={} lube={}",
@@ -186,8 +203,10 @@ impl Report {
                 bit(s.lube),
             ),
             format!("modal {}", codes::joined(&s.g_codes)),
-            format!("message number={} {}", s.messages, self.message),
-        ]
+        ];
+        lines.extend(self.wait.line());
+        lines.push(format!("message number={} {}", s.messages, self.message));
+        lines
     }
 }
 
@@ -212,6 +231,7 @@ fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
         };
     }
     let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let wait = core.wait_record();
     TaskStatus {
         state: core.power as u32,
         mode: core.mode as u32,
@@ -258,6 +278,13 @@ fn status(core: &Core, io: &IoState, now: f64) -> TaskStatus {
         spindle_override_counts: core.spindle_counts,
         command: packed(core.mdi_line()),
         rapid_override: core.feed.rapid,
+        wait: wait.kind as u32,
+        wait_number: wait.number,
+        wait_since: wait.since,
+        wait_until: wait.until.unwrap_or(-1.0),
+        wait_ends: wait.ends,
+        wait_text: packed(&wait.text),
+        ended_by: core.ended_by as u32,
     }
 }
 

@@ -7,13 +7,16 @@ mod functions;
 mod job;
 mod real;
 mod recover;
+mod refused;
 mod restart;
 mod rs274d;
 mod spindle;
 mod stop;
+mod stopped_spindle;
 mod stops;
 mod table;
 mod tool;
+mod waits;
 mod words;
 
 use crate::{
@@ -24,7 +27,7 @@ use crate::{
         Ticket,
     },
 };
-use hal_component::{Estop, IoRequest, IoState};
+use hal_component::{Estop, IoRequest, IoState, StopEpoch};
 use hal_gcode::{Numbered, tool::ToolTable};
 use hal_job::{Files, Machine, World, journal::Record, spindle::Spindle};
 use std::{
@@ -72,6 +75,10 @@ struct Fake {
     questions: BTreeMap<u64, (f64, String)>,
     journal: String,
     disk_is_full: bool,
+    /// The parameter file cannot be written.
+    is_unwritable: bool,
+    /// Levels of the messages.
+    levels: Vec<Level>,
 }
 
 impl Fake {
@@ -90,6 +97,7 @@ impl Fake {
                 feed_override: 1.0,
                 rapid_override: 1.0,
                 spindle_override: [1.0; 8],
+                epoch: StopEpoch { stops: 1, pauses: 0 },
                 ..MotionState::default()
             },
             io: IoState {
@@ -122,6 +130,8 @@ impl Fake {
             questions: BTreeMap::new(),
             journal: String::new(),
             disk_is_full: false,
+            is_unwritable: false,
+            levels: Vec::new(),
         }
     }
 

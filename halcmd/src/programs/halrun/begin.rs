@@ -1,11 +1,15 @@
 //! The begin of a job, as the options of halrun state it.
 
+use super::waiting::MaxWait;
+
 /// A program to run on the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Job {
     pub(super) begin: Begin,
     /// Begins in the middle without a question.
     pub(super) yes: bool,
+    /// Longest wait for something that may never come.
+    pub(super) max_wait: MaxWait,
 }
 
 /// The place at which a job begins.

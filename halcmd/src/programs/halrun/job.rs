@@ -1,8 +1,11 @@
 //! `--run`: a program on the machine, from e-stop to the end of the program, from its first line, from another one, or
 //! from the place where the last job broke off (`--resume`).
 
-use super::begin::{Begin, Job};
-use crate::{Error, Outcome, Session};
+use super::{
+    begin::{Begin, Job},
+    waiting::{MaxWait, WAITED, WaitLook, Waiting, with_links},
+};
+use crate::{Error, Outcome, Session, session::prompt::was_said};
 use hal_protocol::{Reply, Request, TicketInfo};
 use rustix::termios::QueueSelector;
 
@@ -23,42 +26,67 @@ const BEFORE: [(&str, &[&str]); 4] = [
     ("task.mode", &["mode=auto"]),
 ];
 
-/// Runs a program and tells how it ended, with its machine time.
-pub(super) fn run(session: &mut Session<'_>, job: &Job) -> Outcome {
+/// Runs a program and tells how it ended, with its machine time. Returns the exit status, if it is another than that of the
+/// outcome.
+pub(super) fn run(session: &mut Session<'_>, job: &Job) -> (Outcome, Option<u8>) {
     // The lines of the machine's files are behind it.
     session.stand_at("<commandline>", 0);
     match run_program(session, job) {
-        Ok(true) if session.link.is_ending() => Outcome::Ended,
-        Ok(true) => Outcome::Good,
-        Ok(false) => Outcome::Failed,
+        Ok(_) if session.link.is_ending() => (Outcome::Ended, None),
+        Ok(End::Good) => (Outcome::Good, None),
+        Ok(End::NotBegun | End::Stopped) => (Outcome::Failed, None),
+        Ok(End::Waited) => (Outcome::Failed, Some(WAITED)),
         Err(error) => {
-            let fault = Fault::of(&error);
-            if let Some(fault) = &fault {
-                session.stand_at(fault.file, fault.line);
-            }
-            session.report(fault.map(|f| f.error()).as_ref().unwrap_or(&error));
-            Outcome::Failed
+            report(session, &error);
+            (Outcome::Failed, None)
         }
     }
 }
 
-/// Returns false if nobody wanted the program to begin.
-fn run_program(session: &mut Session<'_>, job: &Job) -> Result<bool, Error> {
+/// Reports an error at its line of the program, unless the log has it already.
+fn report(session: &mut Session<'_>, error: &Error) {
+    let fault = Fault::of(error);
+    if let Error::GivenUp { why, .. } = error
+        && fault.is_some()
+        && was_said(why)
+    {
+        return;
+    }
+    if let Some(fault) = &fault {
+        session.stand_at(fault.file, fault.line);
+    }
+    session.report(fault.map(|f| f.error()).as_ref().unwrap_or(error));
+}
+
+/// End of a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    /// The program is complete.
+    Good,
+    /// The program did not begin, because no person confirmed it.
+    NotBegun,
+    /// A person has stopped it.
+    Stopped,
+    /// The program has waited for too long.
+    Waited,
+}
+
+fn run_program(session: &mut Session<'_>, job: &Job) -> Result<End, Error> {
     if !session.is_components("task.run") {
         return Err(Error::NoTask);
     }
     if matches!(job.begin, Begin::From(..)) && !job.yes && !is_asked(session) {
-        return Ok(false);
+        return Ok(End::NotBegun);
     }
     if job.begin == Begin::Resume {
         // Nothing moves before the person has seen what is resumed.
         complete(session, "task.recover", Vec::new())?;
         if session.link.is_ending() {
-            return Ok(true);
+            return Ok(End::Good);
         }
         proposal(session)?;
         if !job.yes && !agrees(session, "switch on and home?") {
-            return Ok(false);
+            return Ok(End::NotBegun);
         }
     }
     switch_on(session)?;
@@ -79,19 +107,19 @@ fn run_program(session: &mut Session<'_>, job: &Job) -> Result<bool, Error> {
     }
     // An instance that ends takes no commands.
     if session.link.is_ending() {
-        return Ok(true);
+        return Ok(End::Good);
     }
     let (command, args) = if propose.is_none() {
         ("task.run", Vec::new())
     } else {
         let token = proposal(session)?;
         if !job.yes && !agrees(session, "begin there?") {
-            return Ok(false);
+            return Ok(End::NotBegun);
         }
         ("task.confirm", vec![format!("token={token}")])
     };
     let name = Status::of(session)?.value("file").unwrap_or_default().to_owned();
-    watch(session, &name, command, args).map(|()| true)
+    watch(session, &name, (command, args), job.max_wait)
 }
 
 /// Brings the machine from e-stop to the begin of a program.
@@ -149,39 +177,70 @@ fn is_asked(session: &mut Session<'_>) -> bool {
 fn watch(
     session: &mut Session<'_>,
     name: &str,
-    command: &str,
-    args: Vec<String>,
-) -> Result<(), Error> {
+    (command, args): (&str, Vec<String>),
+    max_wait: MaxWait,
+) -> Result<End, Error> {
     let id = begin(session, command, args)?;
-    let mut awaited = None;
-    let result = follow(session, command, id, |session, now| {
-        let tool = now.value("waits-for").filter(|tool| *tool != "nothing").map(str::to_owned);
-        if tool != awaited {
-            if let Some(tool) = &tool {
-                let line = now.line();
-                session.terminal.err(&format!("{name}: line {line}: waits for tool {tool}\n"));
-            }
-            awaited = tool;
-        } else if session.terminal.is_person() {
-            let (line, time) = (now.line(), now.time());
-            let velocity = now.value("velocity").unwrap_or("0");
-            let left = match now.value("left").filter(|left| *left != "unknown") {
-                Some(left) => format!(", about {left} s left"),
-                None => String::new(),
-            };
-            let text = format!("{CLEAR}{name}: line {line}, {time} s, {velocity} units/s{left}");
-            session.terminal.err(&text);
+    let is_person = session.terminal.is_person();
+    let clear = if is_person { CLEAR } else { "" };
+    let mut waiting = Waiting::new(max_wait, is_person);
+    let mut line = String::new();
+    let mut result = follow(session, command, id, |session, now| {
+        if now.line() != "0" {
+            now.line().clone_into(&mut line);
         }
+        match waiting.look(now, LOOK_NS) {
+            WaitLook::Tell(text) => {
+                let text = with_links(session, &text);
+                session.terminal.err(&format!("{clear}{name}: line {line}: waits for {text}\n"));
+            }
+            WaitLook::TooLong(text) => {
+                let (text, most) = (with_links(session, &text), waiting.most());
+                session.terminal.err(&format!(
+                    "{clear}{name}: line {line}: gives up after {most} s of waiting for {text}\n"
+                ));
+                return false;
+            }
+            WaitLook::Same if is_person => session.terminal.err(&progress(name, now)),
+            WaitLook::Same => {}
+        }
+        true
     });
-    let clear = if session.terminal.is_person() { CLEAR } else { "" };
+    let has_waited = result == Ok(false);
+    if has_waited {
+        complete(session, "task.abort", Vec::new())?;
+        // Its end is no error any more.
+        result = follow(session, command, id, |_, _| true).or(Ok(true));
+    }
     if session.link.is_ending() {
         session.terminal.err(&format!("{clear}{name}: interrupted\n"));
-        return result;
+        return result.map(|_| End::Good);
     }
-    let time = Status::of(session)?.time().to_owned();
-    let how = if result.is_ok() { "ended" } else { "failed" };
+    let now = Status::of(session)?;
+    let (time, by) = (now.time(), now.stopped_by().filter(|_| result.is_err()));
+    let how = match by {
+        _ if has_waited => "ended".to_owned(),
+        Some(by) => format!("stopped by {by} at line {line}"),
+        None if result.is_ok() => "ended".to_owned(),
+        None => "failed".to_owned(),
+    };
     session.terminal.err(&format!("{clear}{name}: {how} after {time} s of machine time\n"));
-    result
+    match (has_waited, by) {
+        (true, _) => Ok(End::Waited),
+        (false, Some(_)) => Ok(End::Stopped),
+        (false, None) => result.map(|_| End::Good),
+    }
+}
+
+/// Returns the line that shows a person how far a program has come.
+fn progress(name: &str, now: &Status) -> String {
+    let (line, time) = (now.line(), now.time());
+    let velocity = now.value("velocity").unwrap_or("0");
+    let left = match now.value("left").filter(|left| *left != "unknown") {
+        Some(left) => format!(", about {left} s left"),
+        None => String::new(),
+    };
+    format!("{CLEAR}{name}: line {line}, {time} s, {velocity} units/s{left}")
 }
 
 /// The fault of a program, whose text begins with its place: `file:line: text` or `file:line:column: text`.
@@ -223,7 +282,7 @@ impl<'a> Fault<'a> {
 /// Executes a command of the task to its end.
 fn complete(session: &mut Session<'_>, name: &str, args: Vec<String>) -> Result<(), Error> {
     let id = begin(session, name, args)?;
-    follow(session, name, id, |_, _| {})
+    follow(session, name, id, |_, _| true).map(|_| ())
 }
 
 /// Begins a command of the task and returns its ticket.
@@ -234,27 +293,29 @@ fn begin(session: &mut Session<'_>, name: &str, args: Vec<String>) -> Result<u64
     }
 }
 
-/// Lets the machine run until a command has ended.
+/// Lets the machine run until a command has ended, or until a look returns false. Returns whether it has ended.
 fn follow(
     session: &mut Session<'_>,
     name: &str,
     id: u64,
-    mut look: impl FnMut(&mut Session<'_>, &Status),
-) -> Result<(), Error> {
+    mut look: impl FnMut(&mut Session<'_>, &Status) -> bool,
+) -> Result<bool, Error> {
     while !session.link.is_ending() {
         match session.ask(Request::Ticket { id, wait: false })? {
             Reply::Ticket(TicketInfo::Pending) => {}
             Reply::Ticket(TicketInfo::Failed(why)) => {
                 return Err(Error::GivenUp { command: name.into(), why: why.into() });
             }
-            Reply::Ticket(_) => return Ok(()),
+            Reply::Ticket(_) => return Ok(true),
             _ => return Err(Error::Unexpected),
         }
         session.ask(Request::Run { ns: LOOK_NS })?;
         let now = Status::of(session)?;
-        look(session, &now);
+        if !look(session, &now) {
+            return Ok(false);
+        }
     }
-    Ok(())
+    Ok(true)
 }
 
 /// Returns the answer of a command of the task.
@@ -266,7 +327,7 @@ fn answered(session: &mut Session<'_>, name: &str) -> Result<Status, Error> {
 }
 
 /// The lines of an answer, with words `name=value`.
-struct Status(Vec<String>);
+pub(super) struct Status(Vec<String>);
 
 impl Status {
     fn of(session: &mut Session<'_>) -> Result<Self, Error> {
@@ -280,12 +341,37 @@ impl Status {
         values.find(|(n, _)| *n == name).map(|(_, value)| value)
     }
 
+    /// Returns the wait in progress: its kind, object and begin, the time at which it ends, and its text.
+    pub(super) fn wait(&self) -> Option<(&str, &str, &str)> {
+        let line = self.0.iter().find_map(|line| line.strip_prefix("wait for="))?;
+        let (words, rest) = line.split_once(" until=")?;
+        let (until, text) = rest.split_once(' ')?;
+        Some((words, until, text))
+    }
+
+    /// Returns who has stopped the last job, if somebody has.
+    fn stopped_by(&self) -> Option<&str> {
+        match self.value("ended-by") {
+            Some("abort") => Some("an abort"),
+            Some("estop") => Some("e-stop"),
+            Some("off") => Some("switching off"),
+            _ => None,
+        }
+    }
+
     fn line(&self) -> &str {
         self.value("line").unwrap_or("0")
     }
 
     fn time(&self) -> &str {
         self.value("time").unwrap_or("0")
+    }
+}
+
+#[cfg(test)]
+impl Status {
+    pub(super) const fn new(lines: Vec<String>) -> Self {
+        Self(lines)
     }
 }
 

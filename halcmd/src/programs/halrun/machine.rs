@@ -397,7 +397,7 @@ mod tests {
         };
         let names = "joint axis min-limit max-limit max-velocity ferror home-offset \
                      default-velocity linear-units comp-file spindle max-forward-velocity \
-                     min-reverse-velocity";
+                     min-reverse-velocity fault-stop";
         let (name, doc) = ("motion.configure".to_owned(), String::new());
         CommandInfo { name, doc, args: names.split_whitespace().map(arg).collect() }
     }
@@ -424,8 +424,8 @@ mod tests {
             ],
         );
         check(
-            "[AXIS_X]\nMAX_VELOCITY = 5\nMAX_LIMIT=7\n[JOINT_0]\nFERROR = 1\nFERROR = 2\n",
-            &["5 joint=0 ferror=1", "2 axis=x max-velocity=5 max-limit=7"],
+            "[AXIS_X]\nMAX_VELOCITY = 5\nMAX_LIMIT=7\n[JOINT_0]\nFERROR = 1\nFERROR = 2\nFAULT_STOP = ramp\n",
+            &["5 joint=0 ferror=1 fault-stop=ramp", "2 axis=x max-velocity=5 max-limit=7"],
         );
         check(
             "[SPINDLE_0]\nMAX_FORWARD_VELOCITY = 2400\nINCREMENT = 50\n[SPINDLE_1]\n\

@@ -7,6 +7,7 @@ use super::{
     log::Selection,
     realtime,
     table::{HIDDEN, Id, OPTIONS},
+    waiting::MaxWait,
 };
 use crate::{
     Error, Style,
@@ -188,8 +189,14 @@ pub(crate) fn plan(
             return Err(bad(option, file, "it excludes --detach and --hold"));
         }
     }
-    let job = begin.map(|begin| Job { begin, yes: has(Id::Yes) });
-    let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), value(Id::StuckTime))?;
+    let max_wait = match value(Id::MaxWait) {
+        Some(text) => MaxWait::parse(&text)
+            .ok_or_else(|| bad("--max-wait", &text, "it is never, or a time such as 60s"))?,
+        None => MaxWait::default(),
+    };
+    let job = begin.map(|begin| Job { begin, yes: has(Id::Yes), max_wait });
+    let times = (value(Id::StuckTime), value(Id::MaxGap));
+    let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), times)?;
     let tcl = has(Id::Tcl);
     let interactive = tcl || has(Id::Interactive);
     if interactive && detach != Detach::No {

@@ -29,6 +29,7 @@ pub(super) enum Id {
     Compat,
     DmaLatency,
     StuckTime,
+    MaxGap,
     Log,
     Instance,
     Profile,
@@ -36,6 +37,7 @@ pub(super) enum Id {
     From,
     Resume,
     Yes,
+    MaxWait,
     Headless,
     Help,
 }
@@ -58,6 +60,13 @@ pub(super) const OPTIONS: &[Opt<Id>] = &[
     ),
     with("resume", Id::Resume, None, None, "begin where the last job broke off, after questions"),
     with("yes", Id::Yes, None, None, "begin at --from or --resume without a question"),
+    with(
+        "max-wait",
+        Id::MaxWait,
+        Some("TIME"),
+        Some("HAL_MAX_WAIT"),
+        "end --run with status 3 after a wait of TIME, or never; 60s off a terminal, where nobody sees it",
+    ),
     with("headless", Id::Headless, None, Some("HAL_HEADLESS"), "without a user interface"),
     with("for", Id::For, Some("TIME"), Some("HAL_FOR"), "end after TIME of the machine"),
     with("clock", Id::Clock, Some("KIND"), Some("HAL_CLOCK"), "the clock: real or virtual"),
@@ -100,6 +109,13 @@ pub(super) const OPTIONS: &[Opt<Id>] = &[
         Some("TIME"),
         Some("HAL_STUCK_TIME"),
         "stop the machine when a function does not return within TIME",
+    ),
+    with(
+        "max-gap",
+        Id::MaxGap,
+        Some("TIME"),
+        Some("HAL_MAX_GAP"),
+        "switch motion off after the process stood still for TIME (500ms if not said)",
     ),
     with(
         "compat",

@@ -2,6 +2,7 @@
 
 use rustyline::ExternalPrinter;
 use std::{
+    collections::VecDeque,
     io::{self, Write},
     sync::{
         Mutex, PoisonError,
@@ -57,12 +58,33 @@ impl Drop for Kept {
     }
 }
 
+/// Number of texts that are remembered.
+const REMEMBERED: usize = 64;
+/// The last texts.
+static SAID: Mutex<VecDeque<String>> = Mutex::new(VecDeque::new());
+
+/// Returns whether one of the last messages of components had this text.
+pub(crate) fn was_said(text: &str) -> bool {
+    let said = SAID.lock().unwrap_or_else(PoisonError::into_inner);
+    said.iter()
+        .any(|line| line.trim_end().strip_suffix(text).is_some_and(|name| name.ends_with(": ")))
+}
+
+fn remember(bytes: &[u8]) {
+    let mut said = SAID.lock().unwrap_or_else(PoisonError::into_inner);
+    said.push_back(String::from_utf8_lossy(bytes).into_owned());
+    if said.len() > REMEMBERED {
+        said.pop_front();
+    }
+}
+
 /// Standard error, or the space above the prompt.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Aside;
 
 impl Write for Aside {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        remember(bytes);
         if let Some(kept) = &mut *KEPT.lock().unwrap_or_else(PoisonError::into_inner) {
             kept.extend_from_slice(bytes);
             return Ok(bytes.len());

@@ -51,6 +51,14 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// Returns the name in messages.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Inch => "inch",
+            Self::Millimetre => "mm",
+        }
+    }
+
     /// Returns the millimetres of one unit.
     pub fn millimetres(self) -> f64 {
         match self {

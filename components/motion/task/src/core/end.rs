@@ -1,8 +1,8 @@
 //! The end of a job: complete, failed or aborted.
 
-use super::{Core, Ending, Job, Origin, Reading};
+use super::{Core, EndedBy, Ending, Job, Origin, Reading};
 use crate::outside::{FileAction, FileKind, Level, Order, Outside, Progress, Refusal};
-use hal_component::{IoRequest, StopEpoch};
+use hal_component::{IoRequest, StopEpoch, Wait};
 use hal_gcode::{
     canon::Direction,
     parameters::number,
@@ -28,6 +28,7 @@ impl Core {
             ticket,
             given,
             paused: false,
+            why_paused: Wait::Pause,
             stepping: stepping.then_some(None),
             held: false,
             input: 0.0,
@@ -46,7 +47,10 @@ impl Core {
 
     /// Ends a job whose last step is done.
     pub(super) fn complete(&mut self, out: &mut impl Outside) {
-        self.save_parameters(out);
+        if let Err(why) = self.try_to_save(out) {
+            return self.fail(&why, out);
+        }
+        self.note_end(EndedBy::End);
         self.keep_end(out);
         self.interpreter.state.rs274d.before = None;
         self.leave_entry();
@@ -73,6 +77,7 @@ impl Core {
             _ => why.to_owned(),
         };
         self.tell(Level::Error, &text, out);
+        self.note_end(EndedBy::Error);
         self.end_job(&text, out);
     }
 
@@ -150,6 +155,7 @@ impl Core {
             return;
         }
         let origin = self.ending.take().and_then(|e| e.origin);
+        self.keep_rest(out);
         self.reset(origin, out);
         self.save_parameters(out);
     }
@@ -194,8 +200,18 @@ impl Core {
     }
 
     /// Writes the parameter file.
-    pub(super) fn save_parameters(&mut self, out: &mut impl Outside) {
-        if let Err(why) = out.save_parameters(&self.interpreter.state.numbered) {
+    pub(super) fn try_to_save(&mut self, out: &mut impl Outside) -> Result<(), String> {
+        let saved = out.save_parameters(&self.interpreter.state.numbered);
+        self.is_unsaved = saved.is_err();
+        saved
+    }
+
+    /// Writes the parameter file behind a job that has failed, and tells once that it cannot.
+    fn save_parameters(&mut self, out: &mut impl Outside) {
+        let is_known = self.is_unsaved;
+        if let Err(why) = self.try_to_save(out)
+            && !is_known
+        {
             self.tell(Level::Error, &why, out);
         }
     }

@@ -3,7 +3,7 @@
 //! It has the begin of the job, the answers of the machine, the checksums of the program's files, and the line in
 //! execution, at most [`PERIOD`] old. Motion never waits for it.
 
-use super::{Core, Reading, file_name};
+use super::{Core, Origin, Reading, file_name};
 use crate::outside::{Level, Outside};
 use hal_gcode::{Answer, Environment, Text, state::State};
 use hal_job::{
@@ -24,6 +24,8 @@ const SLICE: usize = 1 << 18;
 pub(super) struct Keeping {
     is_on: bool,
     last: Option<At>,
+    /// The last place of a job that has broken off, while the machine brakes.
+    broken: Option<At>,
     /// Time of the last place.
     written: f64,
     /// Names of the files in the journal.
@@ -130,7 +132,21 @@ impl Core {
     /// Writes the last place of a job that breaks off.
     pub(super) fn keep_break(&mut self, out: &mut impl Outside) {
         self.keep_place(true, out);
+        self.keeping.broken = self.keeping.last.take_if(|_| self.keeping.is_on);
         self.keeping.is_on = false;
+    }
+
+    /// Writes where the machine has come to rest after a break.
+    pub(super) fn keep_rest(&mut self, out: &mut impl Outside) {
+        let Some(at) = self.keeping.broken.take() else { return };
+        let pose = out.motion().pose;
+        let rest = beyond(&at, At { pose, gone: 0.0, left: 0.0, ..at.clone() });
+        if rest == at {
+            return;
+        }
+        if let Err(why) = out.journal(&Record::At(rest)) {
+            self.tell(Level::Error, &format!("{why}: the job has no journal"), out);
+        }
     }
 
     /// Writes what is due: the line in execution, and checksums of files.
@@ -161,15 +177,27 @@ impl Core {
         if !self.keeping.is_on || !self.is_program() {
             return;
         }
+        // Between two places, nothing is looked for.
+        if !now && out.now() - self.keeping.written < PERIOD {
+            return;
+        }
         let (number, line) = self.unfinished();
         let motion = out.motion();
-        let tool = out.io().tool;
-        let at = At { number, line, pose: motion.pose, homed: motion.all_homed, tool };
-        let is_same = self.keeping.last.as_ref().is_some_and(|last| {
-            (last.number, last.homed, last.tool) == (at.number, at.homed, at.tool)
-        });
-        let is_due = now || out.now() - self.keeping.written >= PERIOD;
-        if is_due && !is_same {
+        let at = At {
+            number,
+            line,
+            file: self.unfinished_file(),
+            pose: motion.pose,
+            gone: motion.travelled,
+            left: motion.to_go,
+            homed: motion.all_homed,
+            tool: out.io().tool,
+        };
+        let at = match self.keeping.last.as_ref().filter(|_| now) {
+            Some(last) => beyond(last, at),
+            None => at,
+        };
+        if self.keeping.last.as_ref() != Some(&at) {
             self.keeping.written = out.now();
             self.keep(&Record::At(at.clone()), out);
             self.keeping.last = Some(at);
@@ -180,12 +208,23 @@ impl Core {
         self.job.as_ref().is_some_and(|job| job.is_program)
     }
 
-    /// Returns the number of lines that are executed, and the line behind them.
-    pub(super) fn unfinished(&self) -> (u64, u32) {
+    /// Returns the origin of the first step that is not finished.
+    fn first_unfinished(&self) -> Option<&Origin> {
         let current = self.current.as_ref().filter(|_| self.waiting.is_some());
         let flight = self.flight.front().map(|f| &f.origin);
-        let queue = self.queue.front().map(|e| &e.origin);
-        if let Some(origin) = flight.or(current).or(queue) {
+        flight.or(current).or(self.queue.front().map(|e| &e.origin))
+    }
+
+    /// Returns the file of the line that [`Self::unfinished`] returns.
+    fn unfinished_file(&self) -> Box<str> {
+        let level = self.interpreter.state.levels.last().map(|level| &level.file);
+        let origin = self.first_unfinished().map(|origin| &origin.tag.file);
+        origin.or(level).cloned().unwrap_or_default()
+    }
+
+    /// Returns the number of lines that are executed, and the line behind them.
+    pub(super) fn unfinished(&self) -> (u64, u32) {
+        if let Some(origin) = self.first_unfinished() {
             return (origin.number, origin.line);
         }
         let state = &self.interpreter.state;
@@ -194,6 +233,27 @@ impl Core {
             _ => (state.lines_run, state.levels.last().map_or(state.line, |l| l.cursor.line + 1)),
         }
     }
+}
+
+/// Returns a place in a job whose motion has no move any more, as one on the move of the place before.
+fn beyond(before: &At, at: At) -> At {
+    let has_move = at.gone > 0.0 || at.left > 0.0;
+    let had_move = before.gone > 0.0 || before.left > 0.0;
+    if has_move || !had_move || at.number != before.number {
+        return at;
+    }
+    let by = distance(&before.pose, &at.pose);
+    let left = if by < before.left { before.left - by } else { 0.0 };
+    At { gone: before.gone + by, left, ..at }
+}
+
+/// Returns the distance between two poses in X Y Z; without one, in U V W, and without that, in A B C.
+fn distance(from: &[f64; 9], to: &[f64; 9]) -> f64 {
+    let along = |axes: [usize; 3]| {
+        let by = axes.map(|n| to.get(n).zip(from.get(n)).map_or(0.0, |(a, b)| a - b));
+        by.iter().map(|d| d * d).sum::<f64>().sqrt()
+    };
+    [[0, 1, 2], [6, 7, 8], [3, 4, 5]].map(along).into_iter().find(|d| *d > 0.0).unwrap_or(0.0)
 }
 
 /// Returns the text that names a changed file.

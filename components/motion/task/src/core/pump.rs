@@ -5,7 +5,7 @@ use crate::{
     convert::Action,
     outside::{Level, Order, Outside, Refusal},
 };
-use hal_component::IoRequest;
+use hal_component::{IoRequest, Wait};
 use hal_gcode::{Call, tool::Tool};
 
 /// Number of moves that motion may hold.
@@ -53,7 +53,7 @@ impl Core {
             Some(Some(serial)) if serial == entry.origin.serial => true,
             Some(Some(_)) => {
                 if at_rest {
-                    (job.stepping, job.paused) = (None, true);
+                    (job.stepping, job.paused, job.why_paused) = (None, true, Wait::Step);
                 }
                 false
             }
@@ -140,16 +140,21 @@ impl Core {
     fn begin(&mut self, action: &Action, out: &mut impl Outside) -> Result<bool, String> {
         match action {
             Action::Path(_) => {}
-            Action::Rest(order) => match out.order(order, self.job_epoch(out)) {
-                Ok(id) if matches!(order, Order::Orient { .. }) => {
-                    // A following wait, and everything else at rest, waits for it.
-                    let origin = self.current.clone().ok_or("no line")?;
-                    self.flight.push_back(Flight { id, origin });
+            Action::Rest(order) => {
+                if let Order::Spindle { spindle, .. } = order {
+                    self.take_stopped_spindle(*spindle, out);
                 }
-                Ok(id) => self.waiting = Some(Waiting::Order(id)),
-                Err(Refusal::Full) => return Ok(false),
-                Err(Refusal::Why(why)) => return Err(why.into()),
-            },
+                match out.order(order, self.job_epoch(out)) {
+                    Ok(id) if matches!(order, Order::Orient { .. }) => {
+                        // A following wait, and everything else at rest, waits for it.
+                        let origin = self.current.clone().ok_or("no line")?;
+                        self.flight.push_back(Flight { id, origin });
+                    }
+                    Ok(id) => self.waiting = Some(Waiting::Order(id)),
+                    Err(Refusal::Full) => return Ok(false),
+                    Err(Refusal::Why(why)) => return Err(why.into()),
+                }
+            }
             Action::Dwell(seconds) => {
                 self.waiting = Some(Waiting::Dwell { until: out.now() + seconds });
             }
@@ -188,6 +193,7 @@ impl Core {
                 if unbounded && has_top != Some(&true) {
                     return Err("G96 needs D, its top speed: the INI file has none".into());
                 }
+                self.take_stopped_spindle(*spindle, out);
                 if let Some(slot) = self.surface.get_mut(usize::from(*spindle)) {
                     *slot = speed.map(|(speed, top)| Surface { speed, top, sent: f64::NAN });
                 }
@@ -215,17 +221,17 @@ impl Core {
             }
             Action::UserCode { code, p, q } => {
                 out.begin_program(*code, *p, *q)?;
-                self.waiting = Some(Waiting::Program);
+                self.waiting = Some(Waiting::Program(*code));
             }
-            Action::Pause { optional } => {
-                if (!optional || self.optional_stop)
+            Action::Pause(why) => {
+                if (*why != Wait::OptionalStop || self.optional_stop)
                     && let Some(job) = &mut self.job
                 {
-                    job.paused = true;
+                    (job.paused, job.why_paused) = (true, *why);
                 }
             }
             Action::Message(text) => self.tell(Level::Notice, text, out),
-            Action::End => self.save_parameters(out),
+            Action::End => self.try_to_save(out)?,
             Action::File(file) => out.file(file, self.program.as_deref())?,
             Action::Refuse(why) => return Err(why.to_string()),
         }
@@ -278,12 +284,18 @@ impl Core {
     /// Keeps spindles at constant surface speed: their turns depend on the distance of X from the axis.
     pub(super) fn follow_surface(&mut self, out: &mut impl Outside) {
         let given = self.job_epoch(out);
-        let [x, ..] = out.motion().pose;
+        let motion = out.motion();
+        let ([x, ..], stopped) = (motion.pose, motion.spindles_stopped);
         let frame = &self.converter.frame;
         let offset = frame.g5x.x + frame.tool.x + frame.g92.x;
         let radius = (x - offset * frame.unit.to(self.world.machine.settings.unit)).abs();
         for (spindle, slot) in (0u8..).zip(&mut self.surface) {
             let Some(surface) = slot else { continue };
+            if stopped >> spindle & 1 != 0 {
+                // Only a resume turns it again.
+                surface.sent = f64::NAN;
+                continue;
+            }
             let turns = surface.speed.abs() / (core::f64::consts::TAU * radius);
             // S0 on the axis has no quotient: the spindle rests.
             let turns = if turns.is_nan() { 0.0 } else { turns.min(surface.top) };

@@ -5,6 +5,7 @@ use crate::{
     convert::Action,
     outside::{FileAction, FileKind, MotionState, Outside},
 };
+use hal_component::Wait;
 use hal_gcode::{
     Answer, Error, Request, Step,
     axis::{Axis, Position},
@@ -24,7 +25,7 @@ impl Core {
             let (tag, number) = (self.tag(), self.interpreter.state.lines_run);
             self.serial += 1;
             let origin = Origin { line, serial: self.serial, number, tag };
-            self.queue.push_back(Entry { action: Action::Pause { optional: false }, origin });
+            self.queue.push_back(Entry { action: Action::Pause(Wait::Pause), origin });
         }
         let mut calls = Vec::new();
         let step = self.interpreter.next(&self.world, &mut calls);

@@ -67,17 +67,23 @@ impl Core {
         let first = begin.state.lines_run;
         let number = journal.at.as_ref().map_or(first, |at| at.number);
         let mut notes = Vec::new();
-        if let Some(At { line, pose, homed, .. }) = &journal.at {
+        if let Some(At { line, pose, homed, gone, left, .. }) = &journal.at {
             let pose = super::entry::words(&self.world.machine, pose);
             let homed = if *homed { "homed" } else { "not homed" };
+            let unit = self.world.machine.settings.unit.symbol();
+            let is_on_move = *gone > 0.0 || *left > 0.0;
+            let along =
+                format!(", {gone:.3} {unit} along its move and {left:.3} {unit} before its end");
+            let along = if is_on_move { along } else { String::new() };
             notes.push(format!(
-                "the job broke off at line {line}, near {pose}, {homed}; the journal lags by at most {PERIOD} s"
+                "the job broke off at line {line}, near {pose}{along}, {homed}; the journal lags by at most {PERIOD} s"
             ));
         }
         if journal.is_cut {
             notes.push("the end of the journal was lost".to_owned());
         }
-        let run = self.replay(&journal, Target::Number(number))?;
+        let place = journal.at.as_ref().map(|at| (&*at.file, at.line));
+        let run = self.replay(&journal, number, place)?;
         let recovery = Box::new(Recovery { journal, checks, notes, left: None });
         let program = Opened { path, version };
         self.search_for(Search { run, program, ticket, recovery: Some(recovery) });
@@ -85,7 +91,13 @@ impl Core {
     }
 
     /// Returns a dry run of a job with the answers that the machine has given.
-    fn replay(&self, journal: &Journal, target: Target) -> Result<Box<DryRun>, String> {
+    /// It counts the times of the line of a file.
+    fn replay(
+        &self,
+        journal: &Journal,
+        number: u64,
+        counted: Option<(&str, u32)>,
+    ) -> Result<Box<DryRun>, String> {
         let begin = &journal.begin;
         let mut interpreter = Interpreter::from_state(begin.state.clone());
         interpreter.supply(&begin.name, world::program(&begin.path)?);
@@ -93,7 +105,11 @@ impl Core {
         given.answers = journal.answers.iter().cloned().collect();
         given.outputs = begin.outputs.clone();
         given.tools = Some(begin.tools.clone());
-        Ok(Box::new(DryRun::new(interpreter, target, given)))
+        let run = DryRun::new(interpreter, Target::Number(number), given);
+        Ok(Box::new(match counted {
+            Some((file, line)) => run.counting(file, line),
+            None => run,
+        }))
     }
 
     /// Compares a slice of the program's files. Returns whether all are as they were.
@@ -117,7 +133,8 @@ impl Core {
         let mut recovery = search.recovery?;
         recovery.left = search.run.take_refused_state();
         recovery.notes.push(format!("{place} is in the middle of {of}: the start is at {from}"));
-        let run = self.replay(&recovery.journal, Target::Number(from.number)).ok()?;
+        let run =
+            self.replay(&recovery.journal, from.number, Some((&from.file, from.line))).ok()?;
         Some(Search { run, recovery: Some(recovery), ..search })
     }
 

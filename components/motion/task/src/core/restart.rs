@@ -220,6 +220,7 @@ impl Core {
         let before = core::mem::replace(&mut self.interpreter, *interpreter);
         self.interpreter.state.settings.block_delete = self.world.machine.settings.block_delete;
         self.interpreter.state.numbered.record_changes();
+        self.take_stopped_spindles(given, out);
         self.begin_job(true, Some(ticket), given, false, out);
         self.begin_journal(&program.path, &found.effects.outputs, out);
         self.checking.go_on(rest);

@@ -1,6 +1,6 @@
 //! Commands of operators.
 
-use super::{Asked, Core, Job, MDI_LEN, Mode, Power, Ticket, file_name, overrides::Scale};
+use super::{Asked, Core, EndedBy, MDI_LEN, Mode, Power, Ticket, file_name, overrides::Scale};
 use crate::outside::{Order, Outside, Refusal};
 use hal_component::{IoRequest, StopEpoch};
 use hal_job::{dry_run::Target, world};
@@ -78,30 +78,17 @@ impl Command {
     }
 }
 
-impl Job {
-    /// Lets motion go on, if it was paused; what the job orders from now on is given now.
-    fn let_go(&mut self, given: StopEpoch, out: &mut impl Outside) -> Result<(), String> {
-        if self.held {
-            match out.order(&Order::Resume, given) {
-                Ok(_) => self.held = false,
-                Err(Refusal::Full) => return Err(FULL.into()),
-                Err(Refusal::Why(why)) => return Err(why.into()),
-            }
-        }
-        self.given = given;
-        Ok(())
-    }
-}
-
 /// Time at which a command is reported.
-enum Report {
+pub(super) enum Report {
     Now,
     Later,
 }
 
 const STOPPING: &str = "the machine is still coming to a stop";
 const LATE: &str = "a stop has come meanwhile: give the command again";
-const FULL: &str = "motion takes no commands now";
+pub(super) const FULL: &str = "motion takes no commands now";
+const TOO_MANY: &str = "too many requests wait for iocontrol";
+const IN_ESTOP: &str = "the machine is in e-stop: task.estop-reset comes first";
 
 impl Core {
     /// Executes a command; its result is reported through the ticket.
@@ -132,13 +119,12 @@ impl Core {
     ) -> Result<Report, String> {
         match command {
             Command::Estop => self.request(IoRequest::Estop, ticket, out),
-            Command::EstopReset => self.request(IoRequest::EstopReset, ticket, out),
-            Command::On => {
-                if self.power == Power::Estop {
-                    return Err("the machine is in e-stop: task.estop-reset comes first".into());
-                }
-                self.order(&Order::Enable, given, ticket, out)
+            Command::EstopReset => {
+                let id = out.request(IoRequest::EstopReset).ok_or(TOO_MANY)?;
+                self.asked.push((Asked::Reset(id), ticket));
+                Ok(Report::Later)
             }
+            Command::On => self.switch_on(given, ticket, out),
             Command::Off => self.order(&Order::Disable, given, ticket, out),
             Command::Mode(mode) => {
                 self.needs_no_job("the mode cannot change")?;
@@ -160,12 +146,13 @@ impl Core {
                 self.confirm(token, ticket, given, out).map(|()| Report::Later)
             }
             Command::Pause => self.pause(out),
-            Command::Resume => self.resume(given, out),
+            Command::Resume => self.resume(ticket, given, out),
             Command::Step => self.single_step(ticket, given, out),
             Command::Abort => {
                 self.stops = self.stops.wrapping_add(1);
                 if self.ending.is_none() {
-                    self.end_job("aborted", out);
+                    self.note_end(EndedBy::Abort);
+                    self.end_job(super::STOPPED, out);
                 }
                 Ok(Report::Now)
             }
@@ -209,18 +196,36 @@ impl Core {
         }
     }
 
+    /// Switches the machine on; behind a reset of the e-stop that is under way, once that has ended.
+    pub(super) fn switch_on(
+        &mut self,
+        given: StopEpoch,
+        ticket: Ticket,
+        out: &mut impl Outside,
+    ) -> Result<Report, String> {
+        if !out.io().estop.is_released() {
+            let resets = self.asked.iter().any(|(asked, _)| matches!(asked, Asked::Reset(_)));
+            if !resets {
+                return Err(IN_ESTOP.into());
+            }
+            self.on_after_reset.push((given, ticket));
+            return Ok(Report::Later);
+        }
+        self.order(&Order::Enable, given, ticket, out)
+    }
+
     fn request(
         &mut self,
         request: IoRequest,
         ticket: Ticket,
         out: &mut impl Outside,
     ) -> Result<Report, String> {
-        let id = out.request(request).ok_or("too many requests wait for iocontrol")?;
+        let id = out.request(request).ok_or(TOO_MANY)?;
         self.asked.push((Asked::Io(id), ticket));
         Ok(Report::Later)
     }
 
-    fn order(
+    pub(super) fn order(
         &mut self,
         order: &Order,
         given: StopEpoch,
@@ -298,7 +303,7 @@ impl Core {
         Ok(Report::Now)
     }
 
-    fn run(
+    pub(super) fn run(
         &mut self,
         ticket: Ticket,
         given: StopEpoch,
@@ -307,50 +312,10 @@ impl Core {
     ) -> Result<Report, String> {
         self.needs_no_job("a program cannot begin")?;
         self.may_begin(Mode::Auto, "a program", out)?;
+        self.take_stopped_spindles(given, out);
         let path = self.program.clone().unwrap_or_default();
         self.check_before_start(path, ticket, given, stepping, out)?;
         Ok(Report::Later)
-    }
-
-    fn pause(&mut self, out: &mut impl Outside) -> Result<Report, String> {
-        let Some(job) = &mut self.job else { return Err("nothing runs".into()) };
-        if !job.held {
-            match out.order(&Order::Pause, out.epoch()) {
-                Ok(_) => (job.held, self.seen) = (true, out.epoch()),
-                Err(Refusal::Full) => return Err(FULL.into()),
-                Err(Refusal::Why(why)) => return Err(why.into()),
-            }
-        }
-        job.paused = true;
-        Ok(Report::Now)
-    }
-
-    fn resume(&mut self, given: StopEpoch, out: &mut impl Outside) -> Result<Report, String> {
-        let Some(job) = &mut self.job else { return Err("nothing is paused".into()) };
-        if !job.paused {
-            return Err("nothing is paused".into());
-        }
-        job.let_go(given, out)?;
-        (job.paused, job.stepping) = (false, None);
-        Ok(Report::Now)
-    }
-
-    /// Executes the next line and pauses; without a job, begins the program that way.
-    fn single_step(
-        &mut self,
-        ticket: Ticket,
-        given: StopEpoch,
-        out: &mut impl Outside,
-    ) -> Result<Report, String> {
-        let Some(job) = &mut self.job else { return self.run(ticket, given, true, out) };
-        if job.held && !self.flight.is_empty() {
-            // Motion is in the middle of a path: it goes on to its next move.
-            job.given = given;
-            return self.order(&Order::Step, given, ticket, out);
-        }
-        job.let_go(given, out)?;
-        (job.paused, job.stepping) = (false, Some(None));
-        Ok(Report::Now)
     }
 
     fn mdi(&mut self, text: Box<str>, given: StopEpoch, ticket: Ticket) -> Result<Report, String> {

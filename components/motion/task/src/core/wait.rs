@@ -7,19 +7,33 @@ impl Core {
     /// Reports the results of orders and requests of commands.
     pub(super) fn report(&mut self, out: &mut impl Outside) {
         let mut waiting = core::mem::take(&mut self.asked);
+        let mut has_reset = false;
         waiting.retain(|(asked, ticket)| {
             let progress = match asked {
-                Asked::Order(id) => out.ordered(*id),
-                Asked::Io(id) => out.requested(*id),
+                Asked::Order(id) | Asked::Resume(id) => out.ordered(*id),
+                Asked::Io(id) | Asked::Reset(id) => out.requested(*id),
             };
-            match progress {
+            let result = match progress {
                 Progress::Pending => return true,
-                Progress::Done => out.finish(*ticket, Ok(())),
-                Progress::Failed(why) => out.finish(*ticket, Err(why)),
+                Progress::Done => Ok(()),
+                Progress::Failed(why) => Err(why),
+            };
+            match asked {
+                Asked::Resume(_) if result.is_err() => self.rest_again(),
+                Asked::Reset(_) => has_reset = true,
+                _ => {}
             }
+            out.finish(*ticket, result);
             false
         });
         self.asked = waiting;
+        if has_reset {
+            for (given, ticket) in core::mem::take(&mut self.on_after_reset) {
+                if let Err(why) = self.switch_on(given, ticket, out) {
+                    out.finish(ticket, Err(why));
+                }
+            }
+        }
     }
 
     /// Removes the orders that motion has finished. Returns false if one has failed.
@@ -68,6 +82,7 @@ impl Core {
         let since = *self.at_speed_since.get_or_insert(now);
         if now - since > self.rules.at_speed_timeout {
             self.at_speed_since = None;
+            self.stand_at_move();
             let seconds = self.rules.at_speed_timeout;
             self.fail(&format!("the spindle was not at speed within {seconds} s"), out);
         }
@@ -80,7 +95,7 @@ impl Core {
         let progress = match waiting {
             Waiting::Order(id) => out.ordered(id),
             Waiting::Io(id) | Waiting::Change { id, .. } => out.requested(id),
-            Waiting::Program => out.program(),
+            Waiting::Program(_) => out.program(),
             Waiting::Dwell { until } if out.now() >= until && !paused => Progress::Done,
             Waiting::Input { index, analog, mode, until, before } => {
                 let mut seen = before;
@@ -99,7 +114,7 @@ impl Core {
         match progress {
             Progress::Pending => false,
             Progress::Done => {
-                if waiting == Waiting::Program
+                if matches!(waiting, Waiting::Program(_))
                     && let Some(job) = &mut self.job
                 {
                     job.user_code = Ok(());
@@ -113,7 +128,7 @@ impl Core {
                 self.waiting = None;
                 true
             }
-            Progress::Failed(why) if waiting == Waiting::Program && self.is_asked() => {
+            Progress::Failed(why) if matches!(waiting, Waiting::Program(_)) && self.is_asked() => {
                 if let Some(job) = &mut self.job {
                     job.user_code = Err(why);
                 }

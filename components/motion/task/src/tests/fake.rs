@@ -169,13 +169,17 @@ impl Outside for Fake {
             functions.end();
         }
     }
-    fn say(&mut self, _: Level, text: &str) {
+    fn say(&mut self, level: Level, text: &str) {
+        self.levels.push(level);
         self.messages.push(text.to_owned());
     }
     fn finish(&mut self, ticket: Ticket, result: Result<(), String>) {
         assert!(self.results.insert(ticket.0, result).is_none(), "a ticket ends once");
     }
     fn save_parameters(&mut self, numbered: &Numbered) -> Result<(), String> {
+        if self.is_unwritable {
+            return Err("v.var: No space left on device".to_owned());
+        }
         self.saves += 1;
         self.saved = Some(numbered.get(5221));
         Ok(())

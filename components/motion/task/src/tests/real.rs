@@ -46,7 +46,7 @@ impl Component for Jobs {
         };
         let core =
             Core::new(World { machine, hal: BTreeMap::new(), functions: None }, rules).unwrap();
-        shared.lock().opened = Some((Box::new(core), Files::default()));
+        shared.lock().opened = Some((Box::new(core), Files { letters: 7, ..Files::default() }));
         let snapshot = b.snapshot("task.status", status::VERSION, "")?;
         let pins = Pins::make(b)?;
         let worker = Worker::new(shared, motion, io, None, b, pins, snapshot);
@@ -54,7 +54,7 @@ impl Component for Jobs {
     }
 }
 
-fn cycles(bench: &mut Bench, n: usize) {
+pub(super) fn cycles(bench: &mut Bench, n: usize) {
     for _ in 0..n {
         bench.pass(PERIOD);
         let estop: bool = bench.get("iocontrol.0.user-enable-out");
@@ -66,12 +66,13 @@ fn cycles(bench: &mut Bench, n: usize) {
             let cmd: f64 = bench.get(&format!("joint.{joint}.motor-pos-cmd"));
             bench.set(&format!("joint.{joint}.motor-pos-fb"), cmd);
         }
+        bench.work("motmod.planner", 64).unwrap();
         bench.work("task", 400).unwrap();
     }
 }
 
 /// A machine that is on, in this mode.
-fn on(mode: &str) -> Bench {
+pub(super) fn on(mode: &str) -> Bench {
     let mut bench = Bench::new();
     bench.load::<Iocontrol>(&["cycle_time=0.01"]).unwrap();
     bench.load::<Trivkins>(&["coordinates=xyz"]).unwrap();

@@ -379,3 +379,30 @@ fn a_program_that_changes_while_it_runs_ends_the_job() {
     let why = rig.recovered().unwrap_err();
     assert!(why.contains("job.ngc: the program has changed since the job began"), "{why}");
 }
+
+#[test]
+fn the_place_of_a_break_is_that_on_the_move_and_names_pass_and_call() {
+    let program = "G21 G90 G64 F1000\no<foo> sub\nG1 X20\nG1 X0\no<foo> endsub\no100 repeat [3]\no<foo> call\no100 \
+                   endrepeat\nM2\n";
+    let mut rig = Rig::new(program);
+    rig.fake.move_time = 1.0;
+    rig.send(Command::Run);
+    // In the first move of the second call.
+    rig.pass(2.5);
+    rig.fake.motion.pose[0] = 12.0;
+    (rig.fake.motion.travelled, rig.fake.motion.to_go) = (12.0, 8.0);
+    rig.pass(0.2);
+    // The machine brakes for half a millimetre.
+    rig.good(Command::Abort);
+    rig.fake.motion.pose[0] = 12.5;
+    (rig.fake.motion.travelled, rig.fake.motion.to_go) = (0.0, 0.0);
+    rig.pass(0.2);
+    let ticket = rig.send(Command::Recover);
+    rig.pass(0.2);
+    assert_eq!(rig.result(ticket), Some(Ok(())));
+    let lines = rig.core.shown_start().unwrap().lines.clone();
+    let has = |part: &str| lines.iter().any(|line| line.contains(part));
+    assert!(has("broke off at line 3, near X12.5000"), "{lines:#?}");
+    assert!(has(", 12.500 mm along its move and 7.500 mm before its end, homed"), "{lines:#?}");
+    assert!(has(":3, pass 2 of 3, in sub foo called from "), "{lines:#?}");
+}

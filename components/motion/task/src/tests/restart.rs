@@ -93,7 +93,8 @@ fn the_proposal_shows_the_state_and_every_step() {
     let shown = rig.proposed(line(11, 2)).unwrap();
     let file = rig.folder.join("job.ngc");
     let wanted = format!(
-        "start token=1 file={} line=11 pass=2 of=3\n\
+        "start token=1 file={0} line=11 pass=2 of=3\n\
+         place {0}:11, pass 2 of 3\n\
          modal G1 G17 G21 G40 G43 G54 G64 G8 G91 G91.1 G94 G97 G99 F60\n\
          tool number=1 selected=1\n\
          spindle number=0 speed=1000\n\

@@ -2,6 +2,7 @@
 
 use crate::{commands, status, status::TaskStatus, worker::Shared};
 use hal_bench::{Bench, Described};
+use hal_component::Wait;
 use hal_component::{Builder, Component, Error, StopEpoch};
 use std::fmt::Write;
 
@@ -39,8 +40,34 @@ fn table() -> String {
     for Described { name, ty, doc } in bench.fields("task.status") {
         writeln!(out, "| `{name}` | {ty} | {} |", doc.replace('\n', " ")).unwrap();
     }
+    out.push_str("\n## Waits\n\n| number | name | the object is | who is waited for, and how to go on |\n|---|---|---|---|\n");
+    for wait in Wait::ALL {
+        let object = match wait {
+            Wait::AtSpeed
+            | Wait::Index
+            | Wait::Orient
+            | Wait::SpindleStopped
+            | Wait::SpindleSpeed => "a spindle",
+            Wait::Tool => "a tool",
+            Wait::Input => "an input",
+            Wait::Program => "a user code",
+            _ => "",
+        };
+        let (number, name, text) = (wait as u32, wait.name(), wait.text("task", 0));
+        writeln!(out, "| {number} | `{name}` | {object} | {text} |").unwrap();
+    }
     out.push('\n');
     out
+}
+
+#[test]
+fn the_names_of_waits_in_python_are_these() {
+    let path =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../foreign/python/modules/linuxcnc/_stat.py");
+    let text = std::fs::read_to_string(path).unwrap();
+    let list = text.split_once("_WAITS = (").unwrap().1.split_once(')').unwrap().0;
+    let names: Vec<&str> = list.split(',').map(|name| name.trim().trim_matches('"')).collect();
+    assert_eq!(names, Wait::ALL.map(Wait::name));
 }
 
 #[test]

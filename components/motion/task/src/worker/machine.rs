@@ -1,12 +1,14 @@
 //! Everything outside the core: motion, iocontrol, files, users' programs and messages.
 
+mod owner;
+
 use super::{
     Files,
     files::{Bounds, ProgramFiles, written},
 };
 use crate::{
     command_record::record,
-    core::{Core, Interpreting},
+    core::{Core, Interpreting, is_stop},
     journal_file::JournalFile,
     outside::{FileAction, Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
     programs::UserProgram,
@@ -145,6 +147,14 @@ impl Machine {
                 rapid_override: s.rapid_override,
                 spindle_override: s.spindle_override,
                 epoch: StopEpoch::of(s.epoch).unwrap_or_default(),
+                wait: s.wait,
+                wait_number: s.wait_number,
+                wait_since: s.wait_since_ns as f64 * 1e-9,
+                wait_ends: s.wait_ends,
+                spindles_stopped: s.spindles_stopped,
+                spindles_inhibited: s.spindles_inhibited,
+                travelled: s.travelled,
+                to_go: s.distance_to_go,
             };
         }
         while let Some(result) = self.io.result() {
@@ -169,43 +179,6 @@ impl Machine {
         }
         self.buttons.push_back(self.next);
         Ticket(self.next)
-    }
-
-    /// Forgets orders that have ended well and that the core does not ask for.
-    fn forget_orders(&mut self) {
-        if self.orders.len() > MAX_KNOWN {
-            let motion = &self.motion;
-            self.orders.retain(|_, id| {
-                !matches!(motion.poll(*id), MotionEnd::Done | MotionEnd::Forgotten)
-            });
-        }
-    }
-
-    /// Returns the proof of ownership; without one, asks for it.
-    fn token(&mut self) -> Option<MotionToken> {
-        if self.token.is_none() {
-            self.token = self.motion.acquire("task").ok();
-        }
-        self.token
-    }
-
-    /// Forgets a proof of ownership that is void, and the claim that ended with it.
-    fn lose_token(&mut self) {
-        (self.token, self.claimed) = (None, false);
-    }
-
-    /// Keeps others from moving while a job runs; a paused one lets an operator jog.
-    pub(super) fn claim(&mut self, core: &Core) {
-        let wanted = core.has_work() && core.interpreting() != Interpreting::Paused;
-        if wanted != self.claimed
-            && let Some(token) = self.token()
-        {
-            if self.motion.claim(token, wanted) {
-                self.claimed = wanted;
-            } else {
-                self.lose_token();
-            }
-        }
     }
 }
 
@@ -360,7 +333,7 @@ impl Outside for Machine {
             if let Err(why) = &result
                 && self.said != self.reasons.keep(why)
             {
-                self.say(Level::Error, why);
+                self.say(if is_stop(why) { Level::Info } else { Level::Error }, why);
             }
         }
         let Some(handle) = self.tickets.remove(&ticket.0) else { return };

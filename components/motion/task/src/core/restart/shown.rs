@@ -29,6 +29,8 @@ impl Proposal {
             self.token, begin.file, begin.line, pass.0, pass.1
         )];
         lines.extend(calls.iter().map(|call| format!("call from={}:{}", call.file, call.line)));
+        let place = self.place_in_words();
+        lines.push(format!("place {place}"));
         lines.push(format!("modal {} F{}", codes::text(state), modal.feed));
         let selected = state.selected.unwrap_or(state.tool.number);
         lines.push(format!("tool number={} selected={selected}", state.tool.number));
@@ -73,6 +75,7 @@ impl Proposal {
             "passes": pass.1,
             "may_have_more_passes": self.found.more,
             "calls": calls,
+            "place": place,
             "codes": codes::text(state),
             "feed": modal.feed,
             "tool": state.tool.number,
@@ -93,6 +96,24 @@ impl Proposal {
             "not_ready": self.entry.as_ref().err(),
         });
         Shown { lines, json: json.to_string() }
+    }
+}
+
+impl Proposal {
+    /// Returns the place for a person: line, pass, and the calls in progress, the innermost first.
+    fn place_in_words(&self) -> String {
+        let Found { state, begin, calls, pass, more, .. } = &self.found;
+        let mut out = format!("{}:{}", begin.file, begin.line);
+        let more = if *more { " or more" } else { "" };
+        if pass.1 > 1 || !more.is_empty() {
+            out.push_str(&format!(", pass {} of {}{more}", pass.0, pass.1));
+        }
+        let levels: Vec<_> = state.levels.iter().filter(|level| level.is_of_file()).collect();
+        for (level, call) in levels.iter().skip(1).zip(calls).rev() {
+            let name = if level.label.is_empty() { &level.file } else { &level.label };
+            out.push_str(&format!(", in sub {name} called from {}:{}", call.file, call.line));
+        }
+        out
     }
 }
 
