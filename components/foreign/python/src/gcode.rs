@@ -68,6 +68,7 @@ fn parse<'py>(
         ini: ini.as_deref().map(Path::new),
         table: None,
         parameters: parameters.as_deref().map(Path::new),
+        ..Files::default()
     };
     let mut machine = match hal_job::Machine::read(&files) {
         Ok(machine) => machine,

@@ -4,7 +4,9 @@ use crate::{
     connection::{call, locked},
     drawing, value,
 };
-use hal_protocol::{Client, Place, Reply, Request, Snapshot, TicketInfo, Value};
+use hal_protocol::{
+    Client, CommandLine, Orders, Place, Reply, Request, Snapshot, Stop, TicketInfo, Value,
+};
 use pyo3::{
     exceptions::{PyKeyError, PyRuntimeError},
     prelude::*,
@@ -114,6 +116,8 @@ impl Page {
 #[pyclass(module = "_machine", frozen)]
 struct Channel {
     client: Arc<Mutex<Client>>,
+    /// Commands of the machine, once they were asked for.
+    orders: Mutex<Option<Arc<Orders>>>,
 }
 
 impl Channel {
@@ -121,13 +125,32 @@ impl Channel {
         let reply = py.detach(|| call(&mut locked(&self.client), request))?;
         reply.map_err(|e| error::new_err(e.text))
     }
+
+    /// Returns the commands of the machine; those of a machine without a task are listed each time, as it may still get one.
+    fn orders(&self, py: Python<'_>, anew: bool) -> PyResult<Arc<Orders>> {
+        if let Some(orders) = &*locked(&self.orders)
+            && orders.has_task()
+            && !anew
+        {
+            return Ok(orders.clone());
+        }
+        let list = match self.ask(py, Orders::list())? {
+            Reply::Commands(list) => list,
+            _ => Vec::new(),
+        };
+        let orders = Orders::of(&list).map_err(|missing| error::new_err(missing.to_string()))?;
+        let orders = Arc::new(orders);
+        *locked(&self.orders) = Some(orders.clone());
+        Ok(orders)
+    }
 }
 
 #[pymethods]
 impl Channel {
     #[new]
     fn new(py: Python<'_>) -> PyResult<Self> {
-        Ok(Self { client: Arc::new(Mutex::new(connect(py)?)) })
+        let client = Arc::new(Mutex::new(connect(py)?));
+        Ok(Self { client, orders: Mutex::default() })
     }
 
     /// Sends a command of a component. Returns its lines, and the number of its ticket if it takes time. A refusal
@@ -143,6 +166,52 @@ impl Channel {
             Reply::Answer(answer) => Ok((answer.lines, answer.ticket)),
             _ => Ok((Vec::new(), None)),
         }
+    }
+
+    /// Sets the commands that are executed when this connection ends, each with its arguments, in place of those before.
+    fn at_end(&self, py: Python<'_>, commands: Vec<(String, Vec<String>)>) -> PyResult<()> {
+        let lines = commands.into_iter().map(|(name, args)| CommandLine { name, args });
+        self.ask(py, Request::AtEnd { commands: lines.collect() }).map(drop)
+    }
+
+    /// Sends a command as `command` does; on a machine without a task, one of the task becomes what does the same.
+    #[pyo3(signature = (name, *args))]
+    fn order(
+        &self,
+        py: Python<'_>,
+        name: String,
+        args: Vec<String>,
+    ) -> PyResult<(Vec<String>, Option<u64>)> {
+        let orders = self.orders(py, false)?;
+        match orders.request(&name, args).map_err(|why| error::new_err(why.to_string()))? {
+            Some(Request::Command { name, args }) => self.command(py, name, args),
+            _ => Ok((Vec::new(), None)),
+        }
+    }
+
+    /// Raises `error` if something moves that nothing stops.
+    fn check_stops(&self, py: Python<'_>) -> PyResult<()> {
+        self.orders(py, true).map(drop)
+    }
+
+    /// Stops the machine: sends every command of the stop `estop`, `off`, `abort` or `pause`. Returns the numbers of the tickets
+    /// of those that take time, and the refusals.
+    fn stop(&self, py: Python<'_>, stop: &str) -> PyResult<(Vec<u64>, Vec<String>)> {
+        let stop = Stop::named(stop)
+            .ok_or_else(|| error::new_err(format!("there is no stop '{stop}'")))?;
+        let (mut tickets, mut refused) = (Vec::new(), Vec::new());
+        let orders = self.orders(py, true)?;
+        let names = orders.stops().commands(stop);
+        for name in names {
+            match self.command(py, (*name).to_owned(), Vec::new()) {
+                Ok((_, ticket)) => tickets.extend(ticket),
+                Err(why) => refused.push(format!("{name}: {}", why.value(py))),
+            }
+        }
+        if names.is_empty() {
+            refused.push("nothing of this machine can be stopped so".to_owned());
+        }
+        Ok((tickets, refused))
     }
 
     /// Returns `None` while a command is in progress, an empty text when it is done, or the reason why it failed.

@@ -1,11 +1,15 @@
 //! The plugin `remote` in the machine: loaded and wired where the machine's files have not.
 #![forbid(unsafe_code)]
 
+mod epoch;
+
 use hal_ini::Ini;
 use hal_protocol::{
-    Client, Direction, Edit, ItemInfo, Kind, Link as _, Place, Reply, Request, ThreadInfo,
+    Client, Direction, Edit, ItemInfo, Kind, Link as _, Orders, Place, Reply, Request, ThreadInfo,
 };
 use std::collections::BTreeSet;
+
+pub use epoch::EpochPage;
 
 /// Pins of the plugin that stop motion, with the signal and the pin of motion that each must reach.
 const STOPS: &[(&str, &str, &str)] = &[
@@ -23,6 +27,17 @@ const ROBOT: &str = "robot";
 const ROBOT_STOPS: &[(&str, &str, &str)] =
     &[("remote.hold", "remote-hold", "robot.hold"), ("remote.abort", "remote-abort", "robot.stop")];
 const ROBOT_JOB: (&str, &str, &str) = ("robot.busy", "remote-job", "remote.job");
+
+/// Finds the orders of a machine. Every program that commands it asks first: a machine that cannot be stopped is not commanded.
+///
+/// # Errors
+/// The engine does not answer, or something moves that nothing stops.
+pub fn orders(client: &mut Client) -> Result<Orders, String> {
+    match client.call(Orders::list()).map_err(|e| e.to_string())? {
+        Reply::Commands(list) => Orders::of(&list).map_err(|missing| missing.to_string()),
+        _ => Err("the engine lists no commands".to_owned()),
+    }
+}
 
 /// Loads and wires the plugin as a whole, or leaves the machine as it is. Messages name the program that asks.
 ///

@@ -5,7 +5,7 @@ use axum::{
     http::StatusCode,
     response::{IntoResponse, Response},
 };
-use hal_protocol::Failure;
+use hal_protocol::{Failure, Unserved};
 use serde::Serialize;
 
 /// Kind of a refusal.
@@ -26,6 +26,7 @@ pub(crate) enum Code {
     NoEngine,
     Lease,
     Remote,
+    NoTask,
 }
 
 impl Code {
@@ -38,7 +39,7 @@ impl Code {
             Self::TooLarge => StatusCode::PAYLOAD_TOO_LARGE,
             Self::Malformed => StatusCode::BAD_REQUEST,
             Self::TooMany => StatusCode::TOO_MANY_REQUESTS,
-            Self::Refused => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::Refused | Self::NoTask => StatusCode::UNPROCESSABLE_ENTITY,
             Self::Disk => StatusCode::INSUFFICIENT_STORAGE,
             Self::NoEngine => StatusCode::SERVICE_UNAVAILABLE,
         }
@@ -62,6 +63,13 @@ impl Error {
 impl From<Failure> for Error {
     fn from(failure: Failure) -> Self {
         Self { code: Code::Refused, text: failure.text, hint: failure.hint }
+    }
+}
+
+impl From<Unserved> for Error {
+    fn from(why: Unserved) -> Self {
+        let code = if why == Unserved::Reset { Code::Refused } else { Code::NoTask };
+        Self::new(code, why.to_string())
     }
 }
 

@@ -103,6 +103,20 @@ impl Clients {
         self.tell();
     }
 
+    /// Notes the role that a client has now; who may not command the machine any more gives the lease back.
+    pub(crate) async fn change_role(&self, engine: &Engine, client: u64, role: Role) {
+        self.with(|table| {
+            if let Some(of) = table.clients.get_mut(&client) {
+                of.role = role;
+            }
+        });
+        if role < Role::Operator {
+            // An engine that does not answer has no lease either.
+            drop(self.give(engine, client).await);
+        }
+        self.tell();
+    }
+
     /// Returns what all clients see, and a number that changes with it.
     pub(crate) fn view(&self) -> (Vec<Client>, Option<Holder>) {
         self.with(|table| (table.clients.values().cloned().collect(), table.holder.clone()))

@@ -5,7 +5,9 @@ mod wire;
 use crate::{
     accounts,
     audit::Audit,
+    commands::LOSSES,
     engine::Engine,
+    epoch::Epochs,
     heart::{self, Heart},
     http::{self, pictures::Pictures},
     info,
@@ -19,7 +21,7 @@ use crate::{
 };
 use axum::Router;
 use hal_ini::Ini;
-use hal_protocol::Place;
+use hal_protocol::{Client, Place, Reply, Request as HalRequest};
 use hyper::{
     Request,
     body::Incoming,
@@ -34,7 +36,10 @@ use serde_json::{Map, Value as Json};
 use std::{
     net::SocketAddr,
     path::{Path, PathBuf},
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering::Relaxed},
+    },
     time::Duration,
 };
 use tokio::{
@@ -73,6 +78,10 @@ pub(crate) struct Panel {
     pub(crate) place: Place,
     /// The way to the engine.
     pub(crate) engine: Engine,
+    /// The stop epoch of motion.
+    pub(crate) epochs: Epochs,
+    /// Place in [`LOSSES`] of what becomes of the job in progress, or of the next one, when its lease is lost.
+    pub(crate) on_loss: AtomicUsize,
     /// State of the machine.
     pub(crate) machine: watch::Receiver<Arc<status::Machine>>,
     /// Sessions of all who have signed in.
@@ -102,6 +111,13 @@ pub(crate) struct Panel {
 }
 
 impl Panel {
+    /// Notes what the plugin `remote` says it will do with the job that begins, when its lease is lost.
+    pub(crate) fn note_loss(&self, lines: &[String]) {
+        if let Some(loss) = loss_of(lines) {
+            self.on_loss.store(loss, Relaxed);
+        }
+    }
+
     /// Writes a new one-time token into the file with the address.
     pub(crate) fn renew_token(&self) -> Result<(), String> {
         let token = secret()?;
@@ -130,7 +146,7 @@ pub fn run(options: &Options) -> Result<(), String> {
     Security::check_needs(teleop.unwrap_or(teleop::ADDRESS), options)?;
     let place = Place::find(options.instance.as_deref())?;
     let is_inch = ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false));
-    let info = info::info(place.name(), ini.as_ref(), is_inch);
+    let mut info = info::info(place.name(), ini.as_ref(), is_inch);
     let runtime = runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
     let runtime = runtime.map_err(|e| hal_output::reason(&e))?;
     runtime.block_on(async {
@@ -146,13 +162,20 @@ pub fn run(options: &Options) -> Result<(), String> {
         let programs = programs.map_err(|e| hal_output::reason(&e))?;
         let audit = Audit::open(&audit)?;
         let teleop_port = teleop.unwrap_or(teleop::ADDRESS).port();
+        // A machine that cannot be stopped is not served.
+        hal_lease::orders(&mut Client::connect(&place, "").map_err(|e| e.to_string())?)?;
         hal_lease::load(&place, ini.as_ref(), "halpanel")?;
+        let engine = Engine::join(&place)?;
+        let on_loss = on_loss(&engine).await;
+        info.insert("on_loss".to_owned(), Json::from(LOSSES.get(on_loss).copied()));
         let address_file = options.address_file.clone().unwrap_or_else(|| beside("url"));
         let panel = Arc::new(Panel {
             address,
             security,
             options: options.clone(),
-            engine: Engine::join(place.clone())?,
+            engine,
+            epochs: Epochs::open(&place),
+            on_loss: on_loss.into(),
             machine: status::observe(&place)?,
             sessions: Sessions::default(),
             clients: Clients::default(),
@@ -190,6 +213,22 @@ pub fn run(options: &Options) -> Result<(), String> {
         drop(std::fs::remove_file(panel.view_file()));
         served
     })
+}
+
+/// Returns the place in [`LOSSES`] of what the plugin `remote` does with a job whose start says nothing.
+async fn on_loss(engine: &Engine) -> usize {
+    let status = HalRequest::Command { name: "remote.status".to_owned(), args: Vec::new() };
+    match engine.call(status).await {
+        Ok(Reply::Answer(answer)) => loss_of(&answer.lines).unwrap_or(0),
+        _ => 0,
+    }
+}
+
+/// Returns the place in [`LOSSES`] of what the plugin `remote` says it does with a job.
+fn loss_of(lines: &[String]) -> Option<usize> {
+    let words = lines.iter().flat_map(|line| line.split(' '));
+    let said = words.filter_map(|word| word.strip_prefix("on-loss=")).next();
+    LOSSES.iter().position(|loss| Some(*loss) == said)
 }
 
 /// Returns the folder of programs that the INI file names.

@@ -11,9 +11,9 @@ use std::{
 };
 use tokio::time::Instant;
 
-/// Longest life of a session.
+/// Longest life of a session, unless it keeps a job.
 const LIFE: Duration = Duration::from_hours(12);
-/// Longest time without a request or message.
+/// Longest time without input: then a session only looks, until its person signs in again.
 const IDLE: Duration = Duration::from_mins(30);
 /// Number of sessions; the one that was idle longest ends for a new one.
 const MAX_SESSIONS: usize = 256;
@@ -59,12 +59,31 @@ struct Entry {
     session: Session,
     key: String,
     begun: Instant,
+    /// Time of the last input, or of the last moment at which it kept a job.
     used: Instant,
+    /// Time of the last moment at which it kept a job.
+    kept: Option<Instant>,
 }
 
 impl Entry {
     fn is_over(&self, now: Instant) -> bool {
-        now - self.begun > LIFE || now - self.used > IDLE
+        now - self.begun > LIFE && self.kept.is_none_or(|kept| now - kept > IDLE)
+    }
+
+    /// Returns the role that it has now: after a time without input it only looks.
+    fn role(&self, now: Instant) -> Role {
+        if now - self.used > IDLE { Role::Viewer } else { self.session.role }
+    }
+
+    /// Notes input. What comes too late brings no rights back.
+    fn note_input(&mut self, now: Instant) {
+        if self.role(now) == self.session.role {
+            self.used = now;
+        }
+    }
+
+    fn session(&self, now: Instant) -> Session {
+        Session { role: self.role(now), ..self.session.clone() }
     }
 }
 
@@ -129,12 +148,13 @@ impl Sessions {
             let oldest = oldest.map(|(cookie, _)| cookie.clone());
             oldest.and_then(|cookie| list.remove(&cookie));
         }
-        let entry = Entry { session: session.clone(), key: key.clone(), begun: now, used: now };
+        let entry =
+            Entry { session: session.clone(), key: key.clone(), begun: now, used: now, kept: None };
         list.insert(cookie, entry);
         Ok((session, key))
     }
 
-    /// Returns the session of a cookie and key, and counts it as used.
+    /// Returns the session of a cookie and key, with the role that it has now.
     pub(crate) fn find(&self, cookie: &str, key: &str) -> Option<Session> {
         let now = Instant::now();
         let mut list = self.list();
@@ -143,24 +163,45 @@ impl Sessions {
             list.remove(cookie);
             return None;
         }
-        if !is_equal(&entry.key, key) {
-            return None;
-        }
-        entry.used = now;
-        Some(entry.session.clone())
+        is_equal(&entry.key, key).then(|| entry.session(now))
     }
 
-    /// Returns the session of a request.
-    pub(crate) fn of(&self, headers: &HeaderMap, port: u16) -> Result<Session, Error> {
+    /// Returns the session of a request. One that changes something counts as input.
+    pub(crate) fn of(
+        &self,
+        headers: &HeaderMap,
+        port: u16,
+        is_input: bool,
+    ) -> Result<Session, Error> {
         let key = headers.get(KEY).and_then(|key| key.to_str().ok()).unwrap_or_default();
-        self.find(&cookie(headers, port), key)
-            .ok_or_else(|| Error::new(Code::NoSession, "sign in first: there is no such session"))
+        let found = self.find(&cookie(headers, port), key);
+        if let Some(session) = found.as_ref().filter(|_| is_input) {
+            self.note_input(session);
+        }
+        found.ok_or_else(|| Error::new(Code::NoSession, "sign in first: there is no such session"))
     }
 
-    /// Returns whether a session has not ended; does not count it as used.
-    pub(crate) fn lives(&self, session: &Session) -> bool {
+    /// Notes input of a session.
+    pub(crate) fn note_input(&self, session: &Session) {
+        if let Some(entry) = self.list().get_mut(&session.cookie) {
+            entry.note_input(Instant::now());
+        }
+    }
+
+    /// Notes that a session keeps a job: its page answers pulses under the lease while the job runs.
+    pub(crate) fn keep(&self, session: &Session) {
         let now = Instant::now();
-        self.list().get(&session.cookie).is_some_and(|entry| !entry.is_over(now))
+        if let Some(entry) = self.list().get_mut(&session.cookie) {
+            entry.note_input(now);
+            entry.kept = Some(now);
+        }
+    }
+
+    /// Returns the role that a session has now; `None` if it has ended.
+    pub(crate) fn role(&self, session: &Session) -> Option<Role> {
+        let now = Instant::now();
+        let list = self.list();
+        list.get(&session.cookie).filter(|entry| !entry.is_over(now)).map(|entry| entry.role(now))
     }
 
     /// Ends a session.
@@ -196,3 +237,6 @@ fn is_equal(a: &str, b: &str) -> bool {
     let pairs = a.bytes().zip(b.bytes());
     a.len() == b.len() && pairs.fold(0, |sum, (a, b)| sum | (a ^ b)) == 0
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! The state of the machine: the snapshots of motion and of the task, as JSON.
 
+use crate::holds::Gates;
 use hal_protocol::{Client, Place, Snapshot, Value};
 use serde::Serialize;
 use serde_json::{Map, Value as Json};
@@ -11,7 +12,7 @@ const INTERVAL: Duration = Duration::from_millis(50);
 /// Looks between two attempts to find an engine, when there is none.
 const SEARCH: u32 = 20;
 /// Fields whose words are a text.
-const TEXTS: &[&str] = &["command", "file", "message"];
+const TEXTS: &[&str] = &["command", "file", "message", "wait_text"];
 
 /// Progress of the connection to the engine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -30,6 +31,8 @@ pub(crate) struct Machine {
     pub(crate) engine: Joined,
     pub(crate) motion: Option<Map<String, Json>>,
     pub(crate) task: Option<Map<String, Json>>,
+    /// Pins that hold feeds.
+    pub(crate) gates: Gates,
 }
 
 /// Starts the thread that looks at the snapshots.
@@ -50,7 +53,8 @@ pub(crate) fn observe(place: &Place) -> Result<watch::Receiver<Arc<Machine>>, St
                 }
             }
             let [motion, task] = pages.each_mut().map(|page| page.as_mut().and_then(Page::read));
-            out.send_replace(Arc::new(Machine { engine: Joined::Joined, motion, task }));
+            let gates = Gates::read(&mut client, motion.as_ref());
+            out.send_replace(Arc::new(Machine { engine: Joined::Joined, motion, task, gates }));
             pause(INTERVAL);
         }
         out.send_replace(Arc::default());

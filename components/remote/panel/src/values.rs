@@ -2,7 +2,7 @@
 
 use crate::{engine::Engine, error::Error};
 use hal_protocol::{Kind, Reply, Request};
-use serde_json::{Map, Value as Json};
+use serde_json::{Map, Value as Json, json};
 
 /// Returns the values of these names; null for those that do not exist.
 pub(crate) async fn read(engine: &Engine, names: &[String]) -> Result<Map<String, Json>, Error> {
@@ -34,6 +34,12 @@ pub(crate) async fn read(engine: &Engine, names: &[String]) -> Result<Map<String
         }
     }
     Ok(values)
+}
+
+/// Returns whether there is a pin of this name, and it is TRUE.
+pub(crate) async fn is_on(engine: &Engine, pin: &str) -> Result<bool, Error> {
+    let values = read(engine, &[pin.to_owned()]).await?;
+    Ok(values.get(pin) == Some(&json!({ "bit": true })))
 }
 
 fn put(values: &mut Map<String, Json>, name: &str, value: &hal_protocol::Value) {

@@ -152,6 +152,11 @@ fn a_robot_behind_its_own_controller() {
 }
 
 #[test]
+fn holds_in_words_and_states_without_a_task() {
+    run_script("holds.mjs");
+}
+
+#[test]
 fn stock_that_tools_cut() {
     run_script("stock.mjs");
 }
@@ -188,7 +193,7 @@ fn source(path: &str) -> String {
 #[test]
 fn the_page_asks_for_nothing_that_is_not_served() {
     let rows = source("src/commands.rs");
-    let commands = quoted_after(&["run(\"", "command(\""]);
+    let commands = quoted_after(&["run(\"", "command(\"", "ctx.stop(\""]);
     assert!(["jog", "jog-stop", "mdi", "estop"].iter().all(|c| commands.contains(*c)));
     for name in &commands {
         assert!(

@@ -1,12 +1,18 @@
 //! Commands `remote.*`.
 
-use crate::keeper::Keeper;
+use crate::{keeper::Keeper, lease::Loss};
 use hal_component::{
     Arg, Builder, Call, Error, MotionCommand, abi::ArgSpec, motion_flags, motion_kind,
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, atomic::Ordering::Relaxed};
 
 const LEASE: ArgSpec = Arg::int("lease", "Number of the lease.").required();
+
+const EPOCH: ArgSpec = Arg::int(
+    "epoch",
+    "Stop epoch in which the order was given, as motion.status has it: after a stop since then it is refused. -1 is now.",
+)
+.or("-1");
 
 type Shared = Arc<Mutex<Keeper>>;
 
@@ -16,6 +22,11 @@ fn lock(shared: &Shared) -> MutexGuard<'_, Keeper> {
 
 fn lease(call: &Call<'_>) -> u32 {
     call.int("lease").and_then(|n| u32::try_from(n).ok()).unwrap_or(0)
+}
+
+/// Returns the stop epoch in which an order was given; `None` means now.
+fn epoch(call: &Call<'_>) -> Option<u64> {
+    u64::try_from(call.int("epoch")?).ok()
 }
 
 struct Row {
@@ -81,17 +92,40 @@ Without distance and position it lasts until motion.jog-stop, and only while bea
             &Arg::float("velocity", "Velocity with its sign, in units/s.").required(),
             &Arg::float("distance", "Distance with its sign, in units."),
             &Arg::float("position", "Position, in units."),
+            &EPOCH,
         ],
-        run: |keeper, call| keeper.jog(lease(call), command(call)?),
+        run: |keeper, call| {
+            let epoch = epoch(call).unwrap_or(0);
+            keeper.jog(lease(call), &MotionCommand { epoch, ..command(call)? })
+        },
     },
     Row {
         name: "remote.start",
         doc: "\
-Says that a program, a line or homing is about to start under the lease.
+Says that a program, a line or homing is about to start under the lease, or to go on.
 
-With release it first ends the hold of a program: both, or neither.",
-        args: &[&LEASE, &Arg::bit("release", "TRUE ends a hold.")],
-        run: |keeper, call| keeper.start(lease(call), call.bit("release").unwrap_or(false)),
+With release it first ends the hold of a program: both, or neither. The answer says what a lost lease does to it.",
+        args: &[
+            &LEASE,
+            &Arg::bit("release", "TRUE ends a hold."),
+            &Arg::text(
+                "on-loss",
+                "Effect of a lost lease on it: hold, continue or abort; without it on_loss, or what the start of the program said.",
+            ),
+            &EPOCH,
+        ],
+        run: |keeper, call| {
+            let given = call.text("on-loss");
+            let on_loss = given.as_deref().map(|name| {
+                let why = format!("on-loss is {name}, must be hold, continue or abort");
+                Loss::named(name).ok_or_else(|| Error::new(why))
+            });
+            let release = call.bit("release").unwrap_or(false);
+            keeper.check_epoch(epoch(call), release)?;
+            let on_loss = keeper.start(lease(call), release, on_loss.transpose()?)?;
+            call.reply(&format!("on-loss={}", on_loss.name()));
+            Ok(())
+        },
     },
     Row {
         name: "remote.refused",
@@ -108,21 +142,25 @@ With release it first ends the hold of a program: both, or neither.",
     Row {
         name: "remote.release",
         doc: "Ends the hold of a program since the lease was lost: its motion goes on.",
-        args: &[],
-        run: |keeper, _| keeper.release(),
+        args: &[&EPOCH],
+        run: |keeper, call| {
+            keeper.check_epoch(epoch(call), true)?;
+            keeper.release()
+        },
     },
     Row {
         name: "remote.status",
-        doc: "Tells the lease, its holder, and whether a program is held.",
+        doc: "Tells the lease, its holder, whether a program is held, and what a lost lease does to the program in progress or the next one.",
         args: &[],
         run: |keeper, call| {
             let number = keeper.lease.number.load(Relaxed);
             let holder = if number == 0 { "" } else { keeper.holder.as_str() };
             let bit = |on: bool| if on { "TRUE" } else { "FALSE" };
             call.reply(&format!(
-                "lease={number} holder={holder} permit={} hold={}",
+                "lease={number} holder={holder} permit={} hold={} on-loss={}",
                 bit(keeper.lease.permit.load(Relaxed)),
                 bit(keeper.lease.hold.load(Relaxed)),
+                keeper.on_loss().name(),
             ));
             Ok(())
         },

@@ -1,34 +1,24 @@
 //! The task: it follows remote jogs and programs until their end.
 
 use crate::{
-    lease::{Lease, jog},
+    lease::{Lease, Loss},
     pins::Pins,
 };
 use hal_component::{
     Clock, Error, Messages, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal,
-    MotionToken, Period, Touch, Update, Uses, motion_kind, motion_source,
+    MotionToken, Period, StopEpoch, Touch, Update, Uses, motion_kind, motion_source,
+};
+use hal_safety::{
+    Ends, Epoch,
+    lease::{Desk, Jog as Kind, Refused, Work},
 };
 use std::sync::{
     Arc, Mutex, PoisonError,
     atomic::{Ordering::Relaxed, Ordering::SeqCst, fence},
 };
 
-/// Longest time from the command that starts a program to its start, in nanoseconds.
-const START_NS: i64 = 2_000_000_000;
 /// Longest time for which the answer to a tool change is TRUE, in nanoseconds: as long as a person presses a button.
 const PRESS_NS: i64 = 200_000_000;
-/// Time for which an abort lasts and then rests, in nanoseconds: the task acts on its edges.
-const ABORT_NS: i64 = 100_000_000;
-
-/// Progress of a program that was started under the lease.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Job {
-    #[default]
-    None,
-    /// Commanded at this machine time, not begun yet.
-    Commanded(i64),
-    Runs,
-}
 
 /// Progress of a jog.
 #[derive(Clone, Copy, Debug)]
@@ -39,16 +29,6 @@ enum Jog {
     Taken(u64),
 }
 
-/// Work of motion; none in a machine without it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Work {
-    /// Something moves, or is about to.
-    moves: bool,
-    /// A program has it, or moves wait.
-    waits: bool,
-    homes: bool,
-}
-
 /// State of the lease that only commands and the task see.
 #[derive(Debug)]
 pub(crate) struct Keeper {
@@ -56,23 +36,14 @@ pub(crate) struct Keeper {
     /// Motion; a machine whose robot moves by its own controller has none.
     pub(crate) motion: Option<MotionRef>,
     pub(crate) holder: String,
-    /// Number of the last lease.
-    last: u32,
+    /// Decisions on leases and jobs.
+    desk: Desk,
     pins: Pins,
     /// Machine time until which the answer to a tool change is TRUE.
     pressed_until: i64,
     clock: Clock,
     say: Messages,
-    /// True if a lost lease aborts a program.
-    aborts: bool,
     jogs: Vec<Jog>,
-    job: Job,
-    /// True after the lease of the job was lost: what begins later ends too.
-    orphaned: bool,
-    /// True while the abort of an orphaned job lasts, false while it rests.
-    ends: bool,
-    /// Machine time at which the abort changes.
-    ends_next: i64,
 }
 
 impl Keeper {
@@ -82,41 +53,30 @@ impl Keeper {
         pins: Pins,
         clock: Clock,
         say: Messages,
-        aborts: bool,
+        preset: Loss,
     ) -> Self {
         let (holder, jogs) = (String::new(), Vec::new());
-        Self {
-            lease,
-            motion,
-            holder,
-            last: 0,
-            pins,
-            pressed_until: 0,
-            clock,
-            say,
-            aborts,
-            jogs,
-            job: Job::None,
-            orphaned: false,
-            ends: false,
-            ends_next: 0,
-        }
+        let desk = Desk::new(preset);
+        let mut keeper =
+            Self { lease, motion, holder, desk, pins, pressed_until: 0, clock, say, jogs };
+        keeper.set_loss(preset);
+        keeper
+    }
+
+    /// Sets the effect of a lost lease on the program in progress, or on the next one.
+    fn set_loss(&mut self, loss: Loss) {
+        self.desk.on_loss = loss;
+        self.lease.holds.store(loss.holds(), Relaxed);
     }
 
     /// Begins a lease and returns its number. `from` is the lease that its holder hands over.
     pub(crate) fn take(&mut self, holder: &str, from: Option<u32>) -> Result<u32, Error> {
         let now = self.lease.number.load(Relaxed);
-        if now != 0 && from != Some(now) {
-            return Err(Error::new(format!("{} has the control lease", self.holder)));
-        }
-        if from.is_some_and(|from| from != now) {
-            return Err(no_lease());
-        }
+        let number = self.desk.take(now, from).map_err(|why| self.error(why))?;
         holder.clone_into(&mut self.holder);
-        self.last = self.last.checked_add(1).unwrap_or(1);
         // The servo thread may have ended the lease that is handed over: then the new one is new all the same.
-        self.lease.number.store(self.last, Relaxed);
-        Ok(self.last)
+        self.lease.number.store(number, Relaxed);
+        Ok(number)
     }
 
     /// Ends the lease, as if it were lost.
@@ -128,47 +88,41 @@ impl Keeper {
         }
         if self.lease.number.compare_exchange(number, 0, Relaxed, Relaxed).is_ok() {
             fence(SeqCst); // As in `start`.
-            self.lease.lost.store(true, Relaxed);
-            if self.lease.holds && self.lease.job.load(Relaxed) {
-                self.lease.hold.store(true, Relaxed);
-            }
+            self.lease.lose();
         }
         Ok(())
     }
 
     /// Refuses a number that is not that of the lease.
     pub(crate) fn check(&self, number: u32) -> Result<(), Error> {
-        if number != 0 && self.lease.number.load(Relaxed) == number {
-            Ok(())
-        } else {
-            Err(no_lease())
+        Desk::check(number, self.lease.number.load(Relaxed)).map_err(|why| self.error(why))
+    }
+
+    /// Refuses an order that was given before a stop; what resumes also one from before a pause.
+    pub(crate) fn check_epoch(&self, given: Option<u64>, resumes: bool) -> Result<(), Error> {
+        let now = self.motion.as_ref().map(MotionRef::epoch);
+        let Some((given, now)) = given.and_then(StopEpoch::of).zip(now) else { return Ok(()) };
+        let epoch = |of: StopEpoch| Epoch { stops: of.stops, pauses: of.pauses };
+        let ends = if resumes { Ends::Pauses } else { Ends::Stops };
+        if epoch(given).is_too_old(ends, epoch(now)) {
+            return Err(Error::new(hal_safety::Refused::Stale.text()));
         }
+        Ok(())
     }
 
     /// Sends a jog to motion.
-    pub(crate) fn jog(&mut self, number: u32, command: MotionCommand) -> Result<(), Error> {
+    pub(crate) fn jog(&mut self, number: u32, command: &MotionCommand) -> Result<(), Error> {
         self.check(number)?;
-        self.check_allowed()?;
         let motion = self.motion.as_ref();
         let motion =
             motion.ok_or_else(|| Error::new("this machine has no motion that could jog"))?;
-        let held = command.extent == 0;
-        if held && !self.lease.permit.load(Relaxed) {
-            return Err(Error::new(format!(
-                "no beat younger than {} ms has arrived: a held jog needs a faster connection, or \
-                 function remote is in no thread that runs",
-                self.lease.jog_ms
-            )));
-        }
-        let kind = if held { jog::HELD } else { jog::STEP };
-        let of = self.lease.jog_lease.load(Relaxed);
-        if self.lease.jog.load(Relaxed) != jog::NONE && of != number {
-            return Err(Error::new("a jog of the lease before has not ended: wait until it has"));
-        }
+        let is_held = command.extent == 0;
+        let kind =
+            Desk::jog(number, is_held, &self.lease.words()).map_err(|why| self.error(why))?;
         // Before the jog is sent: the servo thread must know of it when it begins.
         self.lease.jog_lease.store(number, Relaxed);
-        self.lease.jog.fetch_max(kind, Relaxed);
-        let command = MotionCommand { source: motion_source::REMOTE, ..command };
+        self.lease.jog.fetch_max(kind as u32, Relaxed);
+        let command = MotionCommand { source: motion_source::REMOTE, ..*command };
         match motion.push(MotionToken::LOCAL, &command) {
             Ok(id) => {
                 self.jogs.push(Jog::Sent(id));
@@ -182,44 +136,39 @@ impl Keeper {
         }
     }
 
-    /// Notes that a program, a line or homing is about to start under the lease.
-    pub(crate) fn start(&mut self, number: u32, release: bool) -> Result<(), Error> {
-        self.check(number)?;
-        self.check_allowed()?;
-        if self.orphaned && self.aborts {
-            return Err(Error::new(
-                "the job of a lost lease is being aborted: wait until it has ended",
-            ));
-        }
-        if self.lease.hold.load(Relaxed) && !release {
-            return Err(Error::new(
-                "a program is held since the lease was lost: remote.release ends that",
-            ));
-        }
-        let begins = self.job == Job::None;
+    /// Notes that a program, a line or homing is about to start under the lease, or to go on. Returns what a lost lease does to it:
+    /// what is given here, else what its start said.
+    pub(crate) fn start(
+        &mut self,
+        number: u32,
+        release: bool,
+        on_loss: Option<Loss>,
+    ) -> Result<Loss, Error> {
+        let (words, before) = (self.lease.words(), self.desk);
+        let loss = self.desk.start(number, release, on_loss, &words);
+        let loss = loss.map_err(|why| self.error(why))?;
+        // Before the job is known, so that it is never judged by that of another.
+        self.set_loss(loss);
         self.lease.job.store(true, Relaxed);
         // Either the servo thread sees the job when it ends the lease, or its end is seen here.
         fence(SeqCst);
         if let Err(why) = self.check(number) {
-            if begins {
-                self.lease.job.store(false, Relaxed);
-            }
+            self.lease.job.store(before.has_job(), Relaxed);
+            self.set_loss(before.on_loss);
             return Err(why);
         }
-        if begins {
-            self.job = Job::Commanded(self.clock.now_ns());
-        }
+        self.desk.announced(self.clock.now_ns());
         if release {
             self.lease.hold.store(false, Relaxed);
             // A loss since then has set a hold that this may have ended.
             fence(SeqCst);
             if let Err(why) = self.check(number) {
-                self.lease.hold.store(self.lease.holds, Relaxed);
+                self.lease.hold.store(self.lease.holds.load(Relaxed), Relaxed);
                 return Err(why);
             }
         }
-        self.orphaned = false;
-        Ok(())
+        self.desk.started();
+        Ok(loss)
     }
 
     /// Forgets a program that was announced and has not begun.
@@ -228,8 +177,7 @@ impl Keeper {
         if let Some(work) = self.work() {
             self.follow_job(work);
         }
-        if matches!(self.job, Job::Commanded(_)) {
-            self.job = Job::None;
+        if self.desk.refuse() {
             self.lease.job.store(false, Relaxed);
         }
         Ok(())
@@ -238,27 +186,33 @@ impl Keeper {
     /// Presses the button that answers a tool change.
     pub(crate) fn tool_changed(&mut self, number: u32) -> Result<(), Error> {
         self.check(number)?;
-        self.check_allowed()?;
+        if !self.lease.allowed.load(Relaxed) {
+            return Err(self.error(Refused::Forbidden));
+        }
         self.pressed_until = self.clock.now_ns() + PRESS_NS;
         self.pins.tool_changed.set(true);
         Ok(())
     }
 
-    fn check_allowed(&self) -> Result<(), Error> {
-        if self.lease.allowed.load(Relaxed) {
-            return Ok(());
-        }
-        Err(Error::new("remote.allow-motion is FALSE: the machine permits no remote motion"))
-    }
-
     /// Ends a hold.
     pub(crate) fn release(&mut self) -> Result<(), Error> {
-        if !self.lease.allowed.load(Relaxed) {
-            return Err(Error::new("remote.allow-motion is FALSE: the hold lasts"));
-        }
+        let released = self.desk.release(self.lease.allowed.load(Relaxed));
+        released.map_err(|why| self.error(why))?;
         self.lease.hold.store(false, Relaxed);
-        self.orphaned &= self.aborts;
         Ok(())
+    }
+
+    /// Returns a refusal in the operator's words.
+    fn error(&self, why: Refused) -> Error {
+        Error::new(match why {
+            Refused::Taken => format!("{} has the control lease", self.holder),
+            Refused::NoBeat => format!(
+                "no beat younger than {} ms has arrived: a held jog needs a faster connection, or \
+                 function remote is in no thread that runs",
+                self.lease.rules.jog_ms
+            ),
+            why => why.text().to_owned(),
+        })
     }
 
     fn send(&self, kind: u32) {
@@ -270,11 +224,12 @@ impl Keeper {
 
     /// Returns what motion does; `None` before its first cycle.
     fn work(&self) -> Option<Work> {
-        let Some(motion) = &self.motion else { return Some(Work::default()) };
+        let job = self.pins.job.get();
+        let Some(motion) = &self.motion else { return Some(Work { job, ..Work::default() }) };
         let status = motion.status()?;
         let waits = status.claimed || status.queue != 0;
         let moves = waits || status.homing || !status.in_position;
-        Some(Work { moves, waits, homes: status.homing })
+        Some(Work { moves, waits, homes: status.homing, job })
     }
 
     fn step(&mut self) {
@@ -290,7 +245,7 @@ impl Keeper {
             if self.lease.hold.load(Relaxed) {
                 self.say.warn("a program that was started remotely is held", &[]);
             }
-            self.orphaned = self.job != Job::None;
+            self.desk.lost();
         }
         self.end_orphan(work);
         self.follow_job(work);
@@ -299,22 +254,13 @@ impl Keeper {
         }
     }
 
-    /// Ends a job without a lease. Homing and the job may begin later: they wait in queues, where an abort misses them.
+    /// Ends a job without a lease.
     fn end_orphan(&mut self, work: Work) {
-        let now = self.clock.now_ns();
-        let works = self.pins.job.get() || work.waits;
-        if !(self.orphaned && (work.homes || self.aborts && works)) {
-            self.ends = false;
-            self.ends_next = now;
-        } else if self.ends_next <= now {
-            self.ends = !self.ends;
-            self.ends_next = now + ABORT_NS;
-            if self.ends {
-                self.send(motion_kind::ABORT);
-            }
+        if self.desk.end_orphan(self.clock.now_ns(), work) {
+            self.send(motion_kind::ABORT);
         }
         // The task ends the job where nothing moves, as in a pause.
-        self.pins.abort.set(self.ends && self.aborts);
+        self.pins.abort.set(self.desk.ends && self.desk.on_loss == Loss::Abort);
     }
 
     fn follow_jogs(&mut self) {
@@ -334,35 +280,23 @@ impl Keeper {
             }
         });
         if self.jogs.is_empty() {
-            self.lease.jog.store(jog::NONE, Relaxed);
+            self.lease.jog.store(Kind::None as u32, Relaxed);
         }
     }
 
     fn follow_job(&mut self, work: Work) {
-        // A paused job has no claim on motion.
-        let over = !work.moves && !self.pins.job.get();
-        self.job = match self.job {
-            Job::None => return,
-            Job::Commanded(at) if over => {
-                if self.clock.now_ns() - at <= START_NS {
-                    return;
-                }
-                Job::None
-            }
-            Job::Runs if over => Job::None,
-            Job::Commanded(_) | Job::Runs => Job::Runs,
-        };
-        if self.job == Job::None {
+        if self.desk.follow(self.clock.now_ns(), work) {
             self.lease.job.store(false, Relaxed);
             // Nothing is left that it could hold.
             self.lease.hold.store(false, Relaxed);
-            self.orphaned = false;
+            self.set_loss(self.desk.on_loss);
         }
     }
-}
 
-fn no_lease() -> Error {
-    Error::new("this is not the number of the control lease: it has ended, or another has it")
+    /// Returns what a lost lease does to the program in progress, or to the next one.
+    pub(crate) const fn on_loss(&self) -> Loss {
+        self.desk.on_loss
+    }
 }
 
 /// The task.

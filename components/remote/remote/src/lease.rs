@@ -1,16 +1,8 @@
-//! Realtime. State that the servo thread, the task and the commands share.
+//! Realtime. State that the servo thread, the task and the commands share: the words on which `hal_safety::lease` decides.
 
-use std::sync::atomic::{AtomicBool, AtomicU32};
-
-/// Kind of a remote jog that may be in progress.
-pub(crate) mod jog {
-    /// None.
-    pub(crate) const NONE: u32 = 0;
-    /// By a distance or to a position: stops with the lease.
-    pub(crate) const STEP: u32 = 1;
-    /// While a button is held: stops with the permit.
-    pub(crate) const HELD: u32 = 2;
-}
+pub(crate) use hal_safety::lease::OnLoss as Loss;
+use hal_safety::lease::{Jog, Rules, Words};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 /// The lease. Each value stands alone: none publishes another.
 #[derive(Debug)]
@@ -25,7 +17,7 @@ pub(crate) struct Lease {
     pub(crate) beat: AtomicU32,
     /// Number of the last pulse.
     pub(crate) pulse: AtomicU32,
-    /// Kind of the jog in progress, of [`jog`]. It is set before the jog is sent to motion.
+    /// Kind of the jog in progress, as the number of a [`Jog`]. It is set before the jog is sent to motion.
     pub(crate) jog: AtomicU32,
     /// Number of the lease under which the jog began.
     pub(crate) jog_lease: AtomicU32,
@@ -35,30 +27,57 @@ pub(crate) struct Lease {
     pub(crate) hold: AtomicBool,
     /// True after the lease was lost, until the task has told it.
     pub(crate) lost: AtomicBool,
-    /// Age of a beat up to which a held jog is permitted, in milliseconds.
-    pub(crate) jog_ms: u32,
-    /// Age of a beat up to which the lease lasts, in milliseconds.
-    pub(crate) lease_ms: u32,
-    /// True if a lost lease holds a program.
-    pub(crate) holds: bool,
+    /// Settings.
+    pub(crate) rules: Rules,
+    /// True if a lost lease holds the program in progress, or the next one.
+    pub(crate) holds: AtomicBool,
 }
 
 impl Lease {
-    pub(crate) const fn new(jog_ms: u32, lease_ms: u32, holds: bool) -> Self {
+    pub(crate) const fn new(rules: Rules) -> Self {
         Self {
             number: AtomicU32::new(0),
             permit: AtomicBool::new(false),
             allowed: AtomicBool::new(false),
             beat: AtomicU32::new(0),
             pulse: AtomicU32::new(0),
-            jog: AtomicU32::new(jog::NONE),
+            jog: AtomicU32::new(Jog::None as u32),
             jog_lease: AtomicU32::new(0),
             job: AtomicBool::new(false),
             hold: AtomicBool::new(false),
             lost: AtomicBool::new(false),
-            jog_ms,
-            lease_ms,
-            holds,
+            rules,
+            holds: AtomicBool::new(true),
+        }
+    }
+
+    /// Returns the kind of the jog in progress.
+    pub(crate) fn jog(&self) -> Jog {
+        let kind = self.jog.load(Relaxed);
+        let known = [Jog::None, Jog::Step];
+        // Of a jog of which nothing else is known, the strictest rule holds.
+        known.into_iter().find(|jog| *jog as u32 == kind).unwrap_or(Jog::Held)
+    }
+
+    /// Returns the words.
+    pub(crate) fn words(&self) -> Words {
+        Words {
+            number: self.number.load(Relaxed),
+            permit: self.permit.load(Relaxed),
+            allowed: self.allowed.load(Relaxed),
+            jog: self.jog(),
+            jog_lease: self.jog_lease.load(Relaxed),
+            job: self.job.load(Relaxed),
+            hold: self.hold.load(Relaxed),
+            holds: self.holds.load(Relaxed),
+        }
+    }
+
+    /// Notes that the lease was lost: a program that was started under it is held, if its start said so.
+    pub(crate) fn lose(&self) {
+        self.lost.store(true, Relaxed);
+        if self.words().loses() {
+            self.hold.store(true, Relaxed);
         }
     }
 }

@@ -11,8 +11,9 @@ use hal_component::{
     Arg, Builder, Component, Error,
     abi::{ArgSpec, component_flags},
 };
+use hal_safety::lease::Rules;
 use keeper::Keeper;
-use lease::Lease;
+use lease::{Lease, Loss};
 use pins::Pins;
 use std::{
     sync::{Arc, Mutex},
@@ -43,9 +44,9 @@ jog that lasts while a button is held is permitted as long as that number is you
 `jog_timeout`: all delays on the way to the page and back count. When the page, the network, or a
 program on the way fails, the jog brakes within this time, and only a new command begins one again.
 
-Without a beat for `lease_timeout` the lease ends. A program that was started under it then holds, until
-`remote.release` ends the hold or the program is aborted. FALSE at `allow-motion` has the same
-effects, and refuses new jogs.
+Without a beat for `lease_timeout` the lease ends. A program that was started under it then does what its start said
+(`remote.start on-loss=`), or else `on_loss`: it holds until `remote.release` ends the hold or the program is aborted, goes
+on, or ends. FALSE at `allow-motion` has the same effects, and refuses new jogs.
 
 `jog-stop` is linked to `motion.jog-stop`, and `hold` to `motion.feed-inhibit`. A program that is paused
 moves nothing: `job`, linked to `task.job`, shows that it has not ended, and `abort`, linked to `task.abort`,
@@ -89,7 +90,7 @@ getp remote.present # -> FALSE
             .unit("s"),
         &Arg::text(
             "on_loss",
-            "Effect of a lost lease on a program that was started under it: hold, continue or abort.",
+            "Effect of a lost lease on a program whose start says nothing else: hold, continue or abort.",
         )
         .or("hold"),
         &Arg::bit("motion", "FALSE for a machine without motmod.").or("TRUE"),
@@ -99,26 +100,20 @@ getp remote.present # -> FALSE
         let jog_ms = milliseconds(b, "jog_timeout");
         let lease_ms = milliseconds(b, "lease_timeout");
         let on_loss = b.arg_text("on_loss").unwrap_or_default();
-        let (holds, aborts) = match on_loss.as_str() {
-            "hold" => (true, false),
-            "continue" => (false, false),
-            "abort" => (true, true),
-            other => {
-                let text = format!("on_loss is {other}, must be hold, continue or abort");
-                return Err(Error::new(text));
-            }
-        };
+        let preset = Loss::named(&on_loss).ok_or_else(|| {
+            Error::new(format!("on_loss is {on_loss}, must be hold, continue or abort"))
+        })?;
         let motion = if b.arg_int("motion") == Some(0) {
             None
         } else {
             let missing = "there is no motion controller for it: loadrt motmod first, or motion=0";
             Some(b.motion()?.ok_or_else(|| Error::new(missing))?)
         };
-        let lease = Arc::new(Lease::new(jog_ms, lease_ms, holds));
+        let lease = Arc::new(Lease::new(Rules { jog_ms, lease_ms }));
         let watch = Watch::make(b, lease.clone())?;
         b.function("remote", "Judges the beats, and ends remote motion.", watch)?;
         let pins = Pins::make(b)?;
-        let keeper = Keeper::new(lease, motion, pins, b.clock(), b.messages(), aborts);
+        let keeper = Keeper::new(lease, motion, pins, b.clock(), b.messages(), preset);
         let keeper = Arc::new(Mutex::new(keeper));
         commands::open(b, &keeper)?;
         b.task(

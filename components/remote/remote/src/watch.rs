@@ -1,7 +1,8 @@
 //! Realtime. The function in the servo thread: it judges the beats, and ends remote motion.
 
-use crate::lease::{Lease, jog};
+use crate::lease::Lease;
 use hal_component::{Builder, Clock, Error, In, Out, Period, Touch, Update};
+use hal_safety::lease::Judge;
 use std::sync::{
     Arc,
     atomic::{Ordering::Relaxed, Ordering::SeqCst, fence},
@@ -28,24 +29,7 @@ pub(crate) struct Watch {
     #[state]
     shared: Arc<Lease>,
     #[state]
-    judged: Judged,
-}
-
-/// Judgement of the beats.
-#[derive(Clone, Copy, Debug, Default)]
-struct Judged {
-    /// Number of the lease in the cycle before.
-    lease: u32,
-    /// Machine time at which this lease was first seen, in milliseconds.
-    taken: u32,
-    /// Beat in the cycle before.
-    beat: u32,
-    /// True once a beat has arrived under this lease.
-    beats: bool,
-    /// Value of `allow-motion` in the cycle before.
-    allowed: bool,
-    /// Value of `jog-stop` in the cycle before: motion acts on its edges.
-    stops: bool,
+    judge: Judge,
 }
 
 impl Watch {
@@ -85,67 +69,44 @@ impl Watch {
             )?,
             clock: b.clock(),
             shared,
-            judged: Judged::default(),
+            judge: Judge::default(),
         })
     }
 }
 
 impl Update for Watch {
     fn update(&mut self, _: Period) {
-        let Self { shared, judged, .. } = self;
+        let Self { shared, judge, .. } = self;
         let now = u32::try_from((self.clock.now_ns() / MS) & i64::from(u32::MAX)).unwrap_or(0);
         let allowed = self.allow_motion.get();
-        // The younger one counts: a page answers by the pin, another program by the command.
         let beats = [self.beat.get(), shared.beat.load(Relaxed)];
-        let beat = beats.into_iter().min_by_key(|beat| now.wrapping_sub(*beat)).unwrap_or(0);
         let mut number = shared.number.load(Relaxed);
-        if number != judged.lease {
-            *judged = Judged { lease: number, taken: now, beats: false, ..*judged };
-        }
-        if beat != judged.beat {
-            judged.beat = beat;
-            // A pulse of this lease's first millisecond, or an older one, may have left under the lease before.
-            judged.beats |= beat.wrapping_sub(judged.taken).cast_signed() > 0;
-        }
-        // A number from the future has a great age.
-        let age = now.wrapping_sub(beat);
-        let beats = judged.beats && age <= shared.lease_ms;
-        let permit = number != 0 && allowed && beats && age <= shared.jog_ms;
-        let awaits_first = !judged.beats && now.wrapping_sub(judged.taken) <= shared.lease_ms;
-        if number != 0 && !beats && !awaits_first {
+        let judged = judge.beats(now, beats, allowed, number, &shared.rules);
+        if judged.ends {
             // A lease that was given or taken meanwhile is another one.
             if shared.number.compare_exchange(number, 0, Relaxed, Relaxed).is_ok() {
                 fence(SeqCst); // As in `Keeper::start`.
-                shared.lost.store(true, Relaxed);
-                if shared.holds && shared.job.load(Relaxed) {
-                    shared.hold.store(true, Relaxed);
-                }
+                shared.lose();
             }
             number = 0;
         }
-        if judged.allowed && !allowed && (number != 0 || shared.job.load(Relaxed)) {
+        let words = shared.words();
+        if judge.forbids(allowed, number, words.job) {
             shared.lost.store(true, Relaxed);
         }
-        judged.allowed = allowed;
-        if !allowed && shared.holds && shared.job.load(Relaxed) {
+        if !allowed && words.loses() {
             shared.hold.store(true, Relaxed);
         }
-        let lasts = number != 0 && number == shared.jog_lease.load(Relaxed) && allowed;
-        let ends = match shared.jog.load(Relaxed) {
-            jog::NONE => false,
-            jog::STEP => !lasts,
-            _ => !(lasts && permit),
-        };
-        // Edges again and again, because a jog may still be on its way to motion.
-        judged.stops = ends && !judged.stops;
-        self.jog_stop.set(judged.stops);
+        let permit = judged.permit;
+        let stops = judge.jog_stop(words.jog, words.jog_lease, number, allowed, permit);
+        self.jog_stop.set(stops);
         shared.permit.store(permit, Relaxed);
         shared.allowed.store(allowed, Relaxed);
         shared.pulse.store(now, Relaxed);
         self.pulse.set(now);
         self.lease.set(number);
         self.present.set(number != 0);
-        self.heartbeat.set(number != 0 && beats);
+        self.heartbeat.set(number != 0 && judged.beats);
         self.permit.set(permit);
         self.allowed.set(allowed);
         self.hold.set(shared.hold.load(Relaxed));

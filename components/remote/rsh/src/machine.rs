@@ -1,6 +1,7 @@
 //! The side of the machine, as a session sees it.
 
 use crate::Snapshots;
+use hal_protocol::Stop;
 use std::time::Duration;
 
 /// Joint or axis of a jog.
@@ -42,11 +43,17 @@ pub trait Machine {
     /// Returns the state that was read last.
     fn state(&self) -> &Snapshots;
 
-    /// Gives a command. Returns the number of its ticket, if it takes time.
+    /// Gives a command; on a machine without a task, one of the task becomes what does the same. Returns the number of its ticket, if it takes time.
     ///
     /// # Errors
     /// The machine refuses it, with the reason.
     fn command(&mut self, name: &str, args: Vec<String>) -> Result<Option<u64>, String>;
+
+    /// Stops the machine. Returns the number of the ticket of its end, if it takes time.
+    ///
+    /// # Errors
+    /// The machine refuses a part of it, with the reason; every part has been commanded.
+    fn stop(&mut self, stop: Stop) -> Result<Option<u64>, String>;
 
     /// Jogs under the control lease of this session.
     ///

@@ -5,6 +5,7 @@ use crate::{
     get::{AXES, axis},
     session::Settings,
 };
+use hal_protocol::Stop;
 use std::time::Duration;
 
 /// Seconds in a minute: speeds of jogs are in units per minute.
@@ -32,7 +33,19 @@ impl SetLine<'_> {
     /// reason. A session that waits for its commands learns of the refusal at once.
     fn command(&mut self, name: &str, args: &[String]) -> bool {
         self.settings.ticket = None;
-        match self.machine.command(name, args.to_vec()) {
+        let given = self.machine.command(name, args.to_vec());
+        self.given(given)
+    }
+
+    /// Stops the machine, as a command.
+    fn stop(&mut self, stop: Stop) -> bool {
+        self.settings.ticket = None;
+        let given = self.machine.stop(stop);
+        self.given(given)
+    }
+
+    fn given(&mut self, given: Result<Option<u64>, String>) -> bool {
+        match given {
             Ok(ticket) => {
                 self.settings.ticket = ticket;
                 !self.settings.waits || self.wait()
@@ -83,11 +96,6 @@ fn one_of(args: &[&str], words: &[&'static str]) -> Option<&'static str> {
     words.iter().copied().find(|other| word.eq_ignore_ascii_case(other))
 }
 
-/// Executes a command without arguments for `on` and another one for `off`.
-fn either(order: &mut SetLine<'_>, args: &[&str], yes: &str, no: &str) -> bool {
-    on(args).is_some_and(|on| order.command(if on { yes } else { no }, &[]))
-}
-
 macro_rules! plain {
     ($($name:ident: $command:expr;)*) => {$(
         pub(crate) fn $name(order: &mut SetLine<'_>, _: &[&str]) -> bool {
@@ -97,8 +105,6 @@ macro_rules! plain {
 }
 
 plain! {
-    abort: "task.abort";
-    pause: "task.pause";
     resume: "task.resume";
     step: "task.step";
 }
@@ -123,12 +129,26 @@ pub(crate) fn never(_: &mut SetLine<'_>, _: &[&str]) -> bool {
     false
 }
 
+pub(crate) fn abort(order: &mut SetLine<'_>, _: &[&str]) -> bool {
+    order.stop(Stop::Abort)
+}
+
+pub(crate) fn pause(order: &mut SetLine<'_>, _: &[&str]) -> bool {
+    order.stop(Stop::Pause)
+}
+
 pub(crate) fn estop(order: &mut SetLine<'_>, args: &[&str]) -> bool {
-    either(order, args, "task.estop", "task.estop-reset")
+    on(args).is_some_and(|on| match on {
+        true => order.stop(Stop::Estop),
+        false => order.command("task.estop-reset", &[]),
+    })
 }
 
 pub(crate) fn machine(order: &mut SetLine<'_>, args: &[&str]) -> bool {
-    either(order, args, "task.on", "task.off")
+    on(args).is_some_and(|on| match on {
+        true => order.command("task.on", &[]),
+        false => order.stop(Stop::Off),
+    })
 }
 
 pub(crate) fn mode(order: &mut SetLine<'_>, args: &[&str]) -> bool {

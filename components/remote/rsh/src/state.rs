@@ -136,6 +136,28 @@ pub struct Snapshots {
 }
 
 impl Snapshots {
+    /// Fills the record of the task on a machine without one, from that of motion.
+    pub fn fill_task(&mut self) {
+        let motion = &self.motion;
+        let state = match (motion.bit("estop", 0), motion.bit("enabled", 0)) {
+            (true, _) => 0,
+            (false, false) => 1,
+            (false, true) => 2,
+        };
+        let interpreter = match (motion.bit("paused", 0), motion.count("queue", 0)) {
+            (true, _) => 2,
+            (false, 0) => 0,
+            (false, _) => 1,
+        };
+        let mut task = Record::default();
+        task.set("state", &[Value::U32(state)]);
+        task.set("interpreter", &[Value::U32(interpreter)]);
+        for name in ["feed_override", "rapid_override", "spindle_override"] {
+            task.set(name, motion.all(name));
+        }
+        self.task = task;
+    }
+
     /// Returns whether the machine is in e-stop.
     #[must_use]
     pub fn is_estop(&self) -> bool {

@@ -5,7 +5,7 @@ use crate::{
     is_stop, rows::ROWS,
 };
 use hal_ini::Ini;
-use hal_protocol::Value;
+use hal_protocol::{Stop, Value};
 use std::{collections::BTreeSet, time::Duration};
 
 const INI: &[u8] = b"[EMC]\nMACHINE = test\n[TRAJ]\nLINEAR_UNITS = inch\n[KINS]\nJOINTS = 2\n\
@@ -53,6 +53,11 @@ impl Machine for Noted {
 
     fn command(&mut self, name: &str, args: Vec<String>) -> Result<Option<u64>, String> {
         self.said.push([&[name.to_owned()][..], &args].concat().join(" "));
+        self.refuses.clone().map_or(Ok(Some(1)), Err)
+    }
+
+    fn stop(&mut self, stop: Stop) -> Result<Option<u64>, String> {
+        self.said.push(format!("stop {}", stop.name()));
         self.refuses.clone().map_or(Ok(Some(1)), Err)
     }
 
@@ -138,10 +143,10 @@ fn what_needs_hello_or_control_is_refused_without_it() {
         let reply = say(&mut session, &mut machine, &line);
         assert_eq!(reply.is_empty(), stops, "{line}: {reply}");
     }
-    let stops = ["task.abort", "motion.jog-stop joint=0", "task.pause"];
+    let stops = ["stop abort", "motion.jog-stop joint=0", "stop pause"];
     assert_eq!(machine.said, stops, "a stop needs no control");
     say(&mut session, &mut machine, "set machine off\nset estop on\nset estop off\nset machine on");
-    assert_eq!(machine.said[3..], ["task.off", "task.estop"]);
+    assert_eq!(machine.said[3..], ["stop off", "stop estop"]);
     assert_eq!(say(&mut session, &mut machine, "shutdown"), "SHUTDOWN NAK\r\n");
     assert_eq!(say(&mut session, &mut machine, "set enable emctoo"), "SET ENABLE NAK\n\r");
     machine.refuses = Some("ana has the control lease".to_owned());
@@ -289,6 +294,30 @@ fn replies_show_the_state() {
     task.set("message_level", &[Value::U32(1)]);
     assert_eq!(say(&mut session, &mut machine, "get error"), "ERROR no such \r\n");
     assert_eq!(say(&mut session, &mut machine, "get error"), "ERROR OK\r\n");
+}
+
+#[test]
+fn a_machine_without_a_task_shows_the_state_of_motion() {
+    for (estop, enabled, paused, queue, expected) in [
+        (true, false, false, 0, "ESTOP ON MACHINE OFF PROGRAM_STATUS IDLE"),
+        (false, false, false, 0, "ESTOP OFF MACHINE OFF PROGRAM_STATUS IDLE"),
+        (false, true, false, 2, "ESTOP OFF MACHINE ON PROGRAM_STATUS RUNNING"),
+        (false, true, true, 2, "ESTOP OFF MACHINE ON PROGRAM_STATUS PAUSED"),
+    ] {
+        let (mut session, mut machine) = ready();
+        let motion = &mut machine.state.motion;
+        for (name, on) in [("estop", estop), ("enabled", enabled), ("paused", paused)] {
+            motion.set(name, &[Value::Bit(on)]);
+        }
+        motion.set("queue", &[Value::U32(queue)]);
+        motion.set("feed_override", &[Value::Float(0.5)]);
+        machine.state.fill_task();
+        let asked = ["estop", "machine", "program_status"]
+            .map(|name| say(&mut session, &mut machine, &format!("get {name}")).trim().to_owned());
+        assert_eq!(asked.join(" "), expected);
+        let shown = say(&mut session, &mut machine, "get feed_override");
+        assert_eq!(shown, "FEED_OVERRIDE 50\r\n");
+    }
 }
 
 #[test]

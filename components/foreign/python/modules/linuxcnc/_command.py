@@ -1,5 +1,6 @@
 """Commands to a machine."""
 
+import os
 import time
 
 import _machine
@@ -14,8 +15,49 @@ _INTERVAL = 0.005
 _SPINDLE_STEP = 100.0
 _MODES = {MODE_MANUAL: "manual", MODE_AUTO: "auto", MODE_MDI: "mdi"}
 _STATES = {STATE_ESTOP: "estop", STATE_ESTOP_RESET: "estop-reset", STATE_OFF: "off", STATE_ON: "on"}
+#: States that are stops of the machine: no task is asked.
+_STOPS = ("estop", "off")
 _TRAJ_MODES = {TRAJ_MODE_FREE: "free", TRAJ_MODE_COORD: "coord", TRAJ_MODE_TELEOP: "teleop"}
 _AXES = "xyzabcuvw"
+
+
+#: Targets of continuous jogs of this process, and the connection whose end ends them.
+_jogs = set()
+_keeper = None
+
+
+def _keep(target, jogs):
+    """Lets the jog of a target end with this process, however that ends."""
+    global _keeper
+    before = set(_jogs)
+    (_jogs.add if jogs else _jogs.discard)(target)
+    if _jogs == before and not jogs:
+        return
+    commands = [("motion.jog-stop", [each]) for each in sorted(_jogs)]
+    try:
+        if _keeper is not None:
+            _keeper.at_end(commands)
+            return
+    except _machine.error:
+        # The connection was to a machine that has ended.
+        pass
+    try:
+        _keeper = _machine.Channel()
+        _keeper.at_end(commands)
+    except _machine.error:
+        _keeper = None
+        _jogs.discard(target)
+        raise
+
+
+def _forked():
+    """Leaves the jogs to the process that has begun them."""
+    global _keeper
+    _keeper = None
+    _jogs.clear()
+
+
+os.register_at_fork(after_in_child=_forked)
 
 
 def _known(table, number, what):
@@ -34,11 +76,15 @@ def _number(value):
 
 
 class command:
-    """Sends commands. A refusal is a message on the error channel, and the result of `wait_complete`."""
+    """Sends commands. A refusal is a message on the error channel, and the result of `wait_complete`.
+
+    On a machine without a task, states, homing, overrides, resume and step are those of motion and iocontrol; programs and lines
+    of G-code are refused. A machine that moves and that nothing stops is not commanded: the first command raises `error`.
+    """
 
     def __init__(self):
         self._channel = None
-        self._ticket = None
+        self._tickets = []
         self._status = RCS_DONE
         self._page = None
         self._speeds = {}
@@ -48,39 +94,71 @@ class command:
         """Number of the last command."""
         return serial
 
-    def _send(self, name, *args):
-        global serial
+    def _open(self):
         if self._channel is None:
-            self._channel = _machine.Channel()
+            channel = _machine.Channel()
+            channel.check_stops()
+            self._channel = channel
+        return self._channel
+
+    def _begin(self):
+        global serial
+        channel = self._open()
         serial += 1
-        self._ticket, self._status = None, RCS_DONE
+        self._tickets, self._status = [], RCS_DONE
+        return channel
+
+    def _follow(self, channel, ticket):
+        entry = (channel, ticket)
+        self._tickets.append(entry)
+        _messages.follow(entry)
+
+    def _refuse(self, why):
+        self._status = RCS_ERROR
+        _messages.add(OPERATOR_ERROR, why)
+
+    def _send(self, name, *args):
+        channel = self._begin()
         try:
-            ticket = self._channel.command(name, *args)[1]
+            ticket = channel.order(name, *args)[1]
         except _machine.error as why:
-            self._status = RCS_ERROR
-            _messages.add(OPERATOR_ERROR, str(why))
+            self._refuse(str(why))
             return
         if ticket is not None:
-            self._ticket = (self._channel, ticket)
-            _messages.follow(self._ticket)
+            self._follow(channel, ticket)
+
+    def _stop(self, stop):
+        """Stops the machine: every command of the stop is sent, although one may be refused."""
+        channel = self._begin()
+        try:
+            tickets, refused = channel.stop(stop)
+        except _machine.error as why:
+            self._refuse(str(why))
+            return
+        for ticket in tickets:
+            self._follow(channel, ticket)
+        for why in refused:
+            self._refuse(why)
 
     def _succeed(self):
         global serial
         serial += 1
-        self._ticket, self._status = None, RCS_DONE
+        self._tickets, self._status = [], RCS_DONE
 
     def wait_complete(self, timeout=5.0):
         """Waits for the last command. Returns RCS_DONE or RCS_ERROR, or -1 after `timeout` seconds."""
         end = time.monotonic() + timeout
-        while self._ticket is not None:
-            channel, number = self._ticket
+        while self._tickets:
+            channel, number = entry = self._tickets[0]
             why = channel.ticket(number)
             if why is not None:
-                if self._ticket in _messages.pending:
-                    _messages.pending.remove(self._ticket)
+                if entry in _messages.pending:
+                    _messages.pending.remove(entry)
                     if why:
                         _messages.fail(why)
-                self._ticket, self._status = None, RCS_ERROR if why else RCS_DONE
+                del self._tickets[0]
+                if why:
+                    self._status = RCS_ERROR
             elif time.monotonic() >= end:
                 return -1
             else:
@@ -91,7 +169,11 @@ class command:
 
     def state(self, state):
         """state(STATE): STATE_ESTOP, STATE_ESTOP_RESET, STATE_OFF or STATE_ON."""
-        self._send("task." + _known(_STATES, state, "Machine state"))
+        name = _known(_STATES, state, "Machine state")
+        if name in _STOPS:
+            self._stop(name)
+        else:
+            self._send("task." + name)
 
     def mode(self, mode):
         """mode(MODE): MODE_MANUAL, MODE_AUTO or MODE_MDI."""
@@ -118,9 +200,13 @@ class command:
                 raise ValueError("AUTO_RUN begins at the first line; task.run-from and task.confirm begin at another")
             self._send("task.run")
             return
-        commands = {AUTO_PAUSE: "task.pause", AUTO_RESUME: "task.resume", AUTO_STEP: "task.step",
+        commands = {AUTO_PAUSE: "motion.pause", AUTO_RESUME: "task.resume", AUTO_STEP: "task.step",
                     AUTO_REVERSE: "motion.reverse", AUTO_FORWARD: "motion.forward"}
-        self._send(_known(commands, what, "Command"))
+        name = _known(commands, what, "Command")
+        if what == AUTO_PAUSE:
+            self._stop("pause")
+        else:
+            self._send(name)
 
     def mdi(self, text):
         """mdi(TEXT): executes a line."""
@@ -130,7 +216,7 @@ class command:
 
     def abort(self):
         """Ends program, MDI and jogs."""
-        self._send("task.abort")
+        self._stop("abort")
 
     def reset_interpreter(self):
         """Does nothing: the state of the interpreter is always that of the last line in execution."""
@@ -165,13 +251,28 @@ class command:
         target = "joint=%d" % index if is_joint else "axis=" + _AXES[index]
         if what == JOG_STOP:
             self._send("motion.jog-stop", target)
+            self._release(target)
         elif what == JOG_CONTINUOUS and speed is not None:
+            try:
+                _keep(target, True)
+            except _machine.error as why:
+                self._succeed()
+                self._refuse(str(why))
+                return
             self._send("motion.jog", target, "velocity=" + _number(speed))
         elif what == JOG_INCREMENT and speed is not None and distance is not None:
             distance = -distance if speed < 0 else distance
             self._send("motion.jog", target, "velocity=" + _number(abs(speed)), "distance=" + _number(distance))
+            self._release(target)
         else:
             raise _machine.error("jog() needs JOG_STOP, JOG_CONTINUOUS with a speed, or JOG_INCREMENT with speed and distance")
+
+    def _release(self, target):
+        try:
+            _keep(target, False)
+        except _machine.error:
+            # Without a machine there is no jog.
+            pass
 
     def override_limits(self):
         """Lets a joint be jogged off its limit switch."""

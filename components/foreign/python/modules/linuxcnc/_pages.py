@@ -42,7 +42,8 @@ BLANK = {
         "message": "", "message_level": 0, "messages": 0, "mist": False, "mode": 0,
         "optional_stop": False, "rapid_override": 0.0, "rotation": 0.0, "speed": _SPINDLES,
         "spindle_override_counts": _SPINDLE_BITS, "state": 0, "system": 0, "tool": 0,
-        "tool_awaited": -1, "tool_offset": _NINE, "tool_prepared": 0,
+        "tool_awaited": -1, "tool_offset": _NINE, "tool_prepared": 0, "wait": 0, "wait_ends": False,
+        "wait_number": 0, "wait_since": 0.0, "wait_text": "", "wait_until": -1.0,
     },
 }
 

@@ -8,6 +8,10 @@ from ._pages import Blank, page
 
 _TASK_STATES = (STATE_ESTOP, STATE_ESTOP_RESET, STATE_ON)
 _MODES = (MODE_MANUAL, MODE_AUTO, MODE_MDI)
+#: Names of waits, by their numbers in the snapshot.
+_WAITS = ("nothing", "at-speed", "index", "orient", "spindle-stopped", "pause", "feed-hold", "feed-inhibit",
+          "override", "spindle-speed", "m0", "m1", "m60", "step", "tool", "input", "program", "function", "page",
+          "dwell", "iocontrol")
 _TRAJ_MODES = (TRAJ_MODE_FREE, TRAJ_MODE_TELEOP, TRAJ_MODE_COORD)
 
 
@@ -235,6 +239,12 @@ _FIELDS = {
     "tool_offset": _task("tool_offset"),
     "tool_table": lambda s: s._facts.tool_table(s._task["tool"]),
     "velocity": _always(0.0),
+    "wait": _task("wait", _WAITS.__getitem__),
+    "wait_ends": _task("wait_ends"),
+    "wait_number": _task("wait_number"),
+    "wait_since": _task("wait_since"),
+    "wait_text": lambda s: s._task.text("wait_text"),
+    "wait_until": _task("wait_until"),
 }
 
 

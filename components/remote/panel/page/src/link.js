@@ -3,6 +3,9 @@
 import { RETRY_MS, Refusal, sessionKey } from "./http.js";
 import { areJogsHeld, releaseAll } from "./hold.js";
 
+/** Shortest time in ms between two messages that say that a person uses the page. */
+const INPUT_MS = 30_000;
+
 /** The connection to the server. A lost one is opened again, as a new client without the lease. */
 export class Link {
   /** `on` has functions by message type: `status`, `values`, and `state` for the connection itself. */
@@ -14,6 +17,8 @@ export class Link {
     this.capturing = null;
     this.isOpen = false;
     this.isClosed = false;
+    this.lastInput = 0;
+    for (const name of ["pointerdown", "keydown"]) window.addEventListener(name, () => this.noteInput(), { capture: true, passive: true });
     // A browser may keep a page that was left, with its connection and its lease. When it is shown again, the connection is opened again.
     window.addEventListener("pagehide", () => this.socket.close());
     this.open();
@@ -45,8 +50,9 @@ export class Link {
   receive(message) {
     switch (message.type) {
       case "pulse":
-        // A page that nobody sees holds no jog, and a jog that nothing holds ends by the machine's dead man too.
-        if (!document.hidden && areJogsHeld()) this.post({ type: "beat", n: message.n });
+        // A page that nobody sees holds no jog: hiding it has ended them. It is there all the same, while the link answers. A jog that
+        // nothing holds ends by the machine's dead man too.
+        if (areJogsHeld()) this.post({ type: "beat", n: message.n });
         break;
       case "hello":
         this.isOpen = true;
@@ -75,12 +81,20 @@ export class Link {
     const waiting = this.pending.get(id);
     if (!waiting) return;
     if (pending) {
-      waiting.accepted?.();
+      waiting.accepted?.(ok ?? {});
       return;
     }
     this.pending.delete(id);
     if (error) waiting.reject(new Refusal(error));
     else waiting.resolve(ok ?? {});
+  }
+
+  /** Says that a person uses the page, at most once in a while. */
+  noteInput() {
+    const now = Date.now();
+    if (now - this.lastInput < INPUT_MS) return;
+    this.lastInput = now;
+    this.post({ type: "input" });
   }
 
   post(message) {

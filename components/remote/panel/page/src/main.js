@@ -3,6 +3,7 @@
 import { el } from "./dom.js";
 import { currentSession, getJson, listPath, login, persistent, signIn } from "./http.js";
 import { Link } from "./link.js";
+import { holdMessages } from "./operator/held.js";
 import { Messages, machineMessages } from "./operator/messages.js";
 import { Prefs } from "./prefs.js";
 import { signInForm } from "./sign_in.js";
@@ -42,7 +43,9 @@ async function run(session) {
       el("button", { type: "button", onclick: () => location.reload() }, translator(prefs.get("language"))("refresh"))));
     return;
   }
-  const listenTo = machineMessages(messages, (key, ...rest) => translator(prefs.get("language"))(key, ...rest));
+  const text = (key, ...rest) => translator(prefs.get("language"))(key, ...rest);
+  const listenTo = machineMessages(messages, text);
+  const noteHolds = holdMessages(messages, text);
   const link = new Link({
     state: (isOpen, hello) => store.replace("link", { isOpen, client: hello?.client ?? null }),
     ended: () => location.reload(),
@@ -52,6 +55,7 @@ async function run(session) {
         else store.merge(part, changes);
       }
       listenTo(store.get("task"));
+      noteHolds(store.get("panel"));
     },
     values: ({ values }) => store.merge("values", values),
   });

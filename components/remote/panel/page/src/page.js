@@ -11,6 +11,7 @@ import { graphCard } from "./integrator/graph.js";
 import { orderCard } from "./integrator/order.js";
 import { scopeCard } from "./integrator/scope.js";
 import { treeCard, watchCard } from "./integrator/tree.js";
+import { holdBanner } from "./operator/holds.js";
 import { jogCard } from "./operator/jog.js";
 import { machineCard } from "./operator/machine.js";
 import { mdiCard } from "./operator/mdi.js";
@@ -21,6 +22,7 @@ import { positionsCard } from "./operator/positions.js";
 import { probeCard } from "./operator/probe.js";
 import { programsCard } from "./operator/programs.js";
 import { runCard } from "./operator/run.js";
+import { progressOf } from "./operator/states.js";
 import { robotCard } from "./robot/card.js";
 import { robotOf } from "./robot/state.js";
 import { LANGUAGES } from "./texts.js";
@@ -59,7 +61,7 @@ export function buildPage(ctx) {
   const nav = el("nav", { class: "groups", "aria-label": t("groups") }, ...GROUPS.map((group) =>
     el("button", { type: "button", "data-group": group, onclick: () => prefs.set("group", group) }, t(`group.${group}`))));
   document.body.replaceChildren(
-    el("a", { class: "skip", href: "#main" }, t("skip")), topBar(ctx), linkBanner(ctx), toolPrompt(ctx), main, nav, toasts(ctx),
+    el("a", { class: "skip", href: "#main" }, t("skip")), topBar(ctx), linkBanner(ctx), idleBanner(ctx), holdBanner(ctx), toolPrompt(ctx), main, nav, toasts(ctx),
   );
   let face = new AbortController();
   // The release of a button that is removed never arrives.
@@ -104,23 +106,20 @@ function columns(page, ctx) {
 }
 
 function topBar(ctx) {
-  const { info, session, store, prefs, t, run, signal } = ctx;
+  const { info, session, store, prefs, t, signal } = ctx;
   const pages = pagesOf(info).map((page) =>
     el("button", { type: "button", "data-page": page, onclick: () => prefs.set("page", page) }, t(`page.${page}`)));
   const lease = el("button", { type: "button", id: "lease", onclick: changeLease });
   const holder = el("span", { class: "note", id: "lease-holder" });
-  const stop = el("button", { type: "button", id: "estop", class: "estop", onclick: info.isRobot ? endRun : () => run("estop") }, t("estop"));
-  const abort = el("button", { type: "button", id: "abort", class: "danger", onclick: info.isRobot ? endRun : () => run("abort") }, t("abort"));
+  const stop = el("button", { type: "button", id: "estop", class: "estop", onclick: () => ctx.stop("estop") }, t("estop"));
+  const abort = el("button", { type: "button", id: "abort", class: "danger", onclick: () => ctx.stop("abort") }, t("abort"));
   const language = el("select", { "aria-label": t("language"), id: "language", onchange: () => prefs.set("language", language.value) },
     ...LANGUAGES.map(([code, name]) => el("option", { value: code, selected: code === prefs.get("language"), lang: code }, name)));
   const theme = el("button", { type: "button", id: "theme", "aria-label": t("theme"), title: t("theme"),
     onclick: () => prefs.set("theme", prefs.get("theme") === "dark" ? "light" : "dark") }, "◐");
-  const leave = el("button", { type: "button", id: "sign-out", onclick: endSession }, t("sign.out"));
+  const leave = el("button", { type: "button", id: "sign-out", onclick: () => endSession(ctx) }, t("sign.out"));
+  const user = el("span", { class: "note user", id: "user" });
 
-  /** Stops a robot that its own controller moves, and ends the connection to it. */
-  function endRun() {
-    run("robot-stop");
-  }
   async function changeLease() {
     const panel = store.get("panel");
     const isOther = panel.lease && !panel.lease.yours;
@@ -131,10 +130,6 @@ function topBar(ctx) {
       ctx.fail(error);
     }
   }
-  async function endSession() {
-    await signOut().catch(ctx.fail);
-    location.reload();
-  }
 
   prefs.listen(() => {
     for (const button of pages) mark(button, "aria-pressed", button.dataset.page === pageOf(ctx));
@@ -144,17 +139,32 @@ function topBar(ctx) {
     const { lease: held } = panel;
     setText(lease, held?.yours ? t("lease.give") : t("lease.take"));
     mark(lease, "aria-pressed", held?.yours === true);
-    enable(lease, link.isOpen && session.role !== "viewer");
+    enable(lease, link.isOpen && ctx.role() !== "viewer");
     const isKnown = link.isOpen && panel.lease !== undefined;
     setText(holder, !isKnown ? "" : held ? (held.yours ? t("lease.yours") : t("lease.held", held.user)) : t("lease.free"));
-    enable(stop, link.isOpen && session.role !== "viewer");
-    enable(abort, link.isOpen);
+    // Everybody who is signed in stops the machine.
+    for (const button of [stop, abort]) enable(button, link.isOpen);
+    setText(user, `${session.user ?? ""} · ${t(`role.${ctx.role()}`)}`);
   }, signal);
   return el("header", { class: "top" },
     el("h1", {}, info.machine ?? info.instance), info.simulated ? el("span", { class: "chip" }, t("simulated")) : null,
     el("div", { class: "row tabs", role: "group", "aria-label": t("pages") }, ...pages),
     el("div", { class: "row" }, lease, holder), el("span", { class: "grow" }), language, theme,
-    el("span", { class: "note user" }, `${session.user ?? ""} · ${t(`role.${session.role}`)}`), leave, abort, stop);
+    user, leave, abort, stop);
+}
+
+async function endSession(ctx) {
+  await signOut().catch(ctx.fail);
+  location.reload();
+}
+
+/** Says that nobody has used the page for so long that it only looks, and how to sign in again. */
+function idleBanner(ctx) {
+  const { session, store, t, signal } = ctx;
+  const again = el("button", { type: "button", id: "sign-in-again", onclick: () => endSession(ctx) }, t("sign.again"));
+  const box = el("div", { class: "banner", role: "status", hidden: true, id: "idle-banner" }, t("why.idle"), again);
+  store.listen(() => show(box, store.get("link").isOpen === true && ctx.role() !== session.role), signal);
+  return box;
 }
 
 /** Says at once that the server or the engine is gone. */
@@ -166,8 +176,8 @@ function linkBanner(ctx) {
     const [link, panel] = [store.get("link"), store.get("panel")];
     const isLost = link.isOpen === false;
     const engine = panel.engine ?? "joined";
-    show(box, isLost || engine !== "joined");
-    setText(text, isLost ? t("link.lost") : t("engine.gone"));
+    show(box, isLost || engine !== "joined" || Boolean(panel.outdated));
+    setText(text, isLost ? t("link.lost") : engine !== "joined" ? t("engine.gone") : t("stops.gone", panel.outdated));
   }, signal);
   return box;
 }
@@ -181,7 +191,7 @@ function keepAwake({ store, signal }) {
     lock = null;
   };
   const draw = async () => {
-    const isRunning = Boolean(store.get("task").interpreter || robotOf(store.get("values"))?.busy);
+    const isRunning = Boolean(progressOf(store.get("task"), store.get("motion")) || robotOf(store.get("values"))?.busy);
     if (!isRunning) release();
     if (!isRunning || lock || isAsked || document.hidden || !navigator.wakeLock) return;
     isAsked = true;

@@ -1,7 +1,10 @@
 //! The table of commands.
 
-use super::{Action, Args, Input, ROWS};
-use crate::session::Role;
+use super::{Action, Args, Effect, Input, ROWS};
+use crate::{
+    engine::{Ending, tests::orders},
+    session::Role,
+};
 use hal_protocol::Request;
 use serde_json::{Value as Json, json};
 
@@ -25,7 +28,9 @@ fn the_document_states_each_command_with_its_role_and_lease() {
     let mut documented = documented();
     let mut own: Vec<_> = ROWS
         .iter()
-        .map(|row| (row.name.to_owned(), format!("{:?}", row.role).to_lowercase(), row.lease))
+        .map(|row| {
+            (row.name.to_owned(), format!("{:?}", row.role).to_lowercase(), row.needs_lease())
+        })
         .collect();
     documented.sort();
     own.sort();
@@ -34,21 +39,73 @@ fn the_document_states_each_command_with_its_role_and_lease() {
 
 #[test]
 fn only_what_ends_motion_needs_no_lease() {
-    let free: Vec<&str> = ROWS.iter().filter(|row| !row.lease).map(|row| row.name).collect();
+    let free: Vec<&str> =
+        ROWS.iter().filter(|row| !row.needs_lease()).map(|row| row.name).collect();
     assert_eq!(free, ["abort", "estop", "off", "pause", "jog-stop", "robot-stop", "robot-pause"]);
     let viewers: Vec<&str> =
         ROWS.iter().filter(|row| row.role == Role::Viewer).map(|row| row.name).collect();
-    assert_eq!(viewers, ["abort", "robot-stop"]);
+    assert_eq!(viewers, ["abort", "estop", "robot-stop"]);
 }
+
+/// Commands of machines with and without a task.
+const WITH: &[&str] = &[
+    "motion.jog",
+    "motion.disable",
+    "motion.abort",
+    "motion.pause",
+    "iocontrol.estop",
+    "iocontrol.abort",
+    "iocontrol.estop-reset",
+    "task.run",
+    "task.mode",
+    "task.on",
+    "task.home",
+    "task.estop-reset",
+    "task.open",
+    "task.run-from",
+    "task.recover",
+    "task.confirm",
+    "task.resume",
+    "task.step",
+    "task.mdi",
+    "task.feed-override",
+    "task.rapid-override",
+    "task.spindle-override",
+    "task.optional-stop",
+    "task.block-delete",
+];
+const WITHOUT: &[&str] = &[
+    "motion.jog",
+    "motion.disable",
+    "motion.abort",
+    "motion.pause",
+    "motion.enable",
+    "iocontrol.estop",
+    "iocontrol.abort",
+    "iocontrol.estop-reset",
+];
 
 /// Returns the engine's command for these arguments.
 fn sent(name: &str, args: &Json, is_inch: bool) -> Result<String, String> {
+    asked(name, args, is_inch, true)
+}
+
+fn asked(name: &str, args: &Json, is_inch: bool, has_task: bool) -> Result<String, String> {
     let args: Args = serde_json::from_value(args.clone()).unwrap();
-    let given = Input { args: &args, is_inch };
+    let orders = orders(if has_task { WITH } else { WITHOUT });
+    let given = Input { args: &args, orders: &orders, is_inch };
     let requests = match super::find(name).map_err(|e| e.text)?.action {
         Action::Engine(requests) => requests(&given),
         Action::Jog => given.jog(7),
-        Action::Open(_) | Action::ToolChanged => panic!("{name} is no request"),
+        Action::EndJogs => given.plain("motion.jog-stop"),
+        Action::Stop(Ending::Machine(stop)) => {
+            given.only(&[]).map(|()| orders.stops().requests(stop).collect())
+        }
+        Action::Stop(Ending::Robot(name)) => given.plain(name),
+        Action::Open(name) => {
+            orders.request(name, Vec::new()).map(Vec::from_iter).map_err(Into::into)
+        }
+        Action::ToolChanged => panic!("{name} is no request"),
     };
     let words = requests.map_err(|e| e.text)?.into_iter().map(|request| match request {
         Request::Command { name, args } => format!("{name} {}", args.join(" ")).trim().to_owned(),
@@ -63,7 +120,17 @@ fn sent(name: &str, args: &Json, is_inch: bool) -> Result<String, String> {
 fn arguments_become_those_of_the_engine_or_are_refused() {
     let long = "x".repeat(5000);
     for (name, args, wanted) in [
-        ("abort", json!({}), Ok("task.abort")),
+        ("abort", json!({}), Ok("motion.abort")),
+        ("estop", json!({}), Ok("iocontrol.estop; motion.disable")),
+        ("off", json!({}), Ok("motion.disable")),
+        ("pause", json!({}), Ok("motion.pause")),
+        ("run", json!({"on_loss": "continue"}), Ok("task.run")),
+        ("run", json!({"on_loss": "stop"}), Err("on_loss is stop, must be hold, continue, abort")),
+        (
+            "mdi",
+            json!({"text": "G0", "on_loss": "hold"}),
+            Err("the command has no argument 'on_loss'"),
+        ),
         ("abort", json!({"now": true}), Err("the command has no argument 'now'")),
         ("mdi", json!({"text": "G0 X1"}), Ok("task.mdi text=G0 X1")),
         ("mdi", json!({}), Err("the command needs text")),
@@ -186,4 +253,103 @@ fn lengths_are_inches_except_places_of_the_part() {
     ] {
         assert_eq!(sent(name, &args, true).as_deref(), Ok(wanted), "{name} {args}");
     }
+}
+
+/// Arguments of each command that needs some.
+pub(crate) fn example(name: &str) -> Json {
+    match name {
+        "mode" => json!({"mode": "manual"}),
+        "home" | "unhome" => json!({"joint": "all"}),
+        "jog" => json!({"joint": 0, "velocity": 1}),
+        "run-from" => json!({"line": 1}),
+        "confirm" => json!({"token": 1}),
+        "mdi" => json!({"text": "G0 X1"}),
+        "optional-stop" | "block-delete" | "mist" | "flood" => json!({"on": true}),
+        "feed-override" | "rapid-override" | "spindle-override" => json!({"scale": 1}),
+        "spindle" => json!({"speed": 100}),
+        "touch-off" => json!({"axis": "x", "value": 0}),
+        "tool-offset" => json!({"tool": 1, "z": 1}),
+        "align-look" => json!({"mark": 1}),
+        "align-go" => json!({"x": 1, "y": 1}),
+        "setp" | "sets" => json!({"name": "a", "value": 1}),
+        "net" => json!({"signal": "s", "pins": "a"}),
+        "linkp" => json!({"pin": "a", "signal": "s"}),
+        "unlink" => json!({"pin": "a"}),
+        _ => json!({}),
+    }
+}
+
+/// Commands of the engine that begin motion, those that give power to it, and those that end it.
+const MOVING: &[&str] = &[
+    "motion.home",
+    "motion.resume",
+    "motion.step",
+    "task.home",
+    "task.run",
+    "task.confirm",
+    "task.resume",
+    "task.step",
+    "task.mdi",
+    "remote.jog",
+    "robot.connect",
+    "robot.run",
+    "robot.resume",
+];
+const POWERING: &[&str] = &[
+    "motion.enable",
+    "motion.spindle",
+    "motion.override-limits",
+    "task.on",
+    "task.estop-reset",
+    "iocontrol.estop-reset",
+];
+
+const ENDING: &[&str] = &[
+    "iocontrol.estop",
+    "motion.disable",
+    "motion.abort",
+    "motion.pause",
+    "motion.jog-stop",
+    "robot.stop",
+    "robot.pause",
+];
+
+#[test]
+fn every_row_has_the_effect_of_what_it_sends_with_a_task_and_without() {
+    let mut without = String::new();
+    for row in ROWS {
+        if matches!(row.action, Action::ToolChanged) {
+            assert_eq!(row.effect, Effect::Powers);
+            continue;
+        }
+        for has_task in [true, false] {
+            let sent = match asked(row.name, &example(row.name), false, has_task) {
+                Ok(sent) => sent,
+                Err(why) if why.contains("need a task") && !has_task => {
+                    without.push_str(row.name);
+                    without.push(' ');
+                    continue;
+                }
+                Err(why) => panic!("{}: {why}", row.name),
+            };
+            let is = |list: &[&str]| {
+                sent.split("; ").any(|c| list.contains(&c.split(' ').next().unwrap_or_default()))
+            };
+            let effect = match (is(MOVING), is(POWERING), is(ENDING)) {
+                (_, _, true) => Effect::Ends,
+                (true, _, _) => Effect::Begins,
+                // An override turns no spindle.
+                (_, true, _) if row.name != "spindle-override" => Effect::Powers,
+                _ => Effect::Changes,
+            };
+            assert_eq!(row.effect, effect, "{}: {sent}", row.name);
+            assert!(!sent.contains("task.") || has_task, "{}: {sent}", row.name);
+        }
+        let is_free = row.effect == Effect::Ends;
+        assert_eq!(row.needs_lease(), !is_free, "{}", row.name);
+        assert!(row.role >= Role::Operator || is_free, "{}", row.name);
+    }
+    let needing = "open run run-from recover confirm mdi optional-stop block-delete touch-off \
+                   tool-offset align-go ";
+    assert_eq!(without, needing, "what needs a task");
 }

@@ -10,7 +10,7 @@ use axum::{
     Json,
     body::Bytes,
     extract::{FromRequestParts, State},
-    http::{HeaderMap, header, request::Parts},
+    http::{HeaderMap, Method, header, request::Parts},
     response::{IntoResponse, Response},
 };
 use serde::Deserialize;
@@ -25,7 +25,9 @@ impl FromRequestParts<Arc<Panel>> for Session {
     type Rejection = Error;
 
     async fn from_request_parts(parts: &mut Parts, panel: &Arc<Panel>) -> Result<Self, Error> {
-        panel.sessions.of(&parts.headers, panel.address.port())
+        // A page asks by itself, too.
+        let is_input = parts.method != Method::GET && parts.method != Method::HEAD;
+        panel.sessions.of(&parts.headers, panel.address.port(), is_input)
     }
 }
 

@@ -1,8 +1,8 @@
 //! A panel for tests, without a server.
 
 use super::{
-    Arc, Audit, Clients, Engine, Map, Mutex, Options, Panel, Pictures, Place, Security, Semaphore,
-    Sessions, accounts, watch,
+    Arc, Audit, Clients, Engine, Epochs, Map, Mutex, Options, Panel, Pictures, Place, Security,
+    Semaphore, Sessions, accounts, watch,
 };
 use clap::Parser as _;
 
@@ -21,6 +21,8 @@ impl Panel {
             security: Security::open(&options).unwrap(),
             options,
             engine,
+            epochs: Epochs::default(),
+            on_loss: 0.into(),
             machine: watch::channel(Arc::default()).1,
             sessions: Sessions::default(),
             clients: Clients::default(),

@@ -1,9 +1,11 @@
 //! Messages of clients.
 
 use crate::{
-    commands::Args,
+    commands::{self, Action, Args},
+    engine::Ending,
     error::{Code, Error},
     scope::Wanted,
+    session::Role,
 };
 use serde::Deserialize;
 use serde_json::{Map, Value as Json};
@@ -23,6 +25,8 @@ pub(super) enum Received {
     Beat {
         n: u32,
     },
+    /// A person uses the page.
+    Input {},
     Watch {
         names: Vec<String>,
     },
@@ -51,6 +55,15 @@ pub(super) enum Received {
 /// Returns the `id` of a message that cannot be read as one, if it has one.
 pub(super) fn id(text: &str) -> Option<u64> {
     serde_json::from_str::<Json>(text).ok()?.get("id")?.as_u64()
+}
+
+impl Received {
+    /// Returns the stop that it asks for, with the least role for it.
+    pub(super) fn stop(&self) -> Option<(Ending, Role)> {
+        let Self::Command { name, args, .. } = self else { return None };
+        let row = commands::find(name).ok().filter(|_| args.is_empty())?;
+        if let Action::Stop(ending) = row.action { Some((ending, row.role)) } else { None }
+    }
 }
 
 /// Request of a client about the lease.

@@ -21,7 +21,7 @@ use axum::{
     response::Response,
 };
 use message::{Received, Watched};
-use serde_json::{Value as Json, json};
+use serde_json::{Map, Value as Json, json};
 use std::{
     future::pending,
     sync::{Arc, atomic::Ordering::Relaxed},
@@ -33,6 +33,8 @@ use tokio::{
 };
 use view::View;
 
+/// Pin of a robot behind its own controller that is TRUE while it runs a program.
+const ROBOT_BUSY: &str = "robot.busy";
 /// Longest message of a client in bytes.
 const MAX_MESSAGE: usize = 64 << 10;
 /// Number of answers of commands that wait to be sent.
@@ -49,6 +51,8 @@ const PULSE_INTERVAL: Duration = Duration::from_millis(20);
 const VALUES_INTERVAL: Duration = Duration::from_millis(100);
 /// Messages that a client may send in a second.
 const MAX_RATE: u32 = 400;
+/// Stops of a client in a second that are answered one by one; the others are obeyed with them.
+const MAX_STOPS: u32 = 50;
 
 /// Opens the socket.
 pub(crate) async fn open(
@@ -62,10 +66,10 @@ pub(crate) async fn open(
     let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
     upgrade.on_upgrade(async move |mut socket| {
         let why = match sign_in(&panel, &mut socket, &cookie).await {
-            Ok((session, key)) => {
+            Ok(session) => {
                 let client = panel.clients.enter(&session);
                 panel.count_clients();
-                let mut connection = Connection::new(&panel, session, (cookie, key), client);
+                let mut connection = Connection::new(&panel, session, client);
                 let end = connection.serve(&mut socket).await.err();
                 panel.clients.leave(&panel.engine, client).await;
                 panel.count_clients();
@@ -82,6 +86,24 @@ pub(crate) async fn open(
 }
 
 impl Panel {
+    /// Returns whether a job is in progress, also while it is paused.
+    async fn works(&self) -> bool {
+        let (task, motion) = {
+            let machine = self.machine.borrow();
+            (machine.task.clone(), machine.motion.clone())
+        };
+        let number = |of: &Map<String, Json>, name| of.get(name).and_then(Json::as_u64);
+        let has = |of, name| number(of, name).is_some_and(|n| n != 0);
+        match (task, motion) {
+            (Some(task), _) if has(&task, "interpreter") || has(&task, "mdi_queue") => true,
+            (_, Some(motion)) => {
+                has(&motion, "queue") || motion.get("homing") == Some(&true.into())
+            }
+            (Some(_), None) => false,
+            (None, None) => values::is_on(&self.engine, ROBOT_BUSY).await.unwrap_or(false),
+        }
+    }
+
     /// Shows the number of clients at its pin.
     pub(crate) fn count_clients(&self) {
         let count = u32::try_from(self.clients.count()).unwrap_or(u32::MAX);
@@ -89,20 +111,13 @@ impl Panel {
     }
 }
 
-async fn sign_in(
-    panel: &Panel,
-    socket: &mut WebSocket,
-    cookie: &str,
-) -> Result<(Session, String), Error> {
+async fn sign_in(panel: &Panel, socket: &mut WebSocket, cookie: &str) -> Result<Session, Error> {
     let refuse =
         || Error::new(Code::NoSession, "the first message is hello with the session's key");
     let first = timeout(HELLO_TIME, socket.recv()).await;
     let Ok(Some(Ok(Message::Text(text)))) = first else { return Err(refuse()) };
     match serde_json::from_str(&text) {
-        Ok(Received::Hello { key }) => {
-            let session = panel.sessions.find(cookie, &key).ok_or_else(refuse)?;
-            Ok((session, key))
-        }
+        Ok(Received::Hello { key }) => panel.sessions.find(cookie, &key).ok_or_else(refuse),
         _ => Err(refuse()),
     }
 }
@@ -111,15 +126,17 @@ async fn sign_in(
 struct Connection {
     panel: Arc<Panel>,
     session: Session,
-    /// Cookie and key of the session.
-    secret: (String, String),
+    /// Role that the session has now.
+    role: Role,
     client: u64,
     view: View,
     watched: Watched,
     scope: Option<Scope>,
     /// Number of messages received in the current second.
     rate: u32,
-    /// True after a message other than a beat in the current second.
+    /// Number of stops received in the current second.
+    stops: u32,
+    /// True after input of a person in the current second.
     used: bool,
     /// Number of the last beat.
     beat: u32,
@@ -133,17 +150,18 @@ struct Connection {
 type End = Option<Error>;
 
 impl Connection {
-    fn new(panel: &Arc<Panel>, session: Session, secret: (String, String), client: u64) -> Self {
+    fn new(panel: &Arc<Panel>, session: Session, client: u64) -> Self {
         let (answers, ready) = mpsc::channel(MAX_ANSWERS);
         Self {
             panel: panel.clone(),
+            role: session.role,
             session,
-            secret,
             client,
             view: View::default(),
             watched: Watched::default(),
             scope: None,
             rate: 0,
+            stops: 0,
             used: false,
             beat: 0,
             confirmed: None,
@@ -175,11 +193,6 @@ impl Connection {
                 // Beats and commands first.
                 biased;
                 message = socket.recv() => {
-                    self.rate += 1;
-                    if self.rate > MAX_RATE {
-                        let why = format!("more than {MAX_RATE} messages in a second");
-                        return Err(Some(Error::new(Code::TooMany, why)));
-                    }
                     let text = match message {
                         Some(Ok(Message::Text(text))) => text,
                         Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
@@ -197,7 +210,7 @@ impl Connection {
                 }
                 _ = status.tick() => {
                     self.check_lease();
-                    if let Some(message) = self.view.changes(&self.panel, self.client) {
+                    if let Some(message) = self.view.changes(&self.panel, self.client, self.role) {
                         give(socket, &message).await?;
                     }
                 }
@@ -207,32 +220,54 @@ impl Connection {
                     }
                 }
                 Some(samples) = next(&mut self.scope) => give(socket, &samples).await?,
-                _ = second.tick() => {
-                    // A connection that a person uses keeps the session alive.
-                    let used = core::mem::take(&mut self.used);
-                    self.rate = 0;
-                    let (cookie, key) = &self.secret;
-                    let lives = if used {
-                        self.panel.sessions.find(cookie, key).is_some()
-                    } else {
-                        self.panel.sessions.lives(&self.session)
-                    };
-                    if !lives {
-                        let why = Error::new(Code::NoSession, "the session has ended");
-                        return Err(Some(why));
-                    }
-                }
+                _ = second.tick() => self.second().await?,
             }
         }
     }
 
+    /// Follows the session once a second: input keeps its role, and beats keep it while a job runs. Without both its person
+    /// only looks in the end, and the lease goes back.
+    async fn second(&mut self) -> Result<(), End> {
+        (self.rate, self.stops) = (0, 0);
+        let panel = self.panel.clone();
+        if core::mem::take(&mut self.used) {
+            panel.sessions.note_input(&self.session);
+        }
+        if panel.clients.number(self.client).is_some() && panel.works().await {
+            panel.sessions.keep(&self.session);
+        }
+        let over = || Some(Error::new(Code::NoSession, "the session has ended"));
+        let role = panel.sessions.role(&self.session).ok_or_else(over)?;
+        if role != self.role {
+            self.role = role;
+            panel.clients.change_role(&panel.engine, self.client, role).await;
+        }
+        Ok(())
+    }
+
     fn receive(&mut self, text: &str) -> Result<(), End> {
-        let received = match serde_json::from_str(text) {
+        let received = serde_json::from_str::<Received>(text);
+        let stop = received.as_ref().ok().and_then(Received::stop);
+        if let Some((ending, role)) = stop {
+            self.stops += 1;
+            if self.stops > MAX_STOPS && self.role >= role {
+                // It is one with those that are on their way, or goes behind them.
+                return self.panel.engine.ask_stop(ending).map_err(Some);
+            }
+        } else {
+            self.rate += 1;
+        }
+        if self.rate > MAX_RATE {
+            let why = format!("more than {MAX_RATE} messages in a second");
+            return Err(Some(Error::new(Code::TooMany, why)));
+        }
+        let received = match received {
             Ok(received) => received,
             Err(e) => return self.refuse(text, &format!("this is no message: {e}")),
         };
-        self.used |= !matches!(received, Received::Beat { .. });
+        self.used |= !matches!(received, Received::Beat { .. } | Received::Watch { .. });
         match received {
+            Received::Input {} => {}
             Received::Hello { .. } => return Err(malformed("hello comes first, and once")),
             Received::Beat { n } => {
                 let heart = &self.panel.heart;
@@ -266,7 +301,7 @@ impl Connection {
     /// Ends the scope of this client, and starts another if one is wanted.
     fn start_scope(&mut self, id: u64, wanted: Option<Wanted>) -> Result<(), Error> {
         self.scope = None;
-        self.session.needs(Role::Operator)?;
+        Session { role: self.role, ..self.session.clone() }.needs(Role::Operator)?;
         let Some(wanted) = wanted else {
             drop(self.answers.try_send(json!({ "type": "reply", "id": id, "ok": {} })));
             return Ok(());
@@ -330,3 +365,6 @@ async fn send(socket: &mut WebSocket, message: &Json) -> Result<(), ()> {
         Ok(Err(_)) | Err(_) => Err(()),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,10 +3,11 @@
 use super::{Connection, message::LeaseAction};
 use crate::{
     commands::{self, Action, Args, Input},
+    epoch::Given,
     error::{Code, Error},
     lease::no_lease,
     server::Panel,
-    session::Session,
+    session::{Role, Session},
     values,
 };
 use hal_protocol::{Kind, Reply, Request, TicketInfo, Value};
@@ -19,26 +20,6 @@ use std::{
 };
 use tokio::{sync::mpsc, time::sleep};
 
-/// Commands that the engine must know of as work under the lease.
-const STARTS: &[&str] = &[
-    "run",
-    "confirm",
-    "resume",
-    "step",
-    "mdi",
-    "home",
-    "touch-off",
-    "tool-offset",
-    "align-go",
-    "robot-connect",
-    "robot-run",
-    "robot-resume",
-];
-/// Further commands that begin motion or the power of it: refused, as those are, while the machine's wiring permits no motion
-/// from afar.
-const POWERS: &[&str] = &["jog", "on", "estop-reset", "spindle", "override-limits", "tool-changed"];
-/// Commands that end work: orders of which a part has not been sent end too.
-const ENDS: &[&str] = &["abort", "estop", "off", "pause", "robot-stop", "robot-pause"];
 /// State of the interpreter in the task's status that waits in a pause.
 const PAUSED: u64 = 2;
 /// Longest name of a command in the audit log, in characters.
@@ -61,6 +42,10 @@ pub(super) struct Order {
     session: Session,
     client: u64,
     answers: mpsc::Sender<Json>,
+    /// Number of stops of this panel when its message arrived.
+    stops: u64,
+    /// Stop epoch of motion then.
+    given: Given,
 }
 
 impl Connection {
@@ -78,6 +63,8 @@ impl Connection {
             session: self.session.clone(),
             client: self.client,
             answers: self.answers.clone(),
+            stops: self.panel.engine.stops(),
+            given: self.panel.epochs.now(),
         });
         let mut work = Box::pin(async move {
             let answer = match run(order.clone()).await {
@@ -119,7 +106,10 @@ impl Order {
     ) -> Result<(), Error> {
         let (clients, engine) = (&self.panel.clients, &self.panel.engine);
         let end = match action {
-            LeaseAction::Take => clients.take(engine, self.client, &self.session, force).await,
+            LeaseAction::Take => match self.needs(Role::Operator) {
+                Ok(()) => clients.take(engine, self.client, &self.session, force).await,
+                Err(why) => Err(why),
+            },
             LeaseAction::Give => clients.give(engine, self.client).await,
             LeaseAction::Hand => match to {
                 Some(to) => clients.hand(engine, self.client, to).await,
@@ -143,79 +133,121 @@ impl Order {
         end
     }
 
+    /// Refuses what needs a role that the session does not have, or has lost because nobody used its page.
+    fn needs(&self, role: Role) -> Result<(), Error> {
+        self.session.needs(role)?;
+        match self.panel.sessions.role(&self.session) {
+            Some(now) if now < role => Err(Error::new(
+                Code::Role,
+                "half an hour has passed without input: sign in again to move the machine",
+            )),
+            _ => Ok(()),
+        }
+    }
+
     fn note<T>(&self, what: &Json, end: Result<&T, &Error>) {
         self.panel.audit.note(&self.session.user, self.client, what, end.map(|_| ()));
     }
 
     async fn execute(&self, id: u64, name: &str, args: &Args) -> Result<Json, Error> {
         let row = commands::find(name)?;
-        self.session.needs(row.role)?;
+        self.needs(row.role)?;
+        let orders = self.panel.engine.orders();
+        let given = Input { args, orders: &orders, is_inch: self.panel.is_inch };
+        if let Action::Stop(ending) = row.action {
+            given.only(&[])?;
+            let told = self.panel.stop(ending).await?;
+            return Ok(self.done(id, &told.lines, told.tickets));
+        }
         let lease = self.panel.clients.number(self.client);
-        if row.lease && lease.is_none() {
+        if row.needs_lease() && lease.is_none() {
             return Err(no_lease());
         }
-        let ends_spindle =
-            name == "spindle" && args.get("speed").and_then(Json::as_f64) == Some(0.0);
-        let begins = STARTS.contains(&name) || (POWERS.contains(&name) && !ends_spindle);
-        if begins && !self.panel.heart.allowed.load(Relaxed) {
+        if row.needs_permission(args) && !self.panel.heart.allowed.load(Relaxed) {
             return Err(not_allowed());
         }
-        let (given, lease) = (Input { args, is_inch: self.panel.is_inch }, lease.unwrap_or(0));
+        let lease = lease.unwrap_or(0);
         let requests = match row.action {
             Action::Engine(requests) => requests(&given)?,
             Action::Jog => given.jog(lease)?,
             Action::Open(command) => {
                 let path = self.panel.program(&given.program()?)?;
                 let file = format!("file={}", path.display());
-                vec![Request::Command { name: command.to_owned(), args: vec![file] }]
+                orders.request(command, vec![file])?.into_iter().collect()
             }
             Action::ToolChanged => return self.tool_changed(lease).await,
+            Action::Stop(_) | Action::EndJogs => given.plain("motion.jog-stop")?,
         };
-        let engine = &self.panel.engine;
         if let Some(signal) = commands::signal_of(name, args) {
             let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
-            if let Reply::Items(pins) = engine.call(list).await? {
+            if let Reply::Items(pins) = self.panel.engine.call(list).await? {
                 commands::guard_signal(signal, &pins)?;
             }
         }
-        let stops = engine.stops();
-        // A program that is held, and not paused, goes on by the release alone.
+        let mut epoch = match self.given {
+            Given::In(epoch) => epoch,
+            Given::AfterStop => None,
+        };
+        if row.is_announced() {
+            epoch = self.panel.epochs.settled(self.given).await;
+            if self.announce(name, lease, given.on_loss()?, epoch).await? {
+                return Ok(json!({ "lines": [] }));
+            }
+        }
+        let (mut lines, mut tickets) = (Vec::new(), Vec::new());
+        for request in requests {
+            let request = orders.stamped(request, epoch);
+            let reply = match row.action {
+                Action::EndJogs => self.panel.engine.end_jogs(request).await?,
+                _ => self.panel.engine.call_unless_stopped(request, self.stops).await?,
+            };
+            if let Reply::Answer(answer) = reply {
+                lines.extend(answer.lines);
+                tickets.extend(answer.ticket);
+            }
+        }
+        Ok(self.done(id, &lines, tickets))
+    }
+
+    /// Tells the plugin `remote` that work begins under the lease, and ends a hold for what resumes it. Returns whether that
+    /// is enough: a program that is held, and not paused, goes on by the release alone.
+    async fn announce(
+        &self,
+        name: &str,
+        lease: u64,
+        on_loss: Option<String>,
+        epoch: Option<u64>,
+    ) -> Result<bool, Error> {
+        let engine = &self.panel.engine;
         let is_enough =
             name == "resume" && self.panel.heart.hold.load(Relaxed) && !self.is_paused();
-        let is_held = name == "robot-resume" && self.is_on(ROBOT_HOLD).await?;
-        if STARTS.contains(&name) {
-            let mut args = vec![format!("lease={lease}")];
-            if matches!(name, "resume" | "robot-resume") {
-                args.push("release=TRUE".to_owned());
-            }
-            let start = Request::Command { name: "remote.start".to_owned(), args };
-            engine.call_unless_stopped(start, stops).await?;
+        let is_held =
+            name == "robot-resume" && values::is_on(&self.panel.engine, ROBOT_HOLD).await?;
+        let mut args = vec![format!("lease={lease}")];
+        if matches!(name, "resume" | "robot-resume") {
+            args.push("release=TRUE".to_owned());
         }
-        if is_enough {
-            return Ok(json!({ "lines": [] }));
+        args.extend(on_loss.as_ref().map(|on_loss| format!("on-loss={on_loss}")));
+        let start = Request::Command { name: "remote.start".to_owned(), args };
+        let start = engine.orders().stamped(start, epoch);
+        let reply = engine.call_unless_stopped(start, self.stops).await?;
+        if let Reply::Answer(answer) = reply {
+            self.panel.note_loss(&answer.lines);
         }
         if is_held {
             self.let_go().await?;
         }
-        let mut lines = Vec::new();
-        let mut pending = None;
-        for request in requests {
-            let reply = if row.lease {
-                engine.call_unless_stopped(request, stops).await?
-            } else {
-                engine.stop(request, ENDS.contains(&name)).await?
-            };
-            if let Reply::Answer(answer) = reply {
-                lines.extend(answer.lines);
-                pending = answer.ticket;
-            }
-        }
+        Ok(is_enough)
+    }
+
+    /// Returns the reply to a command, and follows it to its end if it takes time.
+    fn done(&self, id: u64, lines: &[String], tickets: Vec<u64>) -> Json {
         let mut ok = json!({ "lines": lines });
-        if let (Some(ticket), Json::Object(ok)) = (pending, &mut ok) {
+        if let (false, Json::Object(ok)) = (tickets.is_empty(), &mut ok) {
             ok.insert("pending".to_owned(), true.into());
-            self.follow(id, ticket);
+            self.follow(id, tickets);
         }
-        Ok(ok)
+        ok
     }
 
     /// Waits until the end of a hold has reached the robot, which resumes nothing before. A hold by another lasts: the robot
@@ -223,44 +255,32 @@ impl Order {
     async fn let_go(&self) -> Result<(), Error> {
         for _ in 0..MAX_LOOKS {
             sleep(LOOK).await;
-            if !self.is_on(ROBOT_HOLD).await? {
+            if !values::is_on(&self.panel.engine, ROBOT_HOLD).await? {
                 break;
             }
         }
         Ok(())
     }
 
-    /// Returns whether there is a pin of this name, and it is TRUE.
-    async fn is_on(&self, pin: &str) -> Result<bool, Error> {
-        let values = values::read(&self.panel.engine, &[pin.to_owned()]).await?;
-        Ok(values.get(pin) == Some(&json!({ "bit": true })))
-    }
-
-    /// Returns whether the task waits in a pause.
+    /// Returns whether the job, or the path of a machine without a task, waits in a pause.
     fn is_paused(&self) -> bool {
         let machine = self.panel.machine.borrow();
-        let task = machine.task.as_ref();
-        task.and_then(|task| task.get("interpreter")?.as_u64()) == Some(PAUSED)
+        match (&machine.task, &machine.motion) {
+            (Some(task), _) => task.get("interpreter").and_then(Json::as_u64) == Some(PAUSED),
+            (None, Some(motion)) => motion.get("paused") == Some(&Json::Bool(true)),
+            (None, None) => false,
+        }
     }
 
-    /// Tells the client how a command ends that takes time.
-    fn follow(&self, id: u64, ticket: u64) {
+    /// Tells the client how commands end that take time.
+    fn follow(&self, id: u64, tickets: Vec<u64>) {
         let (panel, answers) = (self.panel.clone(), self.answers.clone());
         tokio::spawn(async move {
-            let end = loop {
-                sleep(LOOK).await;
-                if answers.is_closed() {
-                    return;
-                }
-                match panel.engine.call(Request::Ticket { id: ticket, wait: false }).await {
-                    Ok(Reply::Ticket(TicketInfo::Pending)) => {}
-                    Ok(Reply::Ticket(TicketInfo::Failed(why))) => {
-                        break Err(Error::new(Code::Refused, why));
-                    }
-                    Ok(_) => break Ok(()),
-                    Err(e) => break Err(e),
-                }
-            };
+            let mut end = Ok(());
+            for ticket in tickets {
+                let Some(one) = follow(&panel, &answers, ticket).await else { return };
+                end = end.and(one);
+            }
             let message = match end {
                 Ok(()) => json!({ "type": "done", "id": id, "ok": {} }),
                 Err(e) => json!({ "type": "done", "id": id, "error": e }),
@@ -301,7 +321,7 @@ impl Order {
         let pressed = engine.call(pressed).await.map(|_| json!({ "lines": [] }));
         if is_linked_here {
             // A person at the machine may set the button too.
-            while self.is_on(TOOL_CHANGED.0).await? {
+            while values::is_on(engine, TOOL_CHANGED.0).await? {
                 sleep(LOOK).await;
             }
             engine.call(Request::Unlink { pin: TOOL_CHANGED.2.to_owned() }).await?;
@@ -311,25 +331,29 @@ impl Order {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    //! Order of what is sent.
-
-    use super::begin;
-    use std::sync::Mutex;
-
-    #[test]
-    fn the_first_part_of_an_order_precedes_the_order_after_it() {
-        let sent = Mutex::new(Vec::new());
-        let order = async |n| {
-            sent.lock().unwrap().push((n, "first"));
-            tokio::task::yield_now().await;
-            sent.lock().unwrap().push((n, "second"));
-        };
-        let mut orders = [Box::pin(order(1)), Box::pin(order(2))];
-        for order in &mut orders {
-            assert!(!begin(order));
+/// Waits for the end of a command; `None` once its client has gone.
+async fn follow(
+    panel: &Panel,
+    answers: &mpsc::Sender<Json>,
+    ticket: u64,
+) -> Option<Result<(), Error>> {
+    loop {
+        sleep(LOOK).await;
+        if answers.is_closed() {
+            return None;
         }
-        assert_eq!(*sent.lock().unwrap(), [(1, "first"), (2, "first")]);
+        match panel.engine.call(Request::Ticket { id: ticket, wait: false }).await {
+            Ok(Reply::Ticket(TicketInfo::Pending)) => {}
+            Ok(Reply::Ticket(TicketInfo::Failed(why))) => {
+                return Some(Err(Error::new(Code::Refused, why)));
+            }
+            // Other requests fill the line: look again.
+            Err(e) if e.code == Code::TooMany => {}
+            Ok(_) => return Some(Ok(())),
+            Err(e) => return Some(Err(e)),
+        }
     }
 }
+
+#[cfg(test)]
+mod tests;

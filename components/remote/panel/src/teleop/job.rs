@@ -121,6 +121,8 @@ struct Start<'a> {
     client: u64,
     /// Numbers of stops when it was asked for.
     stops: Stops,
+    /// Stop epoch of motion then.
+    epoch: Option<u64>,
 }
 
 /// Numbers of stops so far.
@@ -207,13 +209,14 @@ async fn check_and_begin(
     program: Vec<u8>,
     stops: Stops,
 ) -> Result<Begun, Reason> {
+    let epoch = panel.epochs.settled(panel.epochs.now()).await;
     // The status of the machine shall not be older than the request: the next one may be on its way already.
     let mut status = panel.machine.clone();
     for _ in 0..2 {
         status.mark_unchanged();
         drop(timeout(SETTLE, status.changed()).await);
     }
-    let start = Start { panel, client: user.client, stops };
+    let start = Start { panel, client: user.client, stops, epoch };
     let reading = start.during(panel.reading.lock()).await?;
     let file = panel.teleop_file();
     let lengths = block_in_place(|| {
@@ -240,7 +243,7 @@ async fn begin(
     file: PathBuf,
     lengths: Lengths,
 ) -> Result<Begun, Reason> {
-    let Start { panel, client, stops } = start;
+    let Start { panel, client, stops, epoch } = start;
     let (engine, clients) = (&panel.engine, &panel.clients);
     clients.take(engine, client, &user.session, false).await.map_err(refused)?;
     let lost = || Reason::new(Code::Ocupado, "the control lease has ended");
@@ -259,6 +262,7 @@ async fn begin(
         command("remote.start", vec![format!("lease={lease}")]),
     ] {
         start.check()?;
+        let request = engine.orders().stamped(request, epoch);
         let reply = engine.call_unless_stopped(request, stops.panel).await.map_err(refused)?;
         if let Some(ticket) = ticket(reply) {
             let end = start.during(finish(panel, ticket)).await?;
@@ -268,6 +272,7 @@ async fn begin(
     start.check()?;
     // A stop that the status does not show yet is seen by the task.
     let run = command("task.run", vec![format!("stops={}", stops.machine)]);
+    let run = engine.orders().stamped(run, epoch);
     let run = engine.call_unless_stopped(run, stops.panel).await;
     let reply = run.map_err(|e| match e.code {
         Kind::Refused => check::reason(&file, &e.text),

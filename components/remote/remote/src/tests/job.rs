@@ -115,6 +115,71 @@ fn on_loss_and_the_origin_of_a_program_decide() {
 }
 
 #[test]
+fn a_job_does_what_its_start_said_and_the_next_one_what_the_machine_says() {
+    // Effect of the machine, of the start and of what goes on, and whether the program moves on without its lease.
+    for (preset, started, resumed, goes_on) in [
+        ("hold", "continue", "", true),
+        ("continue", "hold", "", false),
+        ("continue", "abort", "", false),
+        ("abort", "continue", "", true),
+        ("hold", "", "continue", true),
+        ("continue", "continue", "hold", false),
+    ] {
+        let mut rig = Rig::homed(&[&format!("on_loss={preset}")]);
+        let on_loss = |word: &str| match word {
+            "" => String::new(),
+            word => format!(" on-loss={word}"),
+        };
+        let said = rig.command("remote.start", &format!("lease=1{}", on_loss(started))).unwrap();
+        let effect = if started.is_empty() { preset } else { started };
+        assert_eq!(said, [format!("on-loss={effect}")]);
+        rig.program();
+        let line = format!("lease=1 release=TRUE{}", on_loss(resumed));
+        let said = rig.command("remote.start", &line).unwrap();
+        let effect = if resumed.is_empty() { effect } else { resumed };
+        assert_eq!(said, [format!("on-loss={effect}")]);
+        rig.ends_lease("beats");
+        let at = rig.at(0);
+        rig.cycles(500);
+        assert_eq!(rig.at(0) > at, goes_on, "{preset} {started} {resumed}");
+        let status = rig.motion.status().unwrap();
+        assert_eq!(status.queue == 0, effect == "abort", "{preset} {started} {resumed}");
+        // The job ends, and with it what its start said.
+        rig.command("motion.abort", "").unwrap();
+        rig.cycles(500);
+        let status = rig.command("remote.status", "").unwrap().concat();
+        assert!(status.ends_with(&format!("hold=FALSE on-loss={preset}")), "{status}");
+    }
+    let rig = Rig::homed(&[]);
+    let why = rig.command("remote.start", "lease=1 on-loss=stop").unwrap_err();
+    assert_eq!(why, "on-loss is stop, must be hold, continue or abort");
+    assert!(rig.command("remote.status", "").unwrap().concat().ends_with("on-loss=hold"));
+}
+
+#[test]
+fn an_order_from_before_a_stop_is_refused() {
+    let mut rig = Rig::homed(&[]);
+    for (stop, jog, start, release) in [
+        ("motion.feed", true, true, true),
+        ("motion.pause", false, true, false),
+        ("motion.abort", false, false, false),
+    ] {
+        let epoch = rig.motion.epoch().number();
+        rig.command(stop, "").unwrap();
+        rig.cycles(20);
+        let done = |line: &str, name: &str| rig.command(name, &format!("{line} epoch={epoch}"));
+        assert_eq!(done("lease=1", "remote.start").is_ok(), start, "{stop}");
+        assert_eq!(done("lease=1 release=TRUE", "remote.start").is_ok(), release, "{stop}");
+        assert_eq!(done("", "remote.release").is_ok(), release, "{stop}");
+        done("lease=1 joint=0 velocity=20 distance=1", "remote.jog").unwrap();
+        let at = rig.at(0);
+        rig.cycles(500);
+        assert_eq!(rig.at(0) > at, jog, "{stop}");
+        rig.command("remote.start", "lease=1 epoch=-1").unwrap();
+    }
+}
+
+#[test]
 fn a_hold_ends_with_its_program() {
     let mut rig = Rig::homed(&[]);
     rig.command("remote.start", "lease=1").unwrap();

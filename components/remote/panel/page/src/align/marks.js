@@ -60,7 +60,7 @@ export function marksCard(ctx) {
     const [align, task, program] = [store.get("align"), store.get("task"), store.get("program")];
     const marks = align.marks ?? [];
     if (marks.length !== rows.length) makeRows(marks.length);
-    const may = ctx.mayMove() && task.state === 2 && (task.mode === 2 || !task.interpreter);
+    const may = ctx.hasTask() && ctx.mayMove() && ctx.isOn() && (task.mode === 2 || !task.interpreter);
     marks.forEach((mark, i) => {
       const { cells, to, look, place } = rows[i];
       const um = (list) => list?.map((mm) => 1000 * mm) ?? null;
@@ -73,8 +73,8 @@ export function marksCard(ctx) {
     setText(problem, align.problem ?? "");
     drawFit(align);
     for (const button of [solve, clear]) enable(button, ctx.mayControl());
-    for (const button of [sight, calibrate]) enable(button, ctx.mayControl() && ctx.session.role === "integrator");
-    enable(rewrite, ctx.session.role !== "viewer" && Boolean(align.fit) && Boolean(program.name));
+    for (const button of [sight, calibrate]) enable(button, ctx.mayControl() && ctx.role() === "integrator");
+    enable(rewrite, ctx.role() !== "viewer" && Boolean(align.fit) && Boolean(program.name));
     setText(sights, t("calibrate.sights", align.sights ?? 0));
   }, signal);
 

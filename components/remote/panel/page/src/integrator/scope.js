@@ -74,7 +74,7 @@ export function scopeCard(ctx) {
     draw();
   }
   function draw() {
-    enable(start, ctx.isJoined() && session.role !== "viewer" && !running);
+    enable(start, ctx.isJoined() && ctx.role() !== "viewer" && !running);
     enable(stop, running !== null);
   }
 

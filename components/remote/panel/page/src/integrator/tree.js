@@ -117,7 +117,7 @@ export function watchCard(ctx) {
   prefs.listen((name) => {
     if (name !== null && name !== "watch") return;
     cells.clear();
-    const may = session.role === "integrator";
+    const may = ctx.role() === "integrator";
     body.replaceChildren(...prefs.get("watch").map((pin) => {
       const cell = el("td", { class: "number code" }, "…");
       cells.set(pin, cell);

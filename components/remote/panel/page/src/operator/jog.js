@@ -52,8 +52,7 @@ export function jogCard(ctx) {
   watchKeys(jogger, items, { isOn: () => keysOn, end: () => setKeys(false), signal });
 
   store.listen(() => {
-    const task = store.get("task");
-    const may = ctx.mayMove() && task.state === 2 && (!task.interpreter || task.interpreter === 2);
+    const may = ctx.mayJog();
     const isHomed = items() === axes;
     show(pads[0], !isHomed);
     show(pads[1], isHomed);

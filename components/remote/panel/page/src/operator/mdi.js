@@ -1,6 +1,6 @@
 // Single lines of G-code, with their history, and the buttons of the INI file.
 
-import { card, el, enable, setText } from "../dom.js";
+import { card, el, enable, setText, show } from "../dom.js";
 import { gCode } from "../format.js";
 import { holdButton } from "../hold.js";
 
@@ -16,6 +16,7 @@ export function mdiCard(ctx) {
   const history = el("ol", { class: "history", "aria-label": t("mdi.history") });
   const go = holdButton(t("mdi.run"), t("hold.hint"), () => execute(input.value), { id: "mdi-run" });
   const active = el("p", { class: "note code", id: "mdi-active" });
+  const bare = el("p", { class: "note", hidden: true }, t("needs.task"));
   let at = -1;
 
   async function execute(text) {
@@ -56,12 +57,13 @@ export function mdiCard(ctx) {
   }, signal);
   store.listen(() => {
     const task = store.get("task");
-    const may = ctx.mayMove() && task.state === 2 && (task.mode === 2 || !task.interpreter);
+    const may = ctx.hasTask() && ctx.mayMove() && ctx.isOn() && (task.mode === 2 || !task.interpreter);
+    show(bare, !ctx.hasTask());
     for (const button of [go, ...own]) enable(button, may);
     setText(active, (task.g_codes ?? []).filter((code) => code > 0).map(gCode).join(" "));
   }, signal);
   return card(
-    "mdi", t("mdi"), form, active, history,
+    "mdi", t("mdi"), bare, form, active, history,
     own.length > 0 ? el("div", { class: "row", role: "group", "aria-label": t("mdi.own") }, ...own) : null,
   );
 }

@@ -50,7 +50,7 @@ export function offsetsCard(ctx) {
   let known = "";
   store.listen(() => {
     const task = store.get("task");
-    const may = ctx.mayMove() && task.state === 2 && !task.interpreter;
+    const may = ctx.hasTask() && ctx.mayMove() && ctx.isOn() && !task.interpreter;
     for (const node of [...buttons, choose]) enable(node, may);
     if (document.activeElement !== choose && task.system) choose.value = systemName(task.system);
     const state = JSON.stringify([task.system, task.g5x_offset, task.g92_offset, task.rotation, ctx.units().name]);
@@ -109,7 +109,7 @@ export function toolsCard(ctx) {
   }
   function allow() {
     const task = store.get("task");
-    const may = ctx.mayMove() && task.state === 2 && !task.interpreter;
+    const may = ctx.hasTask() && ctx.mayMove() && ctx.isOn() && !task.interpreter;
     for (const button of table.querySelectorAll("button")) enable(button, may);
   }
 

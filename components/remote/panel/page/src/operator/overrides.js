@@ -66,7 +66,7 @@ export function spindleCard(ctx) {
   });
   store.listen(() => {
     const [motion, task] = [store.get("motion"), store.get("task")];
-    const may = ctx.mayMove() && task.state === 2 && !task.interpreter;
+    const may = ctx.mayMove() && ctx.isOn() && !ctx.progress();
     spindles.forEach((s, i) => s.draw(motion, i, may));
     ["mist", "flood"].forEach((name, i) => {
       mark(coolants[i], "aria-pressed", task[name] === true);

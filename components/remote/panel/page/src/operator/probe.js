@@ -42,7 +42,7 @@ export function probeCard(ctx) {
 
   store.listen(() => {
     const task = store.get("task");
-    const may = ctx.mayMove() && task.state === 2 && !task.interpreter && store.get("motion").all_homed;
+    const may = ctx.hasTask() && ctx.mayMove() && ctx.isOn() && !task.interpreter && store.get("motion").all_homed;
     for (const button of buttons) enable(button, may);
   }, signal);
   return card(

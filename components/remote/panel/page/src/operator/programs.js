@@ -42,7 +42,7 @@ export function programsCard(ctx) {
   function item(file) {
     const button = el("button", { type: "button", class: "plain", onclick: () => open(file.name) }, file.name);
     const remove = el("button", { type: "button", class: "small", "aria-label": `${t("program.delete")} ${file.name}`, onclick: () => removeFile(file.name) }, "✕");
-    const change = el("button", { type: "button", class: "small edit", "aria-label": `${t("program.edit")} ${file.name}`, onclick: () => edit(file.name), disabled: ctx.session.role === "viewer" }, "✎");
+    const change = el("button", { type: "button", class: "small edit", "aria-label": `${t("program.edit")} ${file.name}`, onclick: () => edit(file.name), disabled: ctx.role() === "viewer" }, "✎");
     return el("li", { class: "row spread" }, button, el("span", { class: "note" }, bytes(file.bytes)), change, remove);
   }
 
@@ -128,7 +128,7 @@ export function programsCard(ctx) {
     const file = shown?.file ?? inTask();
     if (file !== opened) load(file);
     listing.mark(task.interpreter ? motion.line || task.line || 0 : 0);
-    for (const control of [input, fresh]) enable(control, ctx.session.role !== "viewer");
+    for (const control of [input, fresh]) enable(control, ctx.role() !== "viewer");
   }, signal);
   signal.addEventListener("abort", () => loading?.abort());
   refresh();

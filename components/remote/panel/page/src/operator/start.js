@@ -5,8 +5,8 @@ import { AXES } from "../format.js";
 import { holdButton } from "../hold.js";
 import { getJson } from "../http.js";
 
-/** Makes the part of the card of the run. */
-export function startPart(ctx) {
+/** Makes the part of the card of the run. `chosenLoss` tells what becomes of the job when the page is lost. */
+export function startPart(ctx, chosenLoss) {
   const { info, link, store, t, run, signal } = ctx;
   const line = el("input", { type: "number", id: "run-from-line", min: "1", step: "1", value: "1" });
   const propose = el("button", { type: "button", id: "run-from", onclick: () => ask("run-from", { line: Number(line.value) }) }, t("run.from.ask"));
@@ -36,7 +36,7 @@ export function startPart(ctx) {
   }
   async function begin() {
     if (token === null) return;
-    const args = { token };
+    const args = { token, ...chosenLoss() };
     forget();
     await run("confirm", args);
   }
@@ -69,7 +69,7 @@ export function startPart(ctx) {
   let known = null;
   function draw() {
     const [task, program] = [store.get("task"), store.get("program")];
-    const may = ctx.mayMove() && task.state === 2 && !task.interpreter;
+    const may = ctx.hasTask() && ctx.mayMove() && ctx.isOn() && !task.interpreter;
     // Another program, or a line that runs, makes a proposal worthless: the task would refuse it. A program that is shown and
     // is not that of the task must not be taken for the one that begins.
     if (token !== null && (task.file !== known || task.interpreter || program.isShown)) token = null;

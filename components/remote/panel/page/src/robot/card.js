@@ -1,6 +1,6 @@
 // The run of a robot behind its own controller: connection, program, run, pause, stop.
 
-import { card, el, enable, field, setText } from "../dom.js";
+import { card, el, enable, field, setText, show } from "../dom.js";
 import { holdButton } from "../hold.js";
 import { getJson } from "../http.js";
 import { robotOf, robotState } from "./state.js";
@@ -15,12 +15,13 @@ export function robotCard(ctx) {
   const why = el("p", { class: "note", role: "status", id: "robot-why" });
   const hold = (id, key, action, kind = "") => holdButton(t(key), t("hold.hint"), action, { id, class: kind });
   const connect = hold("robot-connect", "robot.connect", () => run("robot-connect"));
+  const reset = hold("estop-reset", "estop.reset", () => run("estop-reset"));
   const disconnect = el("button", { type: "button", id: "robot-disconnect", onclick: () => run("robot-disconnect") }, t("robot.disconnect"));
   const start = hold("robot-run", "robot.run", () => begin(0), "primary");
   const again = hold("robot-again", "robot.again", () => begin(robotOf(store.get("values"))?.line ?? 0));
-  const pause = el("button", { type: "button", id: "robot-pause", onclick: () => run("robot-pause") }, t("robot.pause"));
+  const pause = el("button", { type: "button", id: "robot-pause", onclick: () => ctx.stop("robot-pause") }, t("robot.pause"));
   const resume = hold("robot-resume", "robot.resume", () => run("robot-resume"), "primary");
-  const stop = el("button", { type: "button", id: "robot-stop", class: "danger", onclick: () => run("robot-stop") }, t("robot.stop"));
+  const stop = el("button", { type: "button", id: "robot-stop", class: "danger", onclick: () => ctx.stop("robot-stop") }, t("robot.stop"));
   const files = el("select", { id: "robot-file" });
   const load = el("button", { type: "button", id: "robot-load", onclick: loadProgram }, t("robot.load"));
   const bar = el("progress", { max: 1, value: 0, "aria-label": t("robot.progress") });
@@ -58,12 +59,14 @@ export function robotCard(ctx) {
     setText(why, robot?.stopped ? t(`robot.error.${robot.error}`) : robot?.enable === false ? t("robot.error.2") : held);
     const may = ctx.mayMove() && robot !== null;
     const isFree = may && !robot.busy;
+    show(reset, store.get("panel").can_reset === true);
+    enable(reset, ctx.mayControl() && robot?.enable === false);
     enable(connect, isFree && !robot.connected && robot.enable === true);
     enable(disconnect, ctx.mayControl() && (robot?.connected === true || robot?.connecting === true) && (!robot.busy || robot.connecting));
     enable(load, ctx.mayControl() && robot?.ready === true && files.value !== "");
     enable(start, isFree && robot.ready && robot.lines > 0);
     enable(again, isFree && robot.ready && robot.line > 0 && robot.line < robot.lines);
-    enable(pause, robot?.running === true && ctx.session.role !== "viewer");
+    enable(pause, robot?.running === true && ctx.role() !== "viewer");
     enable(resume, may && robot.busy && !robot.running && !robot.connecting);
     enable(stop, robot?.connected === true || robot?.busy === true);
     if (!robot) return;
@@ -77,7 +80,7 @@ export function robotCard(ctx) {
   }
   store.listen(draw, signal);
   refresh();
-  return card("robot", t("robot"), state, why, el("div", { class: "row" }, connect, disconnect),
+  return card("robot", t("robot"), state, why, el("div", { class: "row" }, reset, connect, disconnect),
     el("div", { class: "row" }, field(t("robot.program"), files), load, el("button", { type: "button", class: "small", id: "robot-files", onclick: refresh }, t("refresh"))),
     el("div", { class: "row" }, start, pause, resume, stop, again), bar, table);
 }

@@ -2,11 +2,12 @@
 
 use super::{LOOK, User, end_lease, finish, number, ticket};
 use crate::{
+    engine::Ending,
     error::{Code as Kind, Error},
     server::Panel,
     status::Joined,
 };
-use hal_protocol::Request;
+use hal_protocol::{Request, Stop};
 use serde_json::{Map, Value as Json, json};
 use std::{
     io::Write as _,
@@ -45,8 +46,7 @@ pub(in crate::teleop) async fn cancel(
         }
     }
     for n in 1_u32.. {
-        let abort = Request::Command { name: "task.abort".to_owned(), args: Vec::new() };
-        let Err(why) = panel.engine.stop(abort, true).await else { return };
+        let Err(why) = panel.stop(Ending::Machine(Stop::Abort)).await else { return };
         if is_over.load(Relaxed) {
             return;
         }
@@ -72,10 +72,10 @@ async fn over(is_over: &AtomicBool) {
 
 /// Pauses, and goes on to the end of the present command. The job rests there.
 async fn end_command(panel: &Panel) -> Result<(), Error> {
-    let request = |name: &str| Request::Command { name: name.to_owned(), args: Vec::new() };
-    panel.engine.call(request("task.pause")).await?;
+    panel.stop(Ending::Machine(Stop::Pause)).await?;
     let Some(line) = paused(panel, |_| true).await else { return Ok(()) };
-    let step = panel.engine.call(request("task.step")).await?;
+    let step = Request::Command { name: "task.step".to_owned(), args: Vec::new() };
+    let step = panel.engine.call(step).await?;
     if let Some(ticket) = ticket(step) {
         finish(panel, ticket).await.map_err(|why| Error::new(Kind::Refused, why))?;
     }

@@ -2,13 +2,13 @@
 
 use super::{Code, MAX_END, Panel, Reason, Relaxed, Session, Stops, User, cancel, start};
 use crate::{
-    engine::Engine,
+    engine::{Ending, Engine},
     error::{Code as Kind, Error},
     lease::tests::{run, session},
     session::Role,
     status::{Joined, Machine},
 };
-use hal_protocol::{Answer, Reply, Request, TicketInfo};
+use hal_protocol::{Answer, Reply, Request, Stop, TicketInfo};
 use serde_json::json;
 use std::{
     sync::{
@@ -45,7 +45,7 @@ fn stopped(state: u32, jogging: bool, stops: u32) -> Arc<Machine> {
     let object = |value: serde_json::Value| value.as_object().cloned();
     let motion = object(json!({ "all_homed": true, "jogging": jogging, "pose": vec![0.0; 9] }));
     let task = object(json!({ "state": state, "interpreter": 0, "jobs": 0, "stops": stops }));
-    Arc::new(Machine { engine: Joined::Joined, motion, task })
+    Arc::new(Machine { engine: Joined::Joined, motion, task, ..Machine::default() })
 }
 
 /// Event while the program is read.
@@ -90,7 +90,7 @@ fn what_is_stopped_while_a_start_is_checked_does_not_move_afterwards() {
                 Event::Forbidden => panel.heart.allowed.store(false, Relaxed),
                 Event::LocalStop => drop(tell.send_replace(stopped(2, false, 1))),
                 Event::Stop => {
-                    drop(panel.engine.stop(Request::Ready, true).await.unwrap());
+                    drop(panel.engine.stop(Ending::Machine(Stop::Abort)).await.unwrap());
                     for _ in 0..100 {
                         yield_now().await;
                     }
@@ -102,7 +102,8 @@ fn what_is_stopped_while_a_start_is_checked_does_not_move_afterwards() {
             begun.await.unwrap().unwrap_err()
         });
         assert!(why.code == Some(code) && why.text.starts_with(text), "{event:?}: {why}");
-        assert_eq!(told.try_iter().collect::<Vec<_>>(), [""; 0], "{event:?}");
+        let stops: &[&str] = if matches!(event, Event::Stop) { &["motion.abort"] } else { &[] };
+        assert_eq!(told.try_iter().collect::<Vec<_>>(), stops, "{event:?}");
         std::fs::remove_dir_all(panel.place.folder()).unwrap();
     }
 }
@@ -118,7 +119,7 @@ fn a_stop_before_the_check_begins_counts_too() {
     let user = User { session: session("ana"), client: 1 };
     let begun = run(async {
         let stops = Stops::of(&panel);
-        panel.engine.stop(Request::Ready, true).await.unwrap();
+        panel.engine.stop(Ending::Machine(Stop::Abort)).await.unwrap();
         let work = panel.clone();
         let begun = tokio::spawn(async move { start(&work, &user, b"M2\n".to_vec(), stops).await });
         // The status of the check is of before the stop; then it shows the stop.
@@ -134,7 +135,7 @@ fn a_stop_before_the_check_begins_counts_too() {
     });
     let text = "a stop has come meanwhile: give the command again";
     assert_eq!(begun.unwrap_err(), Reason::new(Code::Ocupado, text));
-    assert_eq!(told.try_iter().collect::<Vec<_>>(), [""; 0]);
+    assert_eq!(told.try_iter().collect::<Vec<_>>(), ["motion.abort"]);
     std::fs::remove_dir_all(panel.place.folder()).unwrap();
 }
 
@@ -146,7 +147,7 @@ fn cancelled(refusals: usize, name: &str) -> Vec<String> {
         let Request::Command { name, .. } = request else { return Ok(Reply::Done) };
         let lines = vec!["lease=1".to_owned()];
         tell.lock().unwrap().push(name.clone());
-        if name == "task.abort" && left > 0 {
+        if name == "motion.abort" && left > 0 {
             left -= 1;
             return Err(Error::new(Kind::Refused, "too many commands wait for the task"));
         }
@@ -169,11 +170,11 @@ fn cancelled(refusals: usize, name: &str) -> Vec<String> {
 #[test]
 fn a_cancellation_is_repeated_until_the_engine_takes_it() {
     let told = cancelled(3, "cancel");
-    let expected = ["remote.take"].into_iter().chain(["task.abort"; 5]).collect::<Vec<_>>();
+    let expected = ["remote.take"].into_iter().chain(["motion.abort"; 5]).collect::<Vec<_>>();
     assert_eq!(told, expected);
     // After a while the lease goes too.
     let told = cancelled(40, "insist");
-    let aborts = told.iter().filter(|name| *name == "task.abort").count();
+    let aborts = told.iter().filter(|name| *name == "motion.abort").count();
     let given = told.iter().position(|name| name == "remote.give");
     assert_eq!((aborts, given), (42, Some(26)), "{told:?}");
 }
@@ -194,7 +195,7 @@ fn cancelled_at_end(rests: bool, is_over: bool, end: Duration) -> Vec<String> {
     let velocity = if rests { 0.0 } else { 1.0 };
     let motion = object(json!({ "velocity": velocity, "paused": true, "line": 3 }));
     let task = object(json!({ "state": 2, "interpreter": 2, "jobs": 0 }));
-    let machine = Machine { engine: Joined::Joined, motion, task };
+    let machine = Machine { engine: Joined::Joined, motion, task, ..Machine::default() };
     let (_tell, seen) = watch::channel(Arc::new(machine));
     panel.machine = seen;
     run(cancel(&panel, None, &AtomicBool::new(is_over), Some(end)));
@@ -208,11 +209,11 @@ fn cancelled_at_end(rests: bool, is_over: bool, end: Duration) -> Vec<String> {
 #[test]
 fn a_command_that_does_not_end_is_ended_by_the_abort() {
     let short = Duration::from_millis(1);
-    assert_eq!(cancelled_at_end(false, false, short), ["task.pause", "task.abort"]);
+    assert_eq!(cancelled_at_end(false, false, short), ["motion.pause", "motion.abort"]);
     // A step that moves nothing, as while feed is inhibited. A slow computer needs longer to come there.
     let mut ends = (0..16).map(|n| cancelled_at_end(true, false, short * (1 << n)));
     let told = ends.find(|told| told.iter().any(|name| name == "task.step"));
-    let expected = ["task.pause", "task.step", "task.abort"].map(str::to_owned);
+    let expected = ["motion.pause", "task.step", "motion.abort"].map(str::to_owned);
     assert_eq!(told.as_deref(), Some(&expected[..]));
     // The job is over already.
     assert_eq!(cancelled_at_end(false, true, Duration::MAX), [""; 0]);

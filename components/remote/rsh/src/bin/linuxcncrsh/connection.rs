@@ -1,8 +1,11 @@
 //! A connection: its lines, one after the other.
 
 use crate::engine::{Engine, Served};
+use hal_lease::EpochPage;
+use hal_protocol::Client;
 use rsh::{Lines, Machine as _, Next, Session, is_stop};
 use std::{
+    collections::VecDeque,
     io::{ErrorKind, Read as _, Write as _},
     net::TcpStream,
     time::Duration,
@@ -18,6 +21,9 @@ const PATIENCE: Duration = Duration::from_secs(5);
 pub(crate) struct Input {
     stream: TcpStream,
     lines: Lines,
+    /// Stop epochs in which the lines that wait have arrived; `None` is that of their execution.
+    epochs: VecDeque<Option<u64>>,
+    page: Option<EpochPage>,
     /// True after the last byte.
     ended: bool,
     /// True once a stop has ended a wait: what was sent before it is left out.
@@ -25,8 +31,16 @@ pub(crate) struct Input {
 }
 
 impl Input {
-    fn new(stream: TcpStream) -> Self {
-        Self { stream, lines: Lines::default(), ended: false, stopped: false }
+    fn new(stream: TcpStream, source: &Served) -> Self {
+        let client = Client::connect(&source.place, "");
+        let page = client.ok().and_then(|mut client| EpochPage::open(&mut client));
+        let (lines, epochs) = (Lines::default(), VecDeque::new());
+        Self { stream, lines, epochs, page, ended: false, stopped: false }
+    }
+
+    /// Forgets when the lines that wait have arrived: a line before them is the stop that ended that epoch.
+    pub(crate) fn forget_epochs(&mut self) {
+        self.epochs.iter_mut().for_each(|epoch| *epoch = None);
     }
 
     /// Reads what has arrived, for at most this time.
@@ -35,7 +49,11 @@ impl Input {
         let mut bytes = [0; 4096];
         match self.stream.read(&mut bytes) {
             Ok(0) => self.ended = true,
-            Ok(n) => self.lines.push(bytes.get(..n).unwrap_or_default()),
+            Ok(n) => {
+                self.lines.push(bytes.get(..n).unwrap_or_default());
+                let epoch = self.page.as_mut().and_then(EpochPage::read).map(|(_, epoch)| epoch);
+                self.epochs.resize(self.lines.waiting().count(), epoch);
+            }
             Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
             Err(e) if e.kind() == ErrorKind::Interrupted => {}
             Err(e) => return Err(e),
@@ -60,14 +78,16 @@ impl Input {
         Ok(())
     }
 
-    /// Returns the next line, with whether a stop after it makes it void; `None` at the end.
-    fn next_line(&mut self) -> std::io::Result<Option<(String, bool)>> {
+    /// Returns the next line, with whether a stop after it makes it void, and the stop epoch in which it has arrived; `None` at
+    /// the end.
+    fn next_line(&mut self) -> std::io::Result<Option<(String, bool, Option<u64>)>> {
         loop {
             if let Some(line) = self.lines.next_line() {
                 if is_stop(&line) {
                     self.stopped = false;
                 }
-                return Ok(Some((line, self.stopped)));
+                let epoch = self.epochs.pop_front().flatten();
+                return Ok(Some((line, self.stopped, epoch)));
             }
             if self.ended {
                 return Ok(None);
@@ -84,7 +104,7 @@ impl Input {
 /// Serves a connection until its end. Then the session has no control any more: its jogs stop.
 pub(crate) fn run(stream: TcpStream, id: u64, source: &Served) {
     let prepared = stream.set_write_timeout(Some(PATIENCE)).and_then(|()| stream.set_nodelay(true));
-    let Ok(mut engine) = Engine::new(source, id, Input::new(stream)) else { return };
+    let Ok(mut engine) = Engine::new(source, id, Input::new(stream, source)) else { return };
     // A connection that is cut ends as one that is closed.
     drop(prepared.and_then(|()| lines(&mut engine, source)));
     engine.give();
@@ -92,7 +112,8 @@ pub(crate) fn run(stream: TcpStream, id: u64, source: &Served) {
 
 fn lines(engine: &mut Engine, source: &Served) -> std::io::Result<()> {
     let mut session = Session::default();
-    while let Some((line, void)) = engine.input.next_line()? {
+    while let Some((line, void, epoch)) = engine.input.next_line()? {
+        engine.given = epoch;
         if void && let Some(reply) = session.left_out(&line) {
             engine.input.reply(&reply)?;
             continue;

@@ -1,7 +1,9 @@
 //! The machine of a session: snapshots, commands and control.
 
 use crate::{connection::Input, control::Control};
-use hal_protocol::{Client, Link as _, Place, Reply, Request, Snapshot, TicketInfo};
+use hal_protocol::{
+    Client, Failure, Kind, Link as _, Orders, Place, Reply, Request, Snapshot, Stop, TicketInfo,
+};
 use rsh::{Facts, Jog, Machine, Passwords, Record, Snapshots};
 use std::{
     sync::Arc,
@@ -24,7 +26,12 @@ pub(crate) struct Served {
 pub(crate) struct Engine {
     client: Client,
     motion: Snapshot,
-    task: Snapshot,
+    /// The record of the task, where there is one.
+    task: Option<Snapshot>,
+    /// Commands of the machine.
+    orders: Orders,
+    /// Stop epoch in which the line in execution has arrived.
+    pub(crate) given: Option<u64>,
     state: Snapshots,
     control: Arc<Control>,
     session: u64,
@@ -34,15 +41,29 @@ pub(crate) struct Engine {
 impl Engine {
     pub(crate) fn new(source: &Served, session: u64, input: Input) -> Result<Self, String> {
         let mut client = Client::connect(&source.place, "").map_err(|e| e.to_string())?;
-        let mut snapshot = |name: &str| client.snapshot(name).map_err(|e| e.to_string());
-        let (motion, task) = (snapshot("motion.status")?, snapshot("task.status")?);
+        let orders = hal_lease::orders(&mut client)?;
+        let motion = client.snapshot("motion.status").map_err(|e| e.to_string())?;
+        let task = client.snapshot("task.status").ok();
         let state = Snapshots {
             motion: Record::new(motion.info()),
-            task: Record::new(task.info()),
+            task: task.as_ref().map(|task| Record::new(task.info())).unwrap_or_default(),
             facts: source.facts.clone(),
         };
         let control = source.control.clone();
-        Ok(Self { client, motion, task, state, control, session, input })
+        Ok(Self { client, motion, task, orders, given: None, state, control, session, input })
+    }
+
+    fn ask(&mut self, request: Request) -> Result<Option<u64>, Failure> {
+        match self.client.call(request)? {
+            Reply::Answer(answer) => Ok(answer.ticket),
+            _ => Ok(None),
+        }
+    }
+
+    /// Finds the commands of a machine that has changed.
+    fn renew(&mut self) -> Result<(), String> {
+        self.orders = hal_lease::orders(&mut self.client)?;
+        Ok(())
     }
 }
 
@@ -50,7 +71,10 @@ impl Machine for Engine {
     fn poll(&mut self) {
         // A record that its component does not end is read the next time.
         self.motion.wait(self.state.motion.values_mut());
-        self.task.wait(self.state.task.values_mut());
+        match &self.task {
+            Some(task) => drop(task.wait(self.state.task.values_mut())),
+            None => self.state.fill_task(),
+        }
     }
 
     fn state(&self) -> &Snapshots {
@@ -58,10 +82,40 @@ impl Machine for Engine {
     }
 
     fn command(&mut self, name: &str, args: Vec<String>) -> Result<Option<u64>, String> {
-        match self.client.call(Request::Command { name: name.to_owned(), args }) {
-            Ok(Reply::Answer(answer)) => Ok(answer.ticket),
-            Ok(_) => Ok(None),
-            Err(why) => Err(why.text),
+        let request = self.orders.request(name, args).map_err(|why| why.to_string())?;
+        let Some(request) = request else { return Ok(None) };
+        let request = self.orders.stamped(request, self.given);
+        self.ask(request).map_err(|why| why.text)
+    }
+
+    fn stop(&mut self, stop: Stop) -> Result<Option<u64>, String> {
+        // What has arrived behind it is given after it.
+        self.input.forget_epochs();
+        let mut sent: Vec<&str> = Vec::new();
+        let (mut tickets, mut refused) = (Vec::new(), Vec::new());
+        // A machine that has changed since its commands were found has others.
+        for round in 0..2 {
+            let names: Vec<_> = self.orders.stops().commands(stop).to_vec();
+            for name in names {
+                if sent.contains(&name) {
+                    continue;
+                }
+                let request = Request::Command { name: name.to_owned(), args: Vec::new() };
+                match self.ask(request) {
+                    Ok(ticket) => tickets.extend(ticket),
+                    Err(why) if why.kind == Some(Kind::Commands) && round == 0 => continue,
+                    Err(why) => refused.push(format!("{name}: {}", why.text)),
+                }
+                sent.push(name);
+            }
+            if round == 0 {
+                self.renew()?;
+            }
+        }
+        match (refused.is_empty(), sent.is_empty()) {
+            (true, false) => Ok(tickets.first().copied()),
+            (true, true) => Err("nothing of this machine can be stopped so".to_owned()),
+            (false, _) => Err(refused.join("; ")),
         }
     }
 
