@@ -10,5 +10,6 @@ mod language;
 mod machines;
 mod panel;
 mod peer;
+mod stops;
 mod tidy;
 mod words;

@@ -1,0 +1,223 @@
+//! A long run on the real clock: random stops by all clients while eight viewers look on.
+
+use super::{
+    cell,
+    clients::Panel,
+    data::{Machine, machines},
+    judge, motion,
+    rig::{Frame, Rig},
+};
+use hal_bench::Random;
+use hal_protocol::{Link as _, Reply, Request};
+use std::{
+    collections::BTreeMap,
+    fs,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
+    },
+    thread::{self, JoinHandle},
+};
+
+/// Environment variable with the time of the run in minutes.
+const MINUTES: &str = "FERRULE_SOAK_MINUTES";
+/// Time of the run where the variable says nothing, in minutes.
+const LONG: f64 = 30.0;
+/// Stops in half an hour.
+const STOPS: f64 = 1000.0;
+/// Viewers that look on.
+const VIEWERS: usize = 8;
+/// Cycles of a minute.
+const MINUTE: f64 = 60_000.0;
+/// Cycles within which a stop must have its effect on the real clock, where requests take time of their own.
+const EFFECT: usize = 100;
+/// Cycles of each round of wake-ups, without viewers and with them.
+const ROUND: usize = 5000;
+/// Rounds of each kind, before the stops and behind them.
+const ROUNDS: usize = 3;
+/// Largest share of the wake-ups without viewers that those with them may have, at 99.9 %.
+const SHARE: f64 = 1.2;
+/// Lateness below which wake-ups are the same, in nanoseconds: the clock of a computer that others use is no better.
+const SAME_NS: i64 = 20_000;
+
+/// Viewers, each with a connection that reads all it is sent.
+struct Viewers {
+    ends: Arc<AtomicBool>,
+    got: Arc<AtomicU64>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Viewers {
+    fn of(panel: &Panel) -> Self {
+        let (ends, got) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
+        let viewer = |_| {
+            let mut socket = panel.socket();
+            let (ends, got) = (ends.clone(), got.clone());
+            thread::spawn(move || {
+                while !ends.load(Relaxed) && socket.receive().is_some() {
+                    got.fetch_add(1, Relaxed);
+                }
+            })
+        };
+        let threads = (0..VIEWERS).map(viewer).collect();
+        Self { ends, got, threads }
+    }
+
+    fn end(self) -> u64 {
+        self.ends.store(true, Relaxed);
+        for thread in self.threads {
+            thread.join().unwrap();
+        }
+        self.got.load(Relaxed)
+    }
+}
+
+/// Returns the lateness of each wake-up in nanoseconds, beside the earliest of them.
+fn lateness(frames: &[Frame]) -> Vec<i64> {
+    let period = 1_000_000;
+    let phase = |f: &Frame| f.ns.rem_euclid(period);
+    // The timeline's phase is that of the earliest wake-up; a wake-up before it is one of the period before.
+    let mut phases: Vec<i64> = frames.iter().map(phase).collect();
+    phases.sort_unstable();
+    let base = phases.first().copied().unwrap_or(0);
+    frames.iter().map(|f| (phase(f) - base).rem_euclid(period)).collect()
+}
+
+/// Returns the bound below which 99.9 % of the wake-ups are.
+fn bound(late: &mut [i64]) -> i64 {
+    late.sort_unstable();
+    let at = (late.len() as f64 * 0.999) as usize;
+    late[at.min(late.len() - 1)]
+}
+
+/// Resident memory of a process in KiB.
+fn resident(pid: u32) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.split_whitespace().next().unwrap().parse().unwrap()
+}
+
+/// Number of gaps so far.
+fn gaps(rig: &mut Rig) -> u64 {
+    match rig.client.call(Request::Status) {
+        Ok(Reply::Status(status)) => status.gaps.map_or(0, |gaps| u64::from(gaps.count)),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Stops, by who gives them, with whether they switch the machine off.
+const GIVEN: [(&str, &str, bool); 8] = [
+    ("panel", "estop", true),
+    ("panel", "off", true),
+    ("panel", "abort", false),
+    ("panel", "pause", false),
+    ("halcmd", "iocontrol.estop", true),
+    ("halcmd", "motion.disable", true),
+    ("halcmd", "motion.abort", false),
+    ("halcmd", "motion.pause", false),
+];
+
+/// Measures wake-ups for a round.
+fn wakes(rig: &mut Rig) -> Vec<i64> {
+    rig.forget();
+    rig.run(ROUND);
+    lateness(&rig.seen)
+}
+
+#[test]
+#[ignore = "half an hour, or FERRULE_SOAK_MINUTES: cargo test -p hal-tests --test system stops::soak -- --ignored --nocapture"]
+fn soak() {
+    let minutes = std::env::var(MINUTES).ok().and_then(|m| m.parse().ok()).unwrap_or(LONG);
+    let case = std::env::var("CASE").unwrap_or_else(|_| "printer".to_owned());
+    let machine: Machine = machines().into_iter().find(|m| m.name == case).unwrap();
+    let mut rig = Rig::real(&machine);
+    let panel = {
+        let Rig { scratch, client, machine, .. } = &mut rig;
+        Panel::beside(scratch, machine.is_ini(), &mut || {
+            client.call(Request::Idle { ms: 10, flow: false }).unwrap();
+        })
+    };
+    rig.skip();
+    let (mut quiet, mut busy) = (Vec::new(), Vec::new());
+    let compare = |rig: &mut Rig, quiet: &mut Vec<i64>, busy: &mut Vec<i64>| {
+        for _ in 0..ROUNDS {
+            quiet.append(&mut wakes(rig));
+            let viewers = Viewers::of(&panel);
+            busy.append(&mut wakes(rig));
+            assert!(viewers.end() > 0, "viewers see nothing");
+        }
+    };
+    compare(&mut rig, &mut quiet, &mut busy);
+
+    let viewers = Viewers::of(&panel);
+    let mut random = Random::new(36);
+    let pids = [rig.running.pid(), panel.pid()];
+    let total = (minutes * MINUTE) as i64;
+    let wanted = (STOPS * minutes / LONG).ceil() as usize;
+    let begun = rig.last().ns / 1_000_000;
+    let mut memory: BTreeMap<i64, u64> = BTreeMap::new();
+    let (mut given, mut lost, mut slowest) = (0, Vec::new(), 0);
+    loop {
+        let now = rig.last().ns / 1_000_000 - begun;
+        if total <= now {
+            break;
+        }
+        memory.insert(now, pids.iter().map(|pid| resident(*pid)).sum());
+        cell::ready(&mut rig).unwrap();
+        let motion = super::Motion::ALL[random.index(2)];
+        let moving = motion::begin(&mut rig, motion, false).unwrap();
+        let (who, what, is_off) = GIVEN[random.index(GIVEN.len())];
+        rig.run(1 + random.index(50));
+        rig.forget();
+        let refused = if who == "panel" {
+            panel.give(what)
+        } else {
+            rig.give(what);
+            rig.refused.pop()
+        };
+        rig.run(EFFECT + 1);
+        let effect = if is_off {
+            rig.seen.iter().position(|f| !f.on)
+        } else {
+            let speeds = moving.speeds(&rig.seen);
+            speeds.iter().position(|speed| *speed < moving.speed * 0.99)
+        };
+        given += 1;
+        match effect {
+            Some(cycles) => slowest = slowest.max(cycles),
+            None => lost.push(format!("{who} {what}: {refused:?}")),
+        }
+        cell::clear_all(&mut rig).unwrap();
+        // The rest of the time until the next stop.
+        let due = (total as f64 * given as f64 / wanted as f64) as i64;
+        let wait = due - (rig.last().ns / 1_000_000 - begun);
+        rig.forget();
+        if wait > 0 {
+            rig.run(wait as usize);
+            judge::stays(&rig.seen, "between two stops").unwrap();
+        }
+    }
+    let got = viewers.end();
+    compare(&mut rig, &mut quiet, &mut busy);
+
+    let third = total / 3;
+    let mean = |from: i64, to: i64| {
+        let part: Vec<u64> = memory.range(from..to).map(|(_, kib)| *kib).collect();
+        part.iter().sum::<u64>() as f64 / part.len().max(1) as f64
+    };
+    let (first, last) = (mean(0, third), mean(total - third, total + 1));
+    let (quiet, busy) = (bound(&mut quiet), bound(&mut busy));
+    let gaps = gaps(&mut rig);
+    println!(
+        "{minutes} minutes, {VIEWERS} viewers, {got} messages: {given} stops, {} lost, the slowest after {slowest} cycles; {gaps} gaps; \
+         resident {first:.0} KiB in the first third, {last:.0} KiB in the last; 99.9 % of wake-ups within {quiet} ns without viewers, \
+         {busy} ns with them",
+        lost.len()
+    );
+    assert!(lost.is_empty(), "lost stops: {lost:?}");
+    assert!(wanted <= given + 1, "{given} stops, not {wanted}");
+    assert_eq!(gaps, 0, "gaps");
+    assert!(last <= first * 1.05, "resident memory grows");
+    let most = (quiet as f64 * SHARE).max((quiet + SAME_NS) as f64);
+    assert!(busy as f64 <= most, "viewers make wake-ups late");
+}
