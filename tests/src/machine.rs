@@ -32,7 +32,8 @@ pub(crate) fn bare(place: Place, clock: ClockKind) -> Options {
 /// Returns the realtime options of tests. Many tests use functions that run for a long time; that alone stops no
 /// machine.
 pub fn realtime() -> RealtimeOptions {
-    RealtimeOptions { stuck_ns: Some(3_600_000_000_000), ..RealtimeOptions::default() }
+    let hour = Some(3_600_000_000_000);
+    RealtimeOptions { stuck_ns: hour, max_gap_ns: hour, ..RealtimeOptions::default() }
 }
 
 /// Returns an engine that has only `threads` and `logic`, looks for no file, and has no socket for clients.

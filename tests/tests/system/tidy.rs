@@ -105,7 +105,9 @@ fn arrows_point_only_downward() {
         ("hal-remap", &["hal-gcode", "hal-ini", "hal-output"]),
         ("hal-job", &["hal-gcode", "hal-ini", "hal-output", "hal-remap"]),
         ("task", &["hal-component", "hal-gcode", "hal-ini", "hal-job", "hal-output", "hal-remap"]),
-        ("motion", &["hal-component", "hal-trajectory", "hal-watchman"]),
+        ("hal-safety", &[]),
+        ("motion", &["hal-component", "hal-safety", "hal-trajectory", "hal-watchman"]),
+        ("remote", &["hal-component", "hal-safety"]),
     ]);
     for (name, table) in &members {
         if name == "hal-tests" {

@@ -89,9 +89,9 @@ fn a_part_with_two_tools_goes_from_its_program_to_the_pulses() {
     };
     let (said, recorded, parameters) = run();
     for part in [
-        "pedal.ngc: line 4: waits for tool 1\n",
+        "pedal.ngc: line 4: waits for tool 1: ",
         "Insert tool 1 and set hal_manualtoolchange.change_button.\n",
-        "pedal.ngc: line 25: waits for tool 2\n",
+        "pedal.ngc: line 25: waits for tool 2: ",
         "pedal.ngc: ended after ",
     ] {
         assert!(said.contains(part), "no {part:?} in\n{said}");

@@ -16,4 +16,5 @@ mod setup;
 mod speed;
 mod trials;
 mod viewers;
+mod waits;
 mod waveform;

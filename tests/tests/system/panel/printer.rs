@@ -72,6 +72,16 @@ impl Printer {
         Self::listening(machine, panel_of(&scratch, "integrator", options), scratch)
     }
 
+    /// Starts a machine of `configs` that has no INI file and no task, by its script, on the real clock, and a panel of an
+    /// integrator.
+    pub(super) fn without_task(name: &str) -> Self {
+        let scratch = Scratch::copy_of(&root().join("configs").join(name));
+        fs::create_dir(scratch.path().join("programs")).unwrap();
+        let words = ["--simulate", &format!("{name}.hal")];
+        let machine = machine(&scratch, &words, "getp motion.motion-enabled");
+        Self::listening(machine, panel_of(&scratch, "integrator", &[]), scratch)
+    }
+
     fn begin(name: &str, role: &str, clock: &[&str], entries: &str) -> Self {
         let scratch = Scratch::copy_of(&root().join("configs").join(name));
         let mut ini = scratch.read(&format!("{name}.ini"));

@@ -186,12 +186,15 @@ fn a_program_is_checked_run_paused_and_stopped() {
     b.click("#lease");
     fixture.hold("#robot-resume", &is("running"));
 
-    // The button of the e-stop ends the move and the connection.
+    // The button of the e-stop opens the chain, and ends the move and the connection.
     b.click("#estop");
     becomes(&fixture, "stopped");
     stands(&fixture);
-    assert_eq!(b.text("#robot-why"), "Stopped by a command");
     assert_eq!(fixture.printer.halcmd("getp robot.connected").trim(), "FALSE");
+    assert_eq!(fixture.printer.halcmd("getp robot.enable").trim(), "FALSE");
+    b.until("document.querySelector('#messages').textContent.includes('the machine is in e-stop; the robot stops')");
+    assert_eq!(b.run("return document.querySelector('#robot-connect').disabled"), true);
+    fixture.hold("#estop-reset", "document.querySelector('#robot-connect').disabled === false");
 
     // And the rest of the program, to its end.
     fixture.hold("#robot-connect", &format!("!({})", is("stopped")));

@@ -10,7 +10,7 @@ mod language;
 mod modules;
 mod motion;
 mod programs;
-mod python;
+pub(crate) mod python;
 mod remaps;
 mod rsh;
 mod traces;

@@ -22,7 +22,7 @@ fn folder() -> PathBuf {
 
 /// Returns Python where there is one; reports the running test as skipped otherwise. LinuxCNC's module belongs to the
 /// system's Python.
-pub(super) fn python() -> Option<&'static str> {
+pub(crate) fn python() -> Option<&'static str> {
     let runs = |name: &&str| {
         Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success())
     };
@@ -295,6 +295,26 @@ fn a_program_of_a_machine_without_a_task_gets_an_error_when_the_scripts_have_end
     scratch.write("run.ini", "[EMC]\nVERSION = 1.1\n[HAL]\nHALFILE = bare.hal\n");
     let output = ours(&scratch, &["--virtual", "--for", "100ms", "run.ini"]);
     assert_eq!(output.stdout, TASKLESS, "{}", output.stderr);
+}
+
+/// Output of the script `machine/stops.py`.
+const STOPS: &str = "\
+estop rests True on False e-stop True queue 0
+off rests True on False e-stop False queue 0
+abort rests True on True e-stop False queue 0
+pause rests True on True e-stop False queue 1
+resumed
+3 programs need a task, and this machine has none: loadrt task
+";
+
+#[test]
+fn a_program_stops_a_machine_without_a_task() {
+    let Some(python) = python() else { return };
+    let scratch = Scratch::copy_of(&root().join("configs/rs03n"));
+    scratch.write("stops.py", fs::read(folder().join("machine/stops.py")).unwrap());
+    scratch.write("run.hal", format!("source rs03n.hal\nloadusr -w {python} stops.py\n"));
+    let output = ours(&scratch, &["--simulate", "-f", "run.hal"]);
+    assert_eq!(output.stdout, STOPS, "{}", output.stderr);
 }
 
 #[test]

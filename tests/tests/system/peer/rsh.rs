@@ -260,6 +260,63 @@ fn a_jog_ends_with_its_connection_and_a_stop_needs_no_control() {
 }
 
 #[test]
+fn a_machine_without_a_task_is_stopped_by_lines() {
+    let scratch = Scratch::copy_of(&root().join("configs/rs03n"));
+    let machine = scratch.start(scratch.command(&[], "halrun").args(["--simulate", "rs03n.hal"]));
+    until("the machine runs", || scratch.halcmd(&["motion.status"]).status == Some(0));
+    let server = scratch.start(scratch.command(&[], "linuxcncrsh").args(["-p", "0"]));
+    let mut port = None;
+    until("linuxcncrsh listens", || {
+        let (out, errors) = server.said();
+        assert!(errors.is_empty(), "{errors}");
+        let said = |l: &str| l.strip_prefix("linuxcncrsh listens at 127.0.0.1:")?.parse().ok();
+        port = out.lines().find_map(said);
+        port.is_some()
+    });
+    let port = port.unwrap();
+    let (mut line, mut watch) = (greeted(port), greeted(port));
+    assert_eq!(line.ask("set enable EMCTOO"), "SET ENABLE ACK\n\r");
+    line.ask("set set_wait done");
+    let velocity = || scratch.told("getp motion.current-vel").trim().parse::<f64>().unwrap();
+    for (stop, on, estop) in [
+        ("set estop on", "OFF", "ON"),
+        ("set machine off", "OFF", "OFF"),
+        ("set abort", "ON", "OFF"),
+        ("set pause", "ON", "OFF"),
+    ] {
+        if watch.ask("get estop") == "ESTOP ON\r\n" {
+            assert_eq!(line.ask("set estop off"), "SET ESTOP ACK\n\r", "{stop}");
+        }
+        for text in ["set machine on", "set home -1"] {
+            let reply = line.ask(text);
+            assert!(reply.ends_with(" ACK\n\r"), "{text}: {reply} {}", line.ask("get error"));
+        }
+        let x = scratch.told("getp axis.x.pos-cmd").trim().parse::<f64>().unwrap();
+        let to = if x > -400.0 { -500 } else { -300 };
+        scratch.told(&format!("motion.move x={to} velocity=3"));
+        until("it moves", || velocity() > 2.9);
+        wait(&mut watch, "get program_status", "PROGRAM_STATUS RUNNING");
+        // Without control.
+        let reply = watch.ask(stop);
+        assert!(reply.ends_with(" ACK\n\r"), "{stop}: {reply} {}", watch.ask("get error"));
+        until(stop, || velocity() == 0.0);
+        wait(&mut watch, "get machine", &format!("MACHINE {on}"));
+        wait(&mut watch, "get estop", &format!("ESTOP {estop}"));
+    }
+    wait(&mut watch, "get program_status", "PROGRAM_STATUS PAUSED");
+    assert_eq!(line.ask("set resume"), "SET RESUME ACK\n\r");
+    until("it goes on", || velocity() > 2.9);
+    assert_eq!(line.ask("set mdi g0 x1"), "SET MDI NAK\n\r");
+    let why = line.ask("get error");
+    assert!(why.contains("need a task, and this machine has none"), "{why}");
+    assert_eq!(watch.ask("set abort"), "SET ABORT ACK\n\r");
+    for program in [server, machine] {
+        program.signal(Signal::TERM);
+        program.wait();
+    }
+}
+
+#[test]
 fn one_operator_has_control_here_and_in_the_panel() {
     let scratch = Scratch::copy_of(&folder());
     let (_running, port) = start(&scratch, "");
