@@ -6,7 +6,7 @@ use crate::{
         refusal::Refusal,
     },
     guards::{interlock::Lockout, stop_line},
-    homing::sequence::{check, has, with_partners},
+    homing::sequence::{check, with_partners},
     path::Parked,
     source::{REMOTE_ENDED, of},
     state::State,
@@ -210,7 +210,6 @@ impl State {
         for joint in &mut self.joints {
             joint.track_feedback(cause);
         }
-        self.unhome_volatile();
         for axis in &mut self.axes {
             axis.teleop.reset(axis.teleop.tp.pos, cause);
         }
@@ -221,12 +220,6 @@ impl State {
             ticket.fail(cause);
         }
         self.override_moved = false;
-    }
-
-    fn forget_home(&mut self, set: u32) {
-        for (_, joint) in self.joints.iter_mut().enumerate().filter(|(n, _)| has(set, *n)) {
-            joint.homing.homed = false;
-        }
     }
 }
 

@@ -84,6 +84,7 @@ impl SafetyMachine {
                 }
             }
             Event::Off if self.is_on() => self.drop(facts),
+            Event::Off => Answer { unhome: facts.volatile, ..Answer::OK },
             Event::Abort => Answer::stop(Stop::Abort),
             Event::Pause => Answer::stop(Stop::Pause),
             Event::Cut => Answer { raises: true, ..Answer::OK },
@@ -99,7 +100,7 @@ impl SafetyMachine {
             Event::Back => self.shift(Mode::Coord),
             Event::NoPlace => self.shift(Mode::Free),
             Event::Cycle if matches!(self.power, Power::Stops) && facts.rests => self.drop(facts),
-            Event::Off | Event::Probe | Event::Cycle => Answer::OK,
+            Event::Probe | Event::Cycle => Answer::OK,
         }
     }
 

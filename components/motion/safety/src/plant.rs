@@ -363,6 +363,8 @@ impl Plant {
     fn advance(&mut self, arrives: bool, decide: Decide) {
         if self.homes && self.limit {
             self.tell(Event::HomingFailed, decide);
+            // The switch is no longer one of homing.
+            self.tell(Event::Trouble(Trouble::Limit(self.config.fault_stop)), decide);
         }
         if self.parked == Parked::Returns && self.jog == PlantMotion::Rests {
             if arrives || !self.strayed {

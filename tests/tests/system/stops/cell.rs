@@ -155,7 +155,7 @@ impl Stop<'_> {
             Effect::Brake(n) | Effect::Rest(n) | Effect::Hold(n) => {
                 judge::brake(moving, &seen, *n, accelerates)
             }
-            Effect::AtOnce(n) => judge::at_once(moving, &seen, *n),
+            Effect::AtOnce(n) => judge::at_once(moving, &seen, *n, rig.machine.ferror),
             Effect::On => judge::on(moving, &seen),
             Effect::Cannot(why) => Err(why.clone()),
         };

@@ -120,6 +120,9 @@ pub(super) struct Machine {
     pub(super) chain: Option<Chain>,
     /// Signal of its charge pump.
     pub(super) charge_pump: Option<String>,
+    /// True if each cell needs the machine as it is after its start.
+    #[serde(default)]
+    pub(super) needs_fresh: bool,
     /// Reason why no program with the control lease starts beside it: it says so by name.
     pub(super) no_lease: Option<String>,
 }

@@ -103,15 +103,28 @@ pub(super) fn brake(
     Ok(measured)
 }
 
-/// Judges a stop without a ramp: the joint's command stands after so many cycles, whether drives that cannot follow switch the
-/// machine off or not.
-pub(super) fn at_once(moving: &Moving, frames: &[Frame], limit: usize) -> Result<Measured, String> {
-    let joint = moving.joint.ok_or("it is not a joint that moves")?;
-    let changes = |f: &[Frame]| SAME < (f[0].joints[joint] - f[1].joints[joint]).abs();
-    let until = frames.iter().position(|f| !f.on).unwrap_or(frames.len());
-    let stands = frames[..until].windows(2).rposition(changes).map_or(0, |n| n + 1);
+/// Judges a stop without a ramp: the command stands after so many cycles. The machine goes off only if the motor cannot
+/// follow that, by its following error.
+pub(super) fn at_once(
+    moving: &Moving,
+    frames: &[Frame],
+    limit: usize,
+    ferror: FollowingError,
+) -> Result<Measured, String> {
+    let off = frames.iter().position(|f| !f.on);
+    let speeds = moving.speeds(&frames[..off.unwrap_or(frames.len())]);
+    let stands = speeds.iter().rposition(|speed| SAME / DT < *speed).map_or(0, |n| n + 1);
     if limit < stands {
-        return Err(format!("the joint stands after {stands} cycles, at most {limit}"));
+        return Err(format!("it stands after {stands} cycles, at most {limit}"));
+    }
+    if let Some(off) = off {
+        // The machine compares its command of the cycle before with what the motor has done since.
+        let joint = moving.joint.ok_or("off without a joint that jogs")?;
+        let [before, now] = [&frames[off - 1], &frames[off]];
+        let error = (before.motors[joint] - now.feedback[joint]).abs();
+        if error <= ferror.least {
+            return Err(format!("off with a following error of {error}, at most {}", ferror.least));
+        }
     }
     let rest = rest(frames);
     if rest + 1 >= frames.len() {

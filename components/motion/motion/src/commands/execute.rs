@@ -114,7 +114,9 @@ impl State {
     ) -> Result<Answer, Refusal> {
         match request {
             Request::Enable if taken.powers => return Ok(self.enable(ticket)),
-            // The stop line has switched it off already, and aborted and paused below. The mode has changed.
+            // The stop line has switched it off already; the setting volatile-home counts if it was commanded before.
+            Request::Disable if !self.is_on() => drop(self.tell(Event::Off, SWITCHED_OFF)),
+            // The stop line has paused, and aborted below. The mode has changed.
             Request::Enable | Request::Disable | Request::Mode(_) | Request::Run(Run::Pause) => {}
             Request::Home(set) => {
                 self.home(set, ticket);
@@ -372,9 +374,11 @@ impl State {
     }
 }
 
+const SWITCHED_OFF: &str = "the machine was switched off";
+
 /// Stops that commands ask for, the strongest first, with their causes.
 const STOPS: [(Stop, Event, &str); 3] = [
-    (Stop::Off, Event::Off, "the machine was switched off"),
+    (Stop::Off, Event::Off, SWITCHED_OFF),
     (Stop::Abort, Event::Abort, "aborted"),
     (Stop::Pause, Event::Pause, "paused"),
 ];

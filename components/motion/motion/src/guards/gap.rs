@@ -24,7 +24,6 @@ impl State {
         for n in (0..self.joints.len()).filter(|n| (lost & homed & moved) >> n & 1 == 1) {
             self.say.error(LOST, &[n as f64]);
         }
-        self.unhome_for_gap(lost);
     }
 }
 

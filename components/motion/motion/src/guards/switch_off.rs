@@ -25,8 +25,7 @@ impl State {
     /// Checks every cause to switch off; completes the ticket of the enable command.
     pub(crate) fn guard(&mut self, pins: &Pins) {
         if self.is_on() {
-            let mut found =
-                FoundCauses { was_stopping: self.is_stopping(), ..FoundCauses::default() };
+            let mut found = self.no_causes();
             self.judge_machine(pins, &mut found);
             let is_troubled = |j: &crate::joint::Joint| {
                 let inputs = &j.inputs;
@@ -39,13 +38,28 @@ impl State {
                 self.say.error("Motion Stopped by misc error {}", &[n as f64]);
                 self.find(&mut found, Trouble::Hard, "motion stopped by misc error");
             }
-            if let Some(cause) = found.cause {
-                self.stops.keep(self.now_ns, cause);
-                self.obey(&found.answer, cause);
-            }
+            self.stop_for_causes(&found);
         }
         if let Some(ticket) = self.enable_ticket.take() {
             ticket.done();
+        }
+    }
+
+    /// Checks the causes that joints have to switch off, once more in a cycle.
+    pub(crate) fn guard_joints(&mut self) {
+        let mut found = self.no_causes();
+        self.judge_joints(&mut found);
+        self.stop_for_causes(&found);
+    }
+
+    fn no_causes(&self) -> FoundCauses {
+        FoundCauses { was_stopping: self.is_stopping(), ..FoundCauses::default() }
+    }
+
+    fn stop_for_causes(&mut self, found: &FoundCauses) {
+        if let Some(cause) = found.cause {
+            self.stops.keep(self.now_ns, cause);
+            self.obey(&found.answer, cause);
         }
     }
 

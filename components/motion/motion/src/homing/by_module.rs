@@ -237,27 +237,19 @@ impl State {
         }
     }
 
-    /// Unhomes the joints with a volatile home, after the machine has gone off.
-    pub(crate) fn unhome_volatile(&mut self) {
-        let Some(module) = &mut self.module else { return };
-        let is_volatile =
-            |n: &usize| self.joints.get(*n).is_some_and(|j| j.active && j.config.home.is_volatile);
-        let set = (0..self.joints.len()).filter(is_volatile).fold(0, |set, n| set | 1 << n);
+    /// Unhomes joints, whatever a module says of them. The machine is off.
+    pub(crate) fn forget_home(&mut self, set: Joints) {
         if set == 0 {
             return;
         }
+        each(set, |n| {
+            let joint = usize::try_from(n).ok().and_then(|n| self.joints.get_mut(n));
+            if let Some(joint) = joint {
+                joint.homing.homed = false;
+            }
+        });
+        let Some(module) = &mut self.module else { return };
         module.put(&self.joints, false);
-        module.service.call(homing_call::UNHOME_OFF, -2);
-        let kept = (0..self.joints.len()).filter(|n| module.service.state(*n).is_homed());
-        module.distrusted |= set & kept.fold(0, |kept, n| kept | 1 << n);
-    }
-}
-
-impl State {
-    /// Unhomes joints of the module that a gap in time has unhomed, whatever it says of them.
-    pub(crate) fn unhome_for_gap(&mut self, set: Joints) {
-        let Some(module) = self.module.as_mut().filter(|_| set != 0) else { return };
-        module.put(&self.joints, self.machine.is_on());
         each(set, |n| {
             module.service.call(homing_call::UNHOME_OFF, n);
         });
@@ -267,7 +259,7 @@ impl State {
 }
 
 /// Calls a function for each joint of a set.
-fn each(set: Joints, call: impl Fn(i32)) {
+fn each(set: Joints, mut call: impl FnMut(i32)) {
     (0..Joints::BITS as usize).filter(|n| has(set, *n)).for_each(|n| call(number(n)));
 }
 

@@ -45,6 +45,10 @@ impl State {
         self.say.error(why.say(), &[n as f64, f64::from(code)]);
         self.stops.keep(self.now_ns, why.text());
         self.tell(Event::HomingFailed, why.text());
+        if why == HomingError::Limit {
+            // The switch is no longer one of homing.
+            self.guard_joints();
+        }
     }
 
     /// Aborts homing, and brakes.
