@@ -41,7 +41,8 @@ enum Part {
 impl Part {
     /// Returns whether a machine is taken with a control and a kind of motion.
     const fn takes(self, machine: usize, control: usize, motion: usize) -> bool {
-        matches!(self, Self::Whole) || (machine + control + motion) % Motion::ALL.len() == 0
+        matches!(self, Self::Whole)
+            || (machine + control + motion).is_multiple_of(Motion::ALL.len())
     }
 }
 
