@@ -62,7 +62,7 @@ const ROWS: &[Row] = &[
         doc: "\
 Sends a pulse back, as the pin remote.beat does, for a program without that pin.
 
-The answer has the number of the pulse to send back next.",
+The answer has the number of the pulse to send back next, and the one that came back last.",
         args: &[&LEASE, &Arg::int("pulse", "Number of the pulse that is sent back.")],
         run: |keeper, call| {
             keeper.check(lease(call))?;
@@ -75,7 +75,9 @@ The answer has the number of the pulse to send back next.",
                 }
             }
             let permit = if keeper.lease.permit.load(Relaxed) { "TRUE" } else { "FALSE" };
-            call.reply(&format!("pulse={} permit={permit}", keeper.lease.pulse.load(Relaxed)));
+            let (pulse, beat) = (&keeper.lease.pulse, &keeper.lease.beat);
+            let (pulse, beat) = (pulse.load(Relaxed), beat.load(Relaxed));
+            call.reply(&format!("pulse={pulse} permit={permit} beat={beat}"));
             Ok(())
         },
     },

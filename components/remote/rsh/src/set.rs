@@ -181,6 +181,10 @@ fn target(order: &SetLine<'_>, word: &str) -> Option<JogTarget> {
 
 fn jogs(order: &mut SetLine<'_>, args: &[&str], distance: Option<f64>) -> bool {
     let target = args.first().and_then(|word| target(order, word));
+    if target.is_none() && args.first().is_some_and(|word| axis(word).is_some()) {
+        return order
+            .refuse("jogs move joints now, which have numbers: set teleop_enable on, for axes");
+    }
     let (Some(target), Some(speed)) = (target, number(args.get(1))) else { return false };
     let jog = Jog { target, velocity: speed / MINUTE, distance };
     if let Err(why) = order.machine.jog(jog) {
@@ -205,8 +209,10 @@ pub(crate) fn jog_incr(order: &mut SetLine<'_>, args: &[&str]) -> bool {
 }
 
 pub(crate) fn jog_stop(order: &mut SetLine<'_>, args: &[&str]) -> bool {
-    let target = args.first().and_then(|word| target(order, word));
-    target.is_some_and(|target| order.command("motion.jog-stop", &[target.arg()]))
+    let Some(word) = args.first() else { return false };
+    // A stop of what does not jog in this mode stops all that does.
+    let target = target(order, word).map(JogTarget::arg);
+    order.command("motion.jog-stop", target.as_slice())
 }
 
 pub(crate) fn feed_override(order: &mut SetLine<'_>, args: &[&str]) -> bool {

@@ -180,6 +180,8 @@ fn lines_become_commands() {
         ("set jog_incr 1 60 2", "jog joint=1 1 Some(2.0)"),
         ("set jog_incr 1 -60 2", "jog joint=1 1 Some(-2.0)"),
         ("set jog_stop 1", "motion.jog-stop joint=1"),
+        // Joints jog in this mode, and a stop is no less one for that.
+        ("set jog_stop X", "motion.jog-stop"),
         ("set feed_override 50", "task.feed-override scale=0.5"),
         ("set feed_override -5", "task.feed-override scale=0"),
         ("set spindle_override 80", "task.spindle-override spindle=0 scale=0.8"),

@@ -157,6 +157,7 @@ impl Stop<'_> {
             }
             Effect::AtOnce(n) => judge::at_once(moving, &seen, *n, rig.machine.ferror),
             Effect::On => judge::on(moving, &seen),
+            Effect::Ends => Err("only a program that is lost has this effect".to_owned()),
             Effect::Cannot(why) => Err(why.clone()),
         };
         let judged = judged.map_err(|why| format!("{why} {refused}").trim_end().to_owned())?;
@@ -197,7 +198,7 @@ impl Stop<'_> {
                 goes_on(rig, moving, "resume")
             }
             Effect::Hold(_) => goes_on(rig, moving, "its end"),
-            Effect::On | Effect::Cannot(_) => Ok(()),
+            Effect::On | Effect::Ends | Effect::Cannot(_) => Ok(()),
         }
     }
 }

@@ -13,7 +13,7 @@ use serde_json::json;
 use std::{
     fs::{self, OpenOptions},
     io::{Read as _, Write as _},
-    net::TcpStream,
+    net::{Shutdown, TcpStream},
     process::{Command, Stdio},
 };
 
@@ -21,7 +21,7 @@ use std::{
 const MARK: &str = "PLAT Linux\r\n";
 /// Cycles that pass between two looks at a program that starts.
 const LOOK: usize = 10;
-/// The program in Python: it reads names of stops, and says each that was given.
+/// The program in Python: it reads stops, jogs and runs, and says each that was given.
 const SCRIPT: &str = "\
 import sys
 import linuxcnc
@@ -33,10 +33,19 @@ stops = {
     'pause': lambda: command.auto(linuxcnc.AUTO_PAUSE),
 }
 print('ready', flush=True)
+def jog(is_joint, index, speed):
+    command.jog(linuxcnc.JOG_CONTINUOUS, bool(int(is_joint)), int(index), float(speed))
+def run(part):
+    command.mode(linuxcnc.MODE_AUTO)
+    command.wait_complete()
+    command.program_open(part)
+    command.wait_complete()
+    command.auto(linuxcnc.AUTO_RUN, 0)
+stops['jog'], stops['run'] = jog, run
 for line in open('stop'):
-    name = line.strip()
+    name, *words = line.split()
     try:
-        stops[name]()
+        stops[name](*words)
         print('gave', name, flush=True)
     except Exception as error:
         print('gave', name, 'and failed:', error, flush=True)
@@ -113,14 +122,14 @@ fn passes(rig: &mut Rig, what: &str, mut look: impl FnMut(&Scratch) -> bool) {
 
 /// The panel, and a session that has signed in.
 pub(super) struct Panel {
-    running: Running,
+    pub(super) running: Running,
     port: u16,
     cookie: String,
     key: String,
 }
 
 impl Panel {
-    fn start(rig: &mut Rig) -> Self {
+    pub(super) fn start(rig: &mut Rig) -> Self {
         let Rig { scratch, client, machine, .. } = rig;
         let mut passes = || {
             client.call(Request::Run { ns: LOOK as u64 * 1_000_000 }).unwrap();
@@ -130,9 +139,15 @@ impl Panel {
         panel
     }
 
-    /// Starts a panel of a machine, whose time `passes` lets pass.
-    pub(super) fn beside(scratch: &Scratch, is_ini: bool, passes: &mut dyn FnMut()) -> Self {
+    /// Starts a panel of a machine, whose time `passes` lets pass; returns it with the address for a page.
+    pub(super) fn serve(
+        scratch: &Scratch,
+        is_ini: bool,
+        passes: &mut dyn FnMut(),
+    ) -> (Running, String) {
         fs::create_dir_all(scratch.path().join("programs")).unwrap();
+        // A panel before this one has left its address.
+        drop(fs::remove_file(scratch.path().join("address")));
         let mut command = scratch.command(&[], "halpanel");
         command.args(["--listen", "127.0.0.1:0", "--role", "operator", "--programs", "programs"]);
         command.args(["--address-file", "address", "--audit", "audit"]);
@@ -146,9 +161,15 @@ impl Panel {
             address = fs::read_to_string(scratch.path().join("address")).unwrap_or_default();
             address.contains("#token=") && address.ends_with('\n')
         });
+        (running, address.trim_end().to_owned())
+    }
+
+    /// Starts a panel of a machine, whose time `passes` lets pass, and signs in.
+    pub(super) fn beside(scratch: &Scratch, is_ini: bool, passes: &mut dyn FnMut()) -> Self {
+        let (running, address) = Self::serve(scratch, is_ini, passes);
         let (_, rest) = address.split_once("127.0.0.1:").unwrap();
         let (port, rest) = rest.split_once('/').unwrap();
-        let (port, token) = (port.parse().unwrap(), rest.split_once("#token=").unwrap().1.trim());
+        let (port, token) = (port.parse().unwrap(), rest.split_once("#token=").unwrap().1);
         let (body, host) =
             (json!({ "token": token }).to_string(), format!("Host: 127.0.0.1:{port}\r\n"));
         let answer = web::request(port, "POST", "/api/v1/session", &host, body.as_bytes());
@@ -186,13 +207,13 @@ impl Panel {
 }
 
 /// The server of lines, and a connection that has said hello and has no control.
-struct Rsh {
-    running: Running,
+pub(super) struct Rsh {
+    pub(super) running: Running,
     stream: TcpStream,
 }
 
 impl Rsh {
-    fn start(rig: &mut Rig) -> Self {
+    pub(super) fn start(rig: &mut Rig) -> Self {
         let mut command = rig.scratch.command(&[], "linuxcncrsh");
         command.args(["-p", "0"]);
         if rig.machine.is_ini() {
@@ -225,7 +246,12 @@ impl Rsh {
         text.strip_suffix(MARK).unwrap().to_owned()
     }
 
-    fn give(&mut self, words: &str) -> Option<String> {
+    /// Ends the connection.
+    pub(super) fn hang_up(&mut self) {
+        self.stream.shutdown(Shutdown::Both).unwrap();
+    }
+
+    pub(super) fn give(&mut self, words: &str) -> Option<String> {
         let reply = self.ask(&format!("set {words}"));
         let is_taken = reply.trim_end().ends_with("ACK");
         (!is_taken).then(|| format!("rsh {words}: {reply:?} {}", self.ask("get error")))
@@ -233,8 +259,8 @@ impl Rsh {
 }
 
 /// The program in Python, which reads stops from a pipe.
-struct Python {
-    running: Running,
+pub(super) struct Python {
+    pub(super) running: Running,
     /// Number of stops that it has said.
     gave: usize,
     /// The pipe stays open: a line in one that is opened again can be lost.
@@ -242,7 +268,7 @@ struct Python {
 }
 
 impl Python {
-    fn start(rig: &mut Rig) -> Result<Self, String> {
+    pub(super) fn start(rig: &mut Rig) -> Result<Self, String> {
         let runs = |name: &&str| {
             Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success())
         };
@@ -250,6 +276,7 @@ impl Python {
         let python = Tool::of("python3").or_skip(found).ok_or("there is no python3")?;
         let scratch = &rig.scratch;
         scratch.write("stops.py", SCRIPT);
+        drop(fs::remove_file(scratch.path().join("stop")));
         let made = Command::new("mkfifo").arg(scratch.path().join("stop")).status().unwrap();
         assert!(made.success(), "a pipe is made");
         let mut command = scratch.command(&[], python);
@@ -262,9 +289,15 @@ impl Python {
     }
 
     fn give(&mut self, name: &str) -> Option<String> {
-        self.pipe.write_all(format!("{name}\n").as_bytes()).unwrap();
+        self.order(name, &mut || {})
+    }
+
+    /// Sends a line, and waits until it was given; meanwhile time passes.
+    pub(super) fn order(&mut self, line: &str, passes: &mut dyn FnMut()) -> Option<String> {
+        self.pipe.write_all(format!("{line}\n").as_bytes()).unwrap();
         let mut said = String::new();
-        until("the program in Python gives the stop", || {
+        until("the program in Python has given it", || {
+            passes();
             said = self.running.said().0;
             said.lines().filter(|l| l.starts_with("gave")).count() > self.gave
         });

@@ -159,7 +159,7 @@ pub(super) enum Entry {
     Still(String),
 }
 
-fn read(name: &str) -> toml::Table {
+pub(super) fn read(name: &str) -> toml::Table {
     let text = fs::read_to_string(root().join("tests/stops").join(name)).unwrap();
     toml::from_str(&text).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
@@ -201,6 +201,8 @@ pub(super) enum Effect {
     Rest(usize),
     /// The same, and the path goes on when the pin has its value again.
     Hold(usize),
+    /// Braking begins as soon as the machine knows that a program has ended.
+    Ends,
     /// The motion goes on.
     On,
     /// The cell cannot be, for this reason.
@@ -208,7 +210,7 @@ pub(super) enum Effect {
 }
 
 impl Effect {
-    fn parse(text: &str) -> Self {
+    pub(super) fn parse(text: &str) -> Self {
         let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
         let cycles = || rest.parse().unwrap_or_else(|_| panic!("rules.toml: {text}"));
         match word {
@@ -217,6 +219,7 @@ impl Effect {
             "at-once" => Self::AtOnce(cycles()),
             "rest" => Self::Rest(cycles()),
             "hold" => Self::Hold(cycles()),
+            "ends" => Self::Ends,
             "on" => Self::On,
             "none" if !rest.is_empty() => Self::Cannot(rest.to_owned()),
             _ => panic!("rules.toml: {text}"),

@@ -20,6 +20,8 @@ const SAME: f64 = 1e-3;
 const LEAST: f64 = 0.1;
 /// Cycles within which a motion reaches its speed.
 const BEGIN: usize = 3000;
+/// Circles of the program: it goes on for longer than a lease lasts.
+const CIRCLES: usize = 4;
 /// File of the program.
 const PART: &str = "stops-part.ngc";
 
@@ -142,29 +144,47 @@ pub(super) fn begin(rig: &mut Rig, motion: Motion, accelerates: bool) -> Result<
     match rig.refused.first() {
         Some(why) => Err(why.clone()),
         None if accelerates => half(rig, moving),
-        None => reach(rig, moving, circle.as_ref()),
+        None => reach(rig, moving, circle.as_ref(), |_| {}),
     }
 }
 
-fn jog(rig: &mut Rig) -> Moving {
-    let jog = rig.machine.jog.clone();
+/// What jogs: a joint, or an axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Target {
+    Joint(usize),
+    Axis(char),
+}
+
+/// Returns a jog towards the middle: what jogs, with which velocity, and the limits.
+pub(super) fn jog_of(rig: &Rig) -> (Target, f64, Moving) {
+    let jog = &rig.machine.jog;
     let (target, at) = match (jog.joint, jog.axis) {
-        (Some(n), _) => (format!("joint={n}"), rig.last().joints[n]),
+        (Some(n), _) => (Target::Joint(n), rig.last().joints[n]),
         (None, Some(letter)) => {
             let n = rig.machine.letters.find(letter).unwrap();
-            (format!("axis={letter}"), rig.last().axes[n])
+            (Target::Axis(letter), rig.last().axes[n])
         }
         (None, None) => panic!("{}: a jog of nothing", rig.machine.name),
     };
     let velocity = if at < jog.middle { jog.velocity } else { -jog.velocity };
-    rig.give(&format!("motion.jog {target} velocity={velocity}"));
-    Moving {
+    let moving = Moving {
         joint: jog.joint,
         speed: jog.velocity,
         acceleration: jog.acceleration,
         jerk: jog.jerk,
         by_task: false,
-    }
+    };
+    (target, velocity, moving)
+}
+
+fn jog(rig: &mut Rig) -> Moving {
+    let (target, velocity, moving) = jog_of(rig);
+    let target = match target {
+        Target::Joint(n) => format!("joint={n}"),
+        Target::Axis(letter) => format!("axis={letter}"),
+    };
+    rig.give(&format!("motion.jog {target} velocity={velocity}"));
+    moving
 }
 
 fn on_path(plane: &Plane, limit: f64, by_task: bool) -> Moving {
@@ -202,7 +222,7 @@ fn program(rig: &mut Rig) -> Result<Moving, String> {
     }
     let plane = Plane::of(rig);
     if by_task {
-        rig.scratch.write(PART, text(&plane, rig.machine.unit()));
+        write(rig, &plane);
         rig.finish("task.mode mode=auto", 500)?;
         rig.finish(&format!("task.open file={PART}"), 1000)?;
         rig.give("task.run");
@@ -218,9 +238,29 @@ fn program(rig: &mut Rig) -> Result<Moving, String> {
         rig.give(&format!("motion.arc {there} {around} {turns}"));
         rig.give(&format!("motion.move {} velocity={speed}", plane.place(plane.at)));
     }
+    Ok(on_circle(&plane, by_task))
+}
+
+/// Returns the motion on the circle, whose turn leaves less acceleration for braking.
+fn on_circle(plane: &Plane, by_task: bool) -> Moving {
     let turns = plane.speed * plane.speed / plane.radius;
     let left = (plane.lower * plane.lower - turns * turns).sqrt();
-    Ok(on_path(&plane, left, by_task))
+    on_path(plane, left, by_task)
+}
+
+fn write(rig: &Rig, plane: &Plane) {
+    for folder in [".", "programs"] {
+        if rig.scratch.path().join(folder).is_dir() {
+            rig.scratch.write(&format!("{folder}/{PART}"), text(plane, rig.machine.unit()));
+        }
+    }
+}
+
+/// Writes the program for somebody who starts it: in the machine's folder, and in that of the panel.
+pub(super) fn part(rig: &Rig) -> (&'static str, Moving, Circle) {
+    let plane = Plane::of(rig);
+    write(rig, &plane);
+    (PART, on_circle(&plane, true), Circle::of(rig))
 }
 
 /// Returns the same moves as a program.
@@ -240,8 +280,7 @@ fn text(plane: &Plane, unit: &str) -> String {
     let circle = format!("{turn} {}{around}\n", word(begin));
     let mut text =
         format!("{plane_code}{units} G90\nG01 {} F{:.4}\n", word(begin), plane.speed * 60.0);
-    text.push_str(&circle);
-    text.push_str(&circle);
+    text.push_str(&circle.repeat(CIRCLES));
     writeln!(text, "G01 {}\nM02", word(plane.at)).unwrap();
     text
 }
@@ -269,7 +308,7 @@ fn homing(rig: &mut Rig) -> Result<Moving, String> {
 }
 
 /// Circle of a program.
-struct Circle {
+pub(super) struct Circle {
     /// Places of its axes among the letters.
     axes: [usize; 2],
     centre: [f64; 2],
@@ -291,11 +330,18 @@ impl Circle {
     }
 }
 
-/// Waits until the speed has been the same for a while; in a program, on its circle.
-fn reach(rig: &mut Rig, moving: Moving, circle: Option<&Circle>) -> Result<Moving, String> {
+/// Waits until the speed has been the same for a while; in a program, on its circle. Who keeps the motion up does so every few
+/// cycles.
+pub(super) fn reach(
+    rig: &mut Rig,
+    moving: Moving,
+    circle: Option<&Circle>,
+    mut keep: impl FnMut(&mut Rig),
+) -> Result<Moving, String> {
     let constant = (CONSTANT / DT) as usize;
     for _ in 0..BEGIN / 10 {
         rig.run(10);
+        keep(rig);
         let speeds = moving.speeds(&rig.seen);
         let speed = speeds.last().copied().unwrap_or(0.0);
         let is_same = |speeds: &[f64]| {

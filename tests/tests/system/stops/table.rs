@@ -55,8 +55,8 @@ impl Table {
         let [good, on, cannot, bad] = self.counts();
         let mut text = format!(
             "# Stops\n\n\
-             Written by `UPDATE_EXPECT=1 cargo test -p hal-tests --test system stops`, from the machines of `configs/` on the virtual\n\
-             clock. [`rules.toml`](rules.toml) has the rules, [`machines.toml`](machines.toml) the machines.\n\n\
+             Written by `UPDATE_EXPECT=1 cargo test -p hal-tests --test system stops::the_whole -- --ignored`, from the machines of\n\
+             `configs/` on the virtual clock. [`rules.toml`](rules.toml) has the rules, [`machines.toml`](machines.toml) the machines.\n\n\
              {} cells: {good} stops, {on} in which the control is no stop of that motion, {cannot} that cannot be, {bad} that are not as\n\
              their rules say. A cell has the cycles of the servo thread from the stop to its effect (motion is disabled, or braking\n\
              begins) and to rest, and the way to rest.\n",

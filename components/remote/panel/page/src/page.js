@@ -105,14 +105,27 @@ function columns(page, ctx) {
   return Object.entries(places).map(([place, boxes]) => el("div", { class: `column ${place}` }, ...boxes));
 }
 
+/** Returns the stop that a key gives, as with LinuxCNC's screens: F1 is the e-stop, Escape aborts, unless it closes a question. */
+function stopOfKey({ key, target }) {
+  if (key === "F1") return "estop";
+  const asks = document.querySelector("dialog[open]") !== null || (target instanceof Element && target.closest("dialog") !== null);
+  return key === "Escape" && !asks ? "abort" : null;
+}
+
 function topBar(ctx) {
   const { info, session, store, prefs, t, signal } = ctx;
   const pages = pagesOf(info).map((page) =>
     el("button", { type: "button", "data-page": page, onclick: () => prefs.set("page", page) }, t(`page.${page}`)));
   const lease = el("button", { type: "button", id: "lease", onclick: changeLease });
   const holder = el("span", { class: "note", id: "lease-holder" });
-  const stop = el("button", { type: "button", id: "estop", class: "estop", onclick: () => ctx.stop("estop") }, t("estop"));
-  const abort = el("button", { type: "button", id: "abort", class: "danger", onclick: () => ctx.stop("abort") }, t("abort"));
+  const stop = el("button", { type: "button", id: "estop", class: "estop", title: t("estop.key"), "aria-keyshortcuts": "F1", onclick: () => ctx.stop("estop") }, t("estop"));
+  const abort = el("button", { type: "button", id: "abort", class: "danger", title: t("abort.key"), "aria-keyshortcuts": "Escape", onclick: () => ctx.stop("abort") }, t("abort"));
+  window.addEventListener("keydown", (event) => {
+    const name = stopOfKey(event);
+    if (!name) return;
+    event.preventDefault();
+    if (!event.repeat) ctx.stop(name);
+  }, { signal, capture: true });
   const language = el("select", { "aria-label": t("language"), id: "language", onchange: () => prefs.set("language", language.value) },
     ...LANGUAGES.map(([code, name]) => el("option", { value: code, selected: code === prefs.get("language"), lang: code }, name)));
   const theme = el("button", { type: "button", id: "theme", "aria-label": t("theme"), title: t("theme"),

@@ -36,6 +36,8 @@ const TEXTS = {
   "editor.unsaved": ["Changes are not saved. Press again to give them up.", "Hay cambios sin guardar. Pulse otra vez para descartarlos."],
   "engine.gone": ["The engine has ended. Positions are no longer known.", "El motor ha terminado. Las posiciones ya no se conocen."],
   "estop": ["E-STOP", "PARO"],
+  "estop.key": ["E-stop (F1)", "Paro (F1)"],
+  "abort.key": ["Abort (Esc)", "Abortar (Esc)"],
   "estop.local": ["E-stop is reset at the machine", "El paro se rearma en la máquina"],
   "estop.reset": ["Reset e-stop", "Rearmar paro"],
   "findings": ["Findings of check", "Hallazgos de check"],
