@@ -1,6 +1,7 @@
-//! Guards: they stop what commands stop (`stop_line.rs`), switch the machine off (`switch_off.rs`, `interlock.rs`, `gap.rs`) and keep the causes (`stops.rs`), keep joints
-//! within their velocity (`pace.rs`, `step.rs`, `jump.rs`, `last_jump.rs`) and axes where the kinematics have a solution
-//! (`world.rs`), and judge every motor command (`watch.rs`, `watchman.rs`).
+//! Guards: they stop what commands stop (`stop_line.rs`), switch the machine off (`switch_off.rs`, `interlock.rs`,
+//! `gap.rs`) and keep the causes (`stops.rs`), keep joints within their velocity (`pace.rs`, `step.rs`, `jump.rs`,
+//! `last_jump.rs`) and axes where the kinematics have a solution (`world.rs`), and judge every motor command (`watch.rs`,
+//! `watchman.rs`).
 
 pub(crate) mod gap;
 pub(crate) mod interlock;
