@@ -110,14 +110,14 @@ pub(crate) fn is_continue_pending() -> bool {
     status == 0 && unsafe { libc::sigismember(&raw const set, libc::SIGCONT) } == 1
 }
 
-/// Realtime. Removes a pending SIGCONT, where it is blocked. Waits for nothing.
-pub(crate) fn take_continue() {
+/// Realtime. Removes a pending SIGCONT, where it is blocked, and returns whether there was one. Waits for nothing.
+pub(crate) fn take_continue() -> bool {
     if !is_continue_pending() {
-        return;
+        return false;
     }
     let (set, now) = (only_continue(), libc::timespec { tv_sec: 0, tv_nsec: 0 });
     // SAFETY: live records; nothing about the signal is asked for.
-    unsafe { libc::sigtimedwait(&raw const set, null_mut(), &raw const now) };
+    unsafe { libc::sigtimedwait(&raw const set, null_mut(), &raw const now) == libc::SIGCONT }
 }
 
 #[cfg(test)]

@@ -94,8 +94,8 @@ pub(crate) trait Witness {
     fn begins(&mut self) -> bool;
     /// Returns whether the process was continued since it was last asked to forget that.
     fn was_continued(&mut self) -> bool;
-    /// Forgets that the process was continued.
-    fn forget(&mut self);
+    /// Forgets that the process was continued; returns whether it was, also since it was asked.
+    fn forget(&mut self) -> bool;
     /// Returns whether nothing but a standstill can delay the thread for long.
     fn is_fifo(&self) -> bool;
     /// Returns for how long the thread has run or waited for a processor since its last look, and somewhat before; `None`
@@ -182,17 +182,19 @@ impl Gaps {
         } else {
             None
         };
-        if let Some((cause, ns, before)) = found
-            && sight.is_running
-        {
-            self.note(Gap { cause, ns, time_ns: sight.time_ns }, Some(key(before)));
-        }
+        let note = |(cause, ns, before)| {
+            if sight.is_running {
+                self.note(Gap { cause, ns, time_ns: sight.time_ns }, Some(key(before)));
+            }
+        };
+        found.into_iter().for_each(note);
         if slept >= SLEPT_NS {
             self.lead_ns.store(sight.lead_ns, Ordering::Relaxed);
         }
-        // Other threads no longer see that the process was continued, but what was noted.
-        if missed {
-            witness.forget();
+        // Other threads no longer see that the process was continued, but what was noted. A stop since the question above is
+        // a gap as well: nothing else will tell of it.
+        if missed && witness.forget() && found.is_none() {
+            note((Cause::Stopped, stood, ran));
         }
         self.ran_ns.store(sight.now_ns, Ordering::Relaxed);
     }
@@ -309,9 +311,9 @@ impl Witness for Lookout {
         self.continued || process::is_continue_pending()
     }
 
-    fn forget(&mut self) {
-        self.continued = false;
-        process::take_continue();
+    fn forget(&mut self) -> bool {
+        let continued = core::mem::take(&mut self.continued);
+        process::take_continue() || continued
     }
 
     fn is_fifo(&self) -> bool {
@@ -338,6 +340,8 @@ mod tests {
         begins: bool,
         continued: bool,
         busy_ms: Option<i64>,
+        /// True if the process is stopped and continued behind the question whether it was.
+        late: bool,
         /// Number of reads of what costs a system call.
         asked: u32,
     }
@@ -350,8 +354,8 @@ mod tests {
             self.asked += 1;
             self.continued
         }
-        fn forget(&mut self) {
-            self.continued = false;
+        fn forget(&mut self) -> bool {
+            core::mem::take(&mut self.continued) || core::mem::take(&mut self.late)
         }
         fn is_fifo(&self) -> bool {
             self.fifo
@@ -363,7 +367,7 @@ mod tests {
     }
 
     const FIFO: Told =
-        Told { fifo: true, begins: false, continued: false, busy_ms: None, asked: 0 };
+        Told { fifo: true, begins: false, continued: false, busy_ms: None, late: false, asked: 0 };
     const ORDINARY: Told = Told { fifo: false, ..FIFO };
 
     /// A machine with a clock of its own and a thread of 1 ms.
@@ -423,6 +427,12 @@ mod tests {
             // No cycle was missed: a signal alone is no gap.
             check(0, Told { continued: true, ..witness }, None);
         }
+    }
+
+    #[test]
+    fn a_stop_behind_the_question_whether_there_was_one_is_not_lost() {
+        check(3, Told { late: true, ..FIFO }, Some(Cause::Stopped));
+        check(600, Told { late: true, ..ORDINARY }, Some(Cause::Stopped));
     }
 
     #[test]

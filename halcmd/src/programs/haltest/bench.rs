@@ -5,6 +5,7 @@ use super::inject::{ENOENT, Faults, Ramping};
 use crate::session::INTERRUPTED;
 use hal_engine::Engine;
 use hal_protocol::{Failure, Kind, Link, Reply, Request, TicketInfo, Value};
+use std::collections::BTreeSet;
 
 /// Failure code for an exceeded time limit.
 const ETIME: i32 = -62;
@@ -25,6 +26,8 @@ pub(super) struct Bench {
     end: i64,
     limit_ns: u64,
     period: Option<u64>,
+    /// Names that are those of signals, and of no pin, as long as nothing is loaded.
+    signals: BTreeSet<String>,
 }
 
 impl Bench {
@@ -40,6 +43,7 @@ impl Bench {
             end,
             limit_ns,
             period: None,
+            signals: BTreeSet::new(),
         }
     }
 
@@ -64,13 +68,23 @@ impl Bench {
 
     /// Returns the value of a pin, parameter or signal.
     pub(super) fn get(&mut self, name: &str) -> Result<Value, Failure> {
+        // A condition asks in every cycle, and a name that is not found costs a search for a near one.
+        if self.signals.contains(name)
+            && let Ok(Reply::Value(value)) =
+                self.engine.call(Request::GetSignal { name: name.to_owned() })
+        {
+            return Ok(value);
+        }
         let of_item = match self.engine.call(Request::Get { name: name.to_owned() }) {
             Ok(Reply::Value(value)) => return Ok(value),
             Ok(_) => Failure::new(ENOENT, "no value"),
             Err(failure) => failure,
         };
         match self.engine.call(Request::GetSignal { name: name.to_owned() }) {
-            Ok(Reply::Value(value)) => Ok(value),
+            Ok(Reply::Value(value)) => {
+                self.signals.insert(name.to_owned());
+                Ok(value)
+            }
             // Of the two failures, prefer the one that knows a near name.
             Err(of_signal) if of_item.hint.is_none() && of_signal.hint.is_some() => Err(of_signal),
             Ok(_) | Err(_) => Err(of_item),
@@ -157,6 +171,7 @@ impl Link for Bench {
         }
         if matches!(request, Request::Load { .. } | Request::Unload { .. } | Request::UnloadAll) {
             self.period = None;
+            self.signals.clear();
         }
         let reply = match request {
             Request::Run { ns } => self.run(ns),

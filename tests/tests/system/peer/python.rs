@@ -238,7 +238,7 @@ fn commands_and_messages_of_a_machine_are_bounded_and_lost_ones_are_counted() {
     let scratch = Scratch::copy_of(&root().join("configs/mill"));
     scratch.write("bounds.py", fs::read(folder().join("machine/bounds.py")).unwrap());
     scratch.write("run.ini", "#INCLUDE mill.ini\n[HAL]\nPOSTGUI_HALFILE = run.hal\n");
-    let lines = "loadrt task\nsetp parport.0.sim.status 192\n";
+    let lines = "setp parport.0.sim.status 192\n";
     scratch.write("run.hal", format!("{lines}loadusr -w {python} bounds.py\nshutdown\n"));
     let output = ours(&scratch, &["--virtual", "run.ini"]);
     assert_eq!(output.stdout, BOUNDS, "{}", output.stderr);
