@@ -163,6 +163,7 @@ problems! {
     ArcEndMissing { words: &'static str, plane: &'static str }: "{words} words missing for arc in {plane} plane", "";
     ArcSamePlace: "Current point same as end point of arc", "use the centre for a full circle";
     ArcRadiusSmall: "Arc radius too small to reach end point", "";
+    ArcSize: "the radius of the arc is out of range", "use 1e-6 to 1e9 mm, or a line";
     ArcRadiusZero { detail: Box<str> }: "Zero-radius arc: {detail}", "";
     ArcRadiiDiffer { detail: Box<str> }: "Radius to end of arc differs from radius to start: {detail}", "";
     ArcTurns: "P value should be 1 or greater with G2 or G3", "";
@@ -226,12 +227,17 @@ problems! {
     CompArcRadius: "Tool radius not less than arc radius with comp", "use a tool with a smaller radius";
     CompMotion { what: &'static str }: "{what}", "program G40 first";
     CompWith { code: &'static str }: "Cannot use {code} with cutter radius compensation on", "program G40 first";
+    CompRange: "a compensated move or the tool's radius is out of range", "use at most 1e9 units";
+    CompFixed: "the inside corner before this move was passed without it", "program both moves of the corner in one program";
     CompNoIntersection: "compensated moves do not meet", "use a tool with a smaller radius";
 
     // Profiles.
     ProfilePlane: "G7x requires the XZ plane", "program G18";
     ProfileNeedsQ: "G7x requires a Q word", "Q is the number of the profile's subroutine";
     ProfileIncrement: "G71 and G72 need an I above 0", "";
+    ProfileRange { letter: char }: "{letter} of the cycle or its profile is out of range", "use at most 1e9 units";
+    ProfileLevels { limit: u32 }: "the cycle has more than {limit} levels", "use a larger I";
+    ProfileCalls { label: Box<str> }: "the profile calls '{label}', which is a function of another language", "describe the profile in lines of G-code";
     ProfileEmpty: "the profile has no motion", "";
     ProfileGoesBack: "the profile is not monotonic", "Z must go one way for G71, X for G72, and each fillet must fit";
 

@@ -10,9 +10,7 @@ use crate::{
 
 impl Run<'_> {
     pub(super) fn stop(&mut self, b: &mut Block) -> Result<Option<Request>, Problem> {
-        if b.m(MGroup::Stop).is_some() {
-            self.flush_compensation();
-        }
+        // A pause on a compensated path waits for the next move, which decides where the tool pauses.
         match b.m(MGroup::Stop) {
             None => {}
             Some(0) => self.emit(Call::ProgramStop)?,

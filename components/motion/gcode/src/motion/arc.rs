@@ -13,6 +13,8 @@ const SPIRAL_INCH: f64 = 0.001;
 const SPIRAL_MM: f64 = 0.0254;
 /// The allowed difference of radii as a part of the radius.
 const SPIRAL_RELATIVE: f64 = 0.001;
+/// The smallest and largest radius of an arc, in millimetres.
+const RADII: core::ops::RangeInclusive<f64> = 1e-6..=1e9;
 
 /// The words of a plane: the letters of its centre and the names of messages.
 struct Letters {
@@ -72,7 +74,8 @@ pub(crate) fn sweep(start: Point, end: Point, shape: Shape) -> f64 {
     if shape.turns < 0 {
         angle = -angle;
     }
-    if angle <= 1e-12 {
+    // Motion takes an end within rounding of the start for a full turn, too.
+    if angle < 1e-7 {
         angle += core::f64::consts::TAU;
     }
     angle + core::f64::consts::TAU * f64::from(shape.turns.unsigned_abs().saturating_sub(1))
@@ -91,7 +94,7 @@ impl Run<'_> {
         let from = self.programmed();
         let (start, stop) = (in_plane(plane, from), in_plane(plane, end));
         let shape = self.shape(b, start, stop, clockwise)?;
-        if self.state.compensation.is_on() {
+        if self.state.compensation.moves_path() {
             return self.compensated_arc(b, end, shape);
         }
         let plane_length = start.minus(shape.centre).length() * sweep(start, stop, shape);
@@ -138,6 +141,7 @@ impl Run<'_> {
                 return Err(Problem::ArcEndMissing { words: l.missing, plane: l.plane });
             }
             let centre = self.centre_of_radius(start, end, r, clockwise)?;
+            self.check_size(start, centre)?;
             return Ok(Shape { centre, turns });
         }
         let (first, second) = (b.get(l.first), b.get(l.second));
@@ -149,7 +153,14 @@ impl Run<'_> {
             (false, ..) => start.plus(Point::new(first.unwrap_or(0.0), second.unwrap_or(0.0)), 1.0),
         };
         self.check_radii(start, end, centre)?;
+        self.check_size(start, centre)?;
         Ok(Shape { centre, turns })
+    }
+
+    /// Checks that a radius is one that a machine can follow.
+    fn check_size(&self, start: Point, centre: Point) -> Result<(), Problem> {
+        let radius = start.minus(centre).length() * self.state.frame.unit.millimetres();
+        if RADII.contains(&radius) { Ok(()) } else { Err(Problem::ArcSize) }
     }
 
     /// Returns the centre of an arc by its radius; the long way round for a negative one.

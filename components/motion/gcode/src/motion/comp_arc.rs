@@ -2,6 +2,7 @@
 
 use super::{
     arc::{Shape, in_plane, sweep, with_plane},
+    corner::Next,
     geometry::Point,
 };
 use crate::{
@@ -35,18 +36,22 @@ impl Run<'_> {
         // To the left of a counterclockwise arc is its inside.
         let inward = if shape.turns > 0 { offset } else { -offset };
         let compensated = radius - inward;
-        if compensated <= 0.0 {
+        if compensated <= self.hair() {
             return Err(Problem::CompArcRadius);
         }
         let leave = tangent(stop, shape).ok_or(Problem::CompArcRadius)?;
         let new_end = stop.plus(leave.left(), offset);
+        self.check_comp_range(new_end)?;
         if self.state.compensation.program.is_none() {
             return self.enter_by_arc(b, end, stop, new_end, leave, shape);
         }
         let enter = tangent(start, shape).ok_or(Problem::CompArcRadius)?;
         let begin = start.plus(enter.left(), offset);
         if let Some(last) = self.state.compensation.last {
-            self.corner_to_arc(last, start, enter, begin, (shape.centre, compensated))?;
+            let Shape { centre, turns } = shape;
+            let path = Path::Arc { from: begin, centre, radius: compensated, turns };
+            let size = sweep(start, stop, shape) * compensated;
+            self.corner(last, &Next { at: start, direction: enter, path, size, rapid: false })?;
         }
         let from = in_plane(plane, self.state.position);
         self.finish_arc(b, end, stop, new_end, leave, shape, from)

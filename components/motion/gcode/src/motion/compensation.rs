@@ -16,6 +16,12 @@ use crate::{
     },
 };
 
+/// A smaller radius is none, in millimetres: it is below what a machine can tell.
+const NO_RADIUS: f64 = 1e-6;
+
+/// The largest coordinate and radius of a compensated path, in program units.
+const LARGEST: f64 = 1e9;
+
 impl Run<'_> {
     /// Runs G40 to G42.1.
     pub(crate) fn compensation(&mut self, b: &mut Block) -> Result<Option<Request>, Problem> {
@@ -61,10 +67,14 @@ impl Run<'_> {
         let left = code < 420;
         // A negative diameter is a tool on the other side.
         let sign = if left == (diameter >= 0.0) { 1 } else { -1 };
-        let comp = &mut self.state.compensation;
-        *comp = Compensation {
+        let radius = libm::fabs(diameter) / 2.0;
+        if !(0.0..=LARGEST).contains(&radius) {
+            return Err(Problem::CompRange);
+        }
+        let is_none = radius * self.state.frame.unit.millimetres() < NO_RADIUS;
+        self.state.compensation = Compensation {
             side: sign,
-            radius: libm::fabs(diameter) / 2.0,
+            radius: if is_none { 0.0 } else { radius },
             orientation,
             ..Compensation::default()
         };
@@ -84,8 +94,14 @@ impl Run<'_> {
 
     /// Hands out the calls that wait; the end of the last move stays.
     pub(crate) fn flush_compensation(&mut self) {
-        self.state.compensation.last = None;
+        self.state.compensation.fixed = self.state.compensation.last.is_some();
         self.out.append(&mut self.state.compensation.queue);
+    }
+
+    /// Checks that a compensated move ends where a machine may be.
+    pub(super) fn check_comp_range(&self, end: Point) -> Result<(), Problem> {
+        let is_near = |v: f64| (-LARGEST..=LARGEST).contains(&v);
+        if is_near(end.first) && is_near(end.second) { Ok(()) } else { Err(Problem::CompRange) }
     }
 
     /// Returns the programmed position, without compensation.
@@ -100,11 +116,13 @@ impl Run<'_> {
     }
 
     /// Moves the end of the last move to `end`, with the calls behind it that stay there.
-    pub(super) fn change_last_end(&mut self, last: LastMove, end: Point) -> Result<(), Problem> {
+    pub(super) fn change_last_end(&mut self, end: Point) -> Result<(), Problem> {
         let plane = self.state.modal.plane;
-        check_reach(last.path, in_plane(plane, self.state.position), end)?;
-        let queue = &mut self.state.compensation.queue;
-        for issued in queue.iter_mut().skip(last.index) {
+        if self.state.compensation.fixed {
+            let moved = end.minus(in_plane(plane, self.state.position)).length();
+            return if moved < self.hair() { Ok(()) } else { Err(Problem::CompFixed) };
+        }
+        for issued in &mut self.state.compensation.queue {
             match &mut issued.call {
                 Call::StraightFeed(p)
                 | Call::StraightTraverse(p)
@@ -124,26 +142,12 @@ impl Run<'_> {
         let comp = &mut self.state.compensation;
         self.out.append(&mut comp.queue);
         comp.queue.push(issued);
-        comp.last = Some(LastMove { path, direction, index: 0 });
+        comp.last = Some(LastMove { path, direction });
+        comp.fixed = false;
     }
-}
 
-/// Checks that the new end of a path lies between its begin and its old end.
-fn check_reach(path: Path, old: Point, new: Point) -> Result<(), Problem> {
-    match path {
-        Path::Line { from, direction } => {
-            if new.minus(from).dot(direction) <= 0.0 {
-                return Err(Problem::CompGouge);
-            }
-        }
-        Path::Arc { from, centre, turns, .. } => {
-            let shape = super::arc::Shape { centre, turns };
-            let (was, is) =
-                (super::arc::sweep(from, old, shape), super::arc::sweep(from, new, shape));
-            if is > was + 1e-9 {
-                return Err(Problem::CompGougeArc);
-            }
-        }
+    /// Returns the distance below which places of a compensated path are the same, in program units.
+    pub(super) fn hair(&self) -> f64 {
+        NO_RADIUS / self.state.frame.unit.millimetres()
     }
-    Ok(())
 }

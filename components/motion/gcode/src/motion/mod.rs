@@ -4,6 +4,7 @@ pub mod arc;
 mod comp_arc;
 mod comp_line;
 pub mod compensation;
+mod corner;
 pub mod cycle;
 mod drill;
 pub(crate) mod geometry;

@@ -14,7 +14,7 @@ impl Run<'_> {
             self.check_feed(b, "g1")?;
         }
         let end = self.target(b)?;
-        if self.state.compensation.is_on() {
+        if self.state.compensation.moves_path() {
             return self.compensated_line(b, end, rapid);
         }
         let start = self.state.position;

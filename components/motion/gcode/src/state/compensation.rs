@@ -35,8 +35,6 @@ pub struct LastMove {
     pub path: Path,
     /// The programmed direction at its end.
     pub direction: Point,
-    /// The place of its call in the queue.
-    pub index: usize,
 }
 
 /// The state of cutter radius compensation.
@@ -52,6 +50,9 @@ pub struct Compensation {
     pub program: Option<Point>,
     /// The last move, if its end may still change.
     pub last: Option<LastMove>,
+    /// The last move was handed out, so that its end cannot change.
+    #[serde(default)]
+    pub fixed: bool,
     /// The calls from the last move on.
     pub queue: Vec<Issued>,
 }
@@ -60,6 +61,11 @@ impl Compensation {
     /// Tells whether compensation is on.
     pub fn is_on(&self) -> bool {
         self.side != 0
+    }
+
+    /// Tells whether compensation moves the path: a tool without a radius is on the programmed lines.
+    pub(crate) fn moves_path(&self) -> bool {
+        self.is_on() && self.radius > 0.0
     }
 
     /// Returns the side.
@@ -78,13 +84,14 @@ impl Compensation {
 
     /// Tells whether calls wait for the end of a move.
     pub(crate) fn holds(&self) -> bool {
-        self.last.is_some()
+        self.last.is_some() && !self.fixed
     }
 
     /// Forgets the path after motion from elsewhere.
     pub(crate) fn forget(&mut self) {
         self.program = None;
         self.last = None;
+        self.fixed = false;
         self.queue.clear();
     }
 }
