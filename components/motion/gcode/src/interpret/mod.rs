@@ -85,6 +85,8 @@ pub struct Interpreter {
     pub(crate) late: Vec<Issued>,
     /// Values of HAL for the next line.
     hal: hal::Known,
+    /// The places of a problem in lines that a code reads ahead, the innermost last.
+    problem_at: Vec<Place>,
     /// The block to go on with after an O-word that ended a remapped code.
     pub(crate) remapped: Option<Box<Remapped>>,
 }
@@ -141,6 +143,7 @@ impl Interpreter {
             block,
             late: Vec::new(),
             hal: hal::Known::new(),
+            problem_at: Vec::new(),
             remapped: None,
         }
     }
@@ -263,7 +266,19 @@ impl Interpreter {
         result
     }
 
+    /// Keeps a line of the innermost level as the place of the problem that ends the line in execution.
+    pub(crate) fn note_place(&mut self, line: u32) {
+        self.problem_at = self.places();
+        if let Some(place) = self.problem_at.last_mut() {
+            place.line = line;
+        }
+    }
+
     pub(crate) fn error(&self, error: BlockError, raw: &[u8]) -> Error {
+        if let Some((place, calls)) = self.problem_at.split_last() {
+            let (place, calls) = (place.clone(), calls.to_vec());
+            return Error { place, problem: error.problem, calls };
+        }
         let mut places = self.places();
         // A prolog fails before its subroutine begins.
         if self.state.function().is_some_and(|f| f.hook == Hook::Prolog) {

@@ -29,6 +29,7 @@ impl Interpreter {
         env: &dyn Environment,
         out: &mut Vec<Issued>,
     ) -> Result<Step, Error> {
+        self.problem_at.clear();
         let limits = self.state.settings.limits;
         if self.state.lines_run >= limits.lines {
             return Err(self.error(Problem::LinesSpent { limit: limits.lines }.into(), &[]));
@@ -203,7 +204,7 @@ impl Interpreter {
     }
 
     /// Evaluates the words of a line and then its assignments, which all see the old values.
-    fn values(
+    pub(crate) fn values(
         &mut self,
         line: &Line,
         block: &mut Block,

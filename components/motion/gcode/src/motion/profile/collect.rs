@@ -1,16 +1,18 @@
 //! The profile of a cycle, read from the lines of its subroutine.
 
-use super::contour::{Arc, Piece, round};
+use super::{
+    contour::{Arc, Piece, round},
+    is_in_reach,
+};
 use crate::{
     canon::Issued,
     environment::Environment,
     error::Problem,
     interpret::{BlockError, Interpreter, Run, Step, block::Block, codes::GGroup},
     motion::geometry::Point,
-    parameters::system::Reader,
     program::Found,
-    state::{Cursor, Level, LevelKind},
-    text::{clean, evaluate::evaluate, line::Line, oword::Action},
+    state::{Level, LevelKind},
+    text::{clean, line::Line, oword::Action},
 };
 
 /// The most pieces of a profile.
@@ -18,6 +20,14 @@ const MAX_PIECES: usize = 100_000;
 
 /// A corner that is rounded or cut: its size, and whether it is a chamfer.
 type Corner = Option<(f64, bool)>;
+
+/// The moves of a profile so far.
+struct Course {
+    pieces: Vec<Piece>,
+    corners: Vec<Corner>,
+    began: bool,
+    motion: u16,
+}
 
 impl Interpreter {
     /// Runs a cycle along a profile, and then the rest of its block.
@@ -30,94 +40,154 @@ impl Interpreter {
     ) -> Result<Step, BlockError> {
         let label = Run::new(&mut self.state, env, out).begin_profile(block)?;
         let (file, start) = self.locate(Found::Sub(&label), &label, env)?;
-        // The subroutine has parameters of its own.
+        self.check_levels()?;
+        // The subroutine has parameters and a position of its own.
         let saved = self.state.numbered.locals();
+        let (position, line, depth) =
+            (self.state.position, self.state.line, self.state.levels.len());
         self.state.numbered.set_locals(&[]);
-        self.state.levels.push(Level::new(file.clone(), start, LevelKind::Sub));
-        let pieces = self.collect(&label, &file, start, env, out);
-        self.state.levels.pop();
+        let mut level = Level::new(file.clone(), start, LevelKind::Sub);
+        level.label = label;
+        self.state.levels.push(level);
+        let pieces = self.collect(depth, env, out);
+        if pieces.is_err() {
+            self.note_place(self.state.line);
+        }
+        self.state.levels.truncate(depth);
         self.state.numbered.set_locals(&saved);
+        self.state.position = position;
+        self.state.line = line;
         let pieces = pieces?;
         let mut run = Run::new(&mut self.state, env, out);
         run.number = block.number;
         let code = block.motion.unwrap_or_default();
-        run.run_profile(block, code, &pieces)?;
+        if let Err(error) = run.run_profile(block, code, &pieces) {
+            if error.line > 0 {
+                self.state.levels.push(Level::new(file, start, LevelKind::Sub));
+                self.note_place(error.line);
+                self.state.levels.truncate(depth);
+            }
+            return Err(error.problem.into());
+        }
+        let mut run = Run::new(&mut self.state, env, out);
+        run.number = block.number;
         let mut block = block.clone();
         let asked = run.execute(&mut block, step + 1)?;
         self.after(&mut block, asked, env, out)
     }
 
-    /// Reads the moves of a subroutine. Other words, and other O-words, mean nothing here.
+    /// Runs the lines of the innermost level, whose depth is `depth`, and returns the moves of G0 to G3 in them.
+    /// Assignments and O-words do what they always do; other words mean nothing here.
     fn collect(
         &mut self,
-        label: &str,
-        file: &str,
-        start: Cursor,
+        depth: usize,
         env: &dyn Environment,
         out: &mut Vec<Issued>,
     ) -> Result<Vec<Piece>, BlockError> {
-        let position = self.state.position;
-        let mut at = Point::new(position.z, position.x);
-        let (mut pieces, mut corners): (Vec<Piece>, Vec<Corner>) = (Vec::new(), Vec::new());
-        let mut began = false;
+        let mut course =
+            Course { pieces: Vec::new(), corners: Vec::new(), began: false, motion: 10 };
         let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
-        let (mut line, mut cursor) = (Line::default(), start);
-        let mut motion = 10;
-        loop {
-            let Some(next) = self.read(file, cursor, env, &mut raw)? else {
-                let (label, line) = (label.into(), start.line);
-                return Err(Problem::EndMissing { label, line }.into());
+        let mut line = Line::default();
+        let mut quiet = 0;
+        while let Some(level) = self.state.levels.get(depth..).and_then(<[Level]>::last) {
+            let (file, at) = (level.file.clone(), level.cursor);
+            if !level.is_of_file() {
+                return Err(Problem::ProfileCalls { label: level.label.clone() }.into());
+            }
+            self.count_line(&mut quiet)?;
+            let Some(next) = self.read(&file, at, env, &mut raw)? else {
+                let label = self.state.levels.last().map(|l| l.label.clone()).unwrap_or_default();
+                return Err(Problem::EndMissing { label, line: at.line }.into());
             };
-            cursor = next;
+            if let Some(level) = self.state.levels.last_mut() {
+                level.cursor = next;
+            }
+            self.state.line = next.line;
             clean::clean(&raw, &mut cleaned).map_err(|(_, problem)| BlockError::from(problem))?;
             line.parse(&cleaned).map_err(|fault| BlockError::from(fault.problem))?;
+            if line.deletable && self.state.settings.block_delete {
+                continue;
+            }
             if let Some(word) = &line.oword {
-                if matches!(word.action, Action::Endsub(_)) {
+                // The end of the profile keeps its level, so that its caller is not ended with it.
+                if matches!(word.action, Action::Endsub(_) | Action::Return(_))
+                    && self.state.levels.len() == depth + 1
+                {
                     break;
                 }
+                self.flow(word, at, env)?;
                 continue;
             }
-            let block = self.words(&line, env)?;
-            if let Some(code @ (0 | 10 | 20 | 30)) = block.g(GGroup::Motion) {
-                motion = code;
+            let mut block = Block::default();
+            self.values(&line, &mut block, env)?;
+            let pieces = course.pieces.len();
+            self.add_move(&mut course, &block, env, out)?;
+            if course.pieces.len() > pieces {
+                quiet = 0;
             }
-            if !block.has_any(b"xzuw") {
-                continue;
-            }
-            let end = self.end_of(&block, at);
-            if began {
-                let corner =
-                    block.get(b'a').map(|r| (r, false)).or(block.get(b'c').map(|r| (r, true)));
-                let mut piece = Piece::line(at, end);
-                if motion >= 20 {
-                    let run = Run::new(&mut self.state, env, out);
-                    let shape = run.shape(&block, at, end, motion == 20)?;
-                    piece.arc = Some(Arc { centre: shape.centre, left: shape.turns > 0 });
-                }
-                if !piece.is_short() {
-                    pieces.push(piece);
-                    corners.push(corner);
-                }
-                if pieces.len() > MAX_PIECES {
-                    return Err(Problem::OutputTooLarge { limit: MAX_PIECES }.into());
-                }
-            }
-            began = true;
-            at = end;
         }
-        Ok(rounded(pieces, &corners)?)
+        Ok(rounded(course.pieces, &course.corners)?)
     }
 
-    /// Returns the words of a line.
-    fn words(&self, line: &Line, env: &dyn Environment) -> Result<Block, BlockError> {
-        let reader = Reader { state: &self.state, environment: env };
-        let mut block = Block::default();
-        for word in &line.words {
-            let value =
-                evaluate(&word.value, word.at, &reader).map_err(|(_, p)| BlockError::from(p))?;
-            block.add(word.letter, word.at, value, &self.state.settings.remaps)?;
+    /// Counts a line of a profile against the limits of a run.
+    fn count_line(&mut self, quiet: &mut u64) -> Result<(), BlockError> {
+        let limits = self.state.settings.limits;
+        if self.state.lines_run >= limits.lines {
+            return Err(Problem::LinesSpent { limit: limits.lines }.into());
         }
-        Ok(block)
+        if *quiet > limits.quiet_lines {
+            return Err(Problem::RunAway { limit: limits.quiet_lines }.into());
+        }
+        self.state.lines_run += 1;
+        *quiet += 1;
+        Ok(())
+    }
+
+    /// Adds the move of a block to a profile. The first one is the way to its begin.
+    fn add_move(
+        &mut self,
+        course: &mut Course,
+        block: &Block,
+        env: &dyn Environment,
+        out: &mut Vec<Issued>,
+    ) -> Result<(), BlockError> {
+        if let Some(code @ (0 | 10 | 20 | 30)) = block.g(GGroup::Motion) {
+            course.motion = code;
+        }
+        if !block.has_any(b"xzuw") {
+            return Ok(());
+        }
+        let at = Point::new(self.state.position.z, self.state.position.x);
+        let end = self.end_of(block, at);
+        self.state.position.z = end.first;
+        self.state.position.x = end.second;
+        for (letter, value) in [('Z', end.first), ('X', end.second)] {
+            if !is_in_reach(value) {
+                return Err(Problem::ProfileRange { letter }.into());
+            }
+        }
+        if !course.began {
+            course.began = true;
+            return Ok(());
+        }
+        let corner = block.get(b'a').map(|r| (r, false)).or(block.get(b'c').map(|r| (r, true)));
+        let mut piece = Piece { line: self.state.line, ..Piece::straight(at, end) };
+        if course.motion >= 20 {
+            let run = Run::new(&mut self.state, env, out);
+            let shape = run.shape(block, at, end, course.motion == 20)?;
+            if piece.is_short() || shape.turns.unsigned_abs() != 1 {
+                return Err(Problem::ProfileGoesBack.into());
+            }
+            piece.arc = Some(Arc { centre: shape.centre, left: shape.turns > 0 });
+        }
+        if !piece.is_short() {
+            course.pieces.push(piece);
+            course.corners.push(corner);
+        }
+        if course.pieces.len() > MAX_PIECES {
+            return Err(Problem::OutputTooLarge { limit: MAX_PIECES }.into());
+        }
+        Ok(())
     }
 
     /// Returns the end of a move in Z and X; U and W are distances.

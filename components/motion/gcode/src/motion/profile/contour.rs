@@ -1,4 +1,4 @@
-//! Lines and arcs of a profile: offsets, corners, crossings.
+//! Lines and arcs of a profile: their places, corners, crossings.
 
 use crate::{
     error::Problem,
@@ -7,6 +7,9 @@ use crate::{
 
 /// Distances below this are none, in program units.
 pub(super) const NEAR: f64 = 1e-9;
+
+/// Shorter pieces are left out of a moved profile, in program units.
+pub(super) const SNAP: f64 = 1e-7;
 
 /// The circle of an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,22 +25,42 @@ pub(crate) struct Piece {
     pub(crate) from: Point,
     pub(crate) to: Point,
     pub(crate) arc: Option<Arc>,
+    /// The line of the program that it comes from; 0 for none.
+    pub(crate) line: u32,
 }
 
 impl Piece {
-    pub(crate) fn line(from: Point, to: Point) -> Self {
-        Self { from, to, arc: None }
+    pub(crate) fn straight(from: Point, to: Point) -> Self {
+        Self { from, to, arc: None, line: 0 }
+    }
+
+    /// Returns an arc whose ends have the same distance from its centre, which a program states to a few decimals.
+    pub(super) fn exact(self) -> Self {
+        let Some(arc) = self.arc else { return self };
+        let chord = self.to.minus(self.from);
+        let (middle, square) = (self.from.plus(chord, 0.5), chord.dot(chord));
+        let aside = arc.centre.minus(middle).dot(chord);
+        if square <= 0.0 || libm::fabs(aside) <= NEAR * libm::sqrt(square) {
+            return self;
+        }
+        let centre = arc.centre.plus(chord, -aside / square);
+        Self { arc: Some(Arc { centre, ..arc }), ..self }
     }
 
     /// Returns the piece in another frame.
     pub(super) fn mapped(&self, map: impl Fn(Point) -> Point, mirrored: bool) -> Self {
         let arc = self.arc.map(|a| Arc { centre: map(a.centre), left: a.left != mirrored });
-        Self { from: map(self.from), to: map(self.to), arc }
+        Self { from: map(self.from), to: map(self.to), arc, ..*self }
     }
 
     /// Tells whether the piece has no length; an arc is never a whole turn.
     pub(super) fn is_short(&self) -> bool {
         self.to.minus(self.from).length() < NEAR
+    }
+
+    /// Tells whether an arc is so short that motion could take it for none or a full turn.
+    pub(super) fn is_nearly_straight(&self) -> bool {
+        self.to.minus(self.from).length() < 1e-5 * self.radius()
     }
 
     /// Returns the unit direction at one of its points.
@@ -50,7 +73,7 @@ impl Piece {
         out.unit().unwrap_or_default()
     }
 
-    fn radius(&self) -> f64 {
+    pub(super) fn radius(&self) -> f64 {
         self.arc.map_or(0.0, |a| self.from.minus(a.centre).length())
     }
 
@@ -64,7 +87,7 @@ impl Piece {
                 return None;
             }
         }
-        Some(Self { from, to, arc: self.arc })
+        Some(Self { from, to, ..*self })
     }
 
     /// Returns the share of a point of its circle or line: 0 at the begin, 1 at the end.
@@ -131,32 +154,26 @@ impl Piece {
         }
     }
 
-    /// Returns the place on the piece at a level; the first one.
-    pub(super) fn at_level(&self, level: f64) -> Option<Point> {
-        let candidates = match self.arc {
+    /// Returns the place at a level of a piece that rises or falls throughout.
+    pub(super) fn at_level(&self, level: f64) -> Point {
+        let along = match self.arc {
             None => {
                 let rise = self.to.second - self.from.second;
-                if libm::fabs(rise) < NEAR {
-                    return (libm::fabs(level - self.from.second) < NEAR).then_some(self.from);
-                }
-                let share = (level - self.from.second) / rise;
-                let at = self.from.plus(self.to.minus(self.from), share);
-                [at, at]
+                let share = if rise == 0.0 { 0.0 } else { (level - self.from.second) / rise };
+                self.from.first + share * (self.to.first - self.from.first)
             }
             Some(arc) => {
-                let height = level - arc.centre.second;
-                let square = self.radius() * self.radius() - height * height;
-                let half = libm::sqrt(if square < 0.0 && square > -NEAR { 0.0 } else { square });
-                if half.is_nan() {
-                    return None;
-                }
-                let at = |h: f64| Point::new(arc.centre.first + h, level);
-                [at(-half), at(half)]
+                let (radius, height) = (self.radius(), level - arc.centre.second);
+                let square = (radius - height) * (radius + height);
+                let half = if square > 0.0 { libm::sqrt(square) } else { 0.0 };
+                // Such a piece lies on one side of its centre.
+                let before = self.from.first + self.to.first < 2.0 * arc.centre.first;
+                arc.centre.first + if before { -half } else { half }
             }
         };
-        let mut held: Vec<Point> = candidates.into_iter().filter(|p| self.holds(*p)).collect();
-        held.sort_by(|a, b| self.share(*a).total_cmp(&self.share(*b)));
-        held.first().map(|p| Point::new(p.first, level))
+        let (low, high) = (self.from.first, self.to.first);
+        let (low, high) = if low <= high { (low, high) } else { (high, low) };
+        Point::new(along.max(low).min(high), level)
     }
 
     /// Returns the part up to a place, and the part from it.
@@ -171,7 +188,8 @@ impl Piece {
         let mut cuts: Vec<Point> = [-radius, radius]
             .into_iter()
             .map(|h| Point::new(arc.centre.first, arc.centre.second + h))
-            .filter(|p| (1e-9..=1.0 - 1e-9).contains(&self.share(*p)))
+            .filter(|p| (0.0..=1.0).contains(&self.share(*p)))
+            .filter(|p| [self.from, self.to].iter().all(|e| p.minus(*e).length() >= SNAP))
             .collect();
         cuts.sort_by(|a, b| self.share(*a).total_cmp(&self.share(*b)));
         let mut out = Vec::new();
@@ -205,62 +223,9 @@ pub(super) fn goes_forward(pieces: &[Piece]) -> bool {
     pieces.iter().all(Piece::is_forward) || pieces.iter().all(|p| p.mapped(back, true).is_forward())
 }
 
-/// Checks that a profile never goes back.
-pub(super) fn check_forward(pieces: &[Piece]) -> Result<(), Problem> {
-    if pieces.iter().all(Piece::is_forward) { Ok(()) } else { Err(Problem::ProfileGoesBack) }
-}
-
-/// Returns a profile moved to its left: around outer corners it goes in arcs, inner corners are cut off.
-pub(super) fn offset(pieces: &[Piece], distance: f64) -> Vec<Piece> {
-    let mut out: Vec<Piece> = Vec::new();
-    if distance == 0.0 {
-        return pieces.to_vec();
-    }
-    let mut previous: Option<&Piece> = None;
-    for piece in pieces {
-        let Some(moved) = piece.offset(distance) else { continue };
-        let corner = piece.from;
-        if let Some(before) = previous {
-            let turn = before.direction(corner).cross(piece.direction(corner));
-            let outer = if distance > 0.0 { turn < -1e-9 } else { turn > 1e-9 };
-            if outer {
-                let from = out.last().map_or(moved.from, |p| p.to);
-                let arc = Arc { centre: corner, left: distance < 0.0 };
-                out.push(Piece { from, to: moved.from, arc: Some(arc) });
-                out.push(moved);
-            } else {
-                join(&mut out, moved, corner);
-            }
-        } else {
-            out.push(moved);
-        }
-        previous = Some(piece);
-    }
-    out
-}
-
-/// Adds a piece behind those that it cuts off.
-fn join(out: &mut Vec<Piece>, mut piece: Piece, corner: Point) {
-    loop {
-        let alone = out.len() == 1;
-        let Some(last) = out.last_mut() else { break };
-        if last.to.minus(piece.from).length() < NEAR {
-            break;
-        }
-        if let Some(at) = last.crossing(&piece, corner) {
-            last.to = at;
-            piece.from = at;
-            break;
-        }
-        // What lies behind the inner corner has no place on the moved profile.
-        if alone {
-            let gap = Piece::line(last.to, piece.from);
-            out.push(gap);
-            break;
-        }
-        out.pop();
-    }
-    out.push(piece);
+/// Checks that a profile never goes back. Returns the line that does.
+pub(super) fn check_forward(pieces: &[Piece]) -> Result<(), u32> {
+    pieces.iter().find(|p| !p.is_forward()).map_or(Ok(()), |p| Err(p.line))
 }
 
 /// Puts a fillet or chamfer between two pieces. Returns the shortened pieces and what lies between.
@@ -273,7 +238,7 @@ pub(super) fn round(
     let corner = a.to;
     let turn = a.direction(corner).cross(b.direction(corner));
     if libm::fabs(turn) < NEAR {
-        return Ok((a, Piece::line(corner, corner), b));
+        return Ok((a, Piece::straight(corner, corner), b));
     }
     let side = if turn > 0.0 { radius } else { -radius };
     let moved = a.offset(side).zip(b.offset(side));
@@ -290,5 +255,6 @@ pub(super) fn round(
     };
     let (from, to) = (touch(&a), touch(&b));
     let arc = (!chamfer).then_some(Arc { centre, left: turn > 0.0 });
-    Ok((Piece { to: from, ..a }, Piece { from, to, arc }, Piece { from: to, ..b }))
+    let between = Piece { from, to, arc, line: a.line };
+    Ok((Piece { to: from, ..a }, between, Piece { from: to, ..b }))
 }

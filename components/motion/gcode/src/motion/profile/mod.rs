@@ -2,6 +2,8 @@
 
 mod collect;
 mod contour;
+mod levels;
+mod moved;
 mod passes;
 
 use serde::{Deserialize, Serialize};
@@ -15,8 +17,8 @@ use crate::{
 };
 use contour::Piece;
 
-/// The most passes of a cycle.
-const MAX_PASSES: f64 = 100_000.0;
+/// The largest coordinate or distance of a cycle, in program units.
+const LARGEST: f64 = 1e9;
 
 /// The words of a cycle, in program units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,6 +62,37 @@ impl Turned {
     }
 }
 
+/// A problem of a profile with its line; 0 for that of the cycle.
+pub(crate) struct ProfileError {
+    line: u32,
+    problem: Problem,
+}
+
+impl From<Problem> for ProfileError {
+    fn from(problem: Problem) -> Self {
+        Self { line: 0, problem }
+    }
+}
+
+/// Returns the side of a profile that the tool is on, by the levels of the profile's ends and of the tool: 1 above it, -1
+/// below. If the tool is between the ends, it is on the side to which the profile goes; `behind` tells that it is behind
+/// the begin, where a tool at the level of the begin can only be on the other side.
+fn side(start: f64, end: f64, tool: f64, behind: bool) -> f64 {
+    let is_above = if tool > start && tool > end {
+        true
+    } else if (tool < start && tool < end) || (behind && tool == start && end > start) {
+        false
+    } else {
+        end >= start || (behind && tool == start)
+    };
+    if is_above { 1.0 } else { -1.0 }
+}
+
+/// Tells whether a coordinate or distance is a number that a machine may have.
+fn is_in_reach(value: f64) -> bool {
+    (-LARGEST..=LARGEST).contains(&value)
+}
+
 impl Run<'_> {
     /// Checks the words of a cycle and moves to its place. Returns the label of its subroutine.
     pub(crate) fn begin_profile(&mut self, b: &Block) -> Result<Box<str>, Problem> {
@@ -70,6 +103,8 @@ impl Run<'_> {
             return Err(Problem::CompWith { code: "G70 to G72.2" });
         }
         self.check_feed(b, "g1")?;
+        // Bad words are told before the first move.
+        self.words_of_profile(b, b.motion.unwrap_or_default())?;
         let label = b.integer(b'q')?.ok_or(Problem::ProfileNeedsQ)?;
         let mut place = self.state.position;
         place.x = b.get(b'x').unwrap_or(place.x);
@@ -84,15 +119,52 @@ impl Run<'_> {
         b: &Block,
         code: u16,
         profile: &[Piece],
-    ) -> Result<(), Problem> {
+    ) -> Result<(), ProfileError> {
         let place = self.state.position;
-        let whole = |letter: u8, default: i32| b.integer(letter).map(|v| v.unwrap_or(default));
-        let passes = match u32::try_from(whole(b'p', 1)?) {
+        let mut cycle = self.words_of_profile(b, code)?;
+        let finish = code == 700;
+        let (Some(first), Some(last)) = (profile.first(), profile.last()) else {
+            return Err(Problem::ProfileEmpty.into());
+        };
+        // The profile goes along one axis; G70 finds out which.
+        let facing = cycle.facing || (finish && !contour::goes_forward(profile));
+        let plain = Turned { facing, along: 1.0, level: 1.0 };
+        let at = |p: Point| plain.point(Position { z: p.first, x: p.second, ..place });
+        let (start, end, from) = (at(first.from), at(last.to), plain.point(place));
+        let sign = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
+        // The tool comes from before a profile that is only a wall.
+        let along = match end.first - start.first {
+            0.0 => sign(start.first - from.first),
+            way => sign(way),
+        };
+        let behind = along * (from.first - start.first) > 0.0;
+        let level = side(start.second, end.second, from.second, behind);
+        let turned = Turned { facing, along, level };
+        let pieces: Vec<Piece> = profile
+            .iter()
+            .map(|piece| {
+                let turn = |p: Point| turned.point(Position { z: p.first, x: p.second, ..place });
+                piece.mapped(turn, turned.mirrors())
+            })
+            .collect();
+        contour::check_forward(&pieces)
+            .map_err(|line| ProfileError { line, problem: Problem::ProfileGoesBack })?;
+        if finish {
+            self.finish(&mut cycle, turned, &pieces)?;
+        } else {
+            self.rough(&mut cycle, turned, &pieces)?;
+        }
+        Ok(())
+    }
+
+    /// Returns the words of a cycle.
+    fn words_of_profile(&self, b: &Block, code: u16) -> Result<Cycle, Problem> {
+        let place = self.state.position;
+        let passes = match u32::try_from(b.integer(b'p')?.unwrap_or(1)) {
             Ok(n) if (1..=100_000).contains(&n) => n,
             _ => return Err(Problem::NegativeWord { letter: 'P' }),
         };
-        let finish = code == 700;
-        let mut cycle = Cycle {
+        let cycle = Cycle {
             code,
             place,
             facing: (720..=722).contains(&code),
@@ -102,52 +174,32 @@ impl Run<'_> {
             increment: b.get(b'i').unwrap_or(1.0),
             retract: b.get(b'r').unwrap_or(0.5),
         };
-        if !finish && cycle.increment <= 0.0 {
+        if code != 700 && cycle.increment <= 0.0 {
             return Err(Problem::ProfileIncrement);
         }
-        let (Some(first), Some(last)) = (profile.first(), profile.last()) else {
-            return Err(Problem::ProfileEmpty);
-        };
-        // The profile goes along one axis; G70 finds out which.
-        let facing = cycle.facing || (finish && !contour::goes_forward(profile));
-        let plain = Turned { facing, along: 1.0, level: 1.0 };
-        let at = |p: Point| plain.point(Position { z: p.first, x: p.second, ..place });
-        let (start, end, from) = (at(first.from), at(last.to), plain.point(place));
-        let sign = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
-        let turned = Turned {
-            facing,
-            along: sign(end.first - start.first),
-            level: match end.second - start.second {
-                0.0 => sign(from.second - start.second),
-                above => sign(above),
-            },
-        };
-        let pieces: Vec<Piece> = profile
-            .iter()
-            .map(|piece| {
-                let turn = |p: Point| turned.point(Position { z: p.first, x: p.second, ..place });
-                piece.mapped(turn, turned.mirrors())
-            })
-            .collect();
-        contour::check_forward(&pieces)?;
-        // The tool comes from before the profile.
-        let (mut before, begin) = (turned.point(place), pieces.first().map(|p| p.from));
-        if let Some(begin) = begin.filter(|b| b.first < before.first) {
-            before.first = begin.first;
+        if cycle.retract < 0.0 {
+            return Err(Problem::NegativeWord { letter: 'R' });
         }
-        cycle.place = turned.position(before, place);
-        self.rapid(cycle.place)?;
-        if finish {
-            self.finish(&cycle, turned, &pieces)
-        } else {
-            self.rough(&cycle, turned, &pieces)
+        let lengths = [
+            ('X', place.x),
+            ('Z', place.z),
+            ('D', cycle.distance),
+            ('E', cycle.end_distance),
+            ('I', cycle.increment),
+            ('R', cycle.retract),
+        ];
+        match lengths.into_iter().find(|(_, v)| !is_in_reach(*v)) {
+            Some((letter, _)) => Err(Problem::ProfileRange { letter }),
+            None => Ok(cycle),
         }
     }
 
     /// Moves along a piece at feed.
     fn along(&mut self, turned: Turned, piece: &Piece) -> Result<(), Problem> {
         let end = turned.position(piece.to, self.state.position);
-        let Some(arc) = piece.arc else { return self.feed(end) };
+        let Some(arc) = piece.arc.filter(|_| !piece.is_nearly_straight()) else {
+            return self.feed(end);
+        };
         let centre = turned.position(arc.centre, end);
         let turns = if arc.left == turned.mirrors() { -1 } else { 1 };
         self.emit(Call::ArcFeed {

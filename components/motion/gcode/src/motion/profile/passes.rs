@@ -1,8 +1,10 @@
 //! The passes of a cycle, in a frame in which the profile goes forward and lies below the tool.
 
 use super::{
-    Cycle, MAX_PASSES, Turned,
-    contour::{NEAR, Piece, check_forward, offset},
+    Cycle, Turned,
+    contour::{NEAR, Piece},
+    levels::{Levels, Peaks},
+    moved::moved,
 };
 use crate::{error::Problem, interpret::Run, motion::geometry::Point};
 
@@ -10,75 +12,130 @@ impl Run<'_> {
     /// Makes the passes of G70.
     pub(super) fn finish(
         &mut self,
-        cycle: &Cycle,
+        cycle: &mut Cycle,
         turned: Turned,
         profile: &[Piece],
     ) -> Result<(), Problem> {
         let passes = f64::from(cycle.passes);
-        for pass in (1..=cycle.passes).rev() {
-            let step = (cycle.distance - cycle.end_distance) / passes;
-            let distance = f64::from(pass - 1) * step + cycle.end_distance;
-            let pieces = offset(profile, distance);
-            check_forward(&pieces)?;
-            let Some(first) = pieces.first() else { return Err(Problem::ProfileEmpty) };
+        let step = (cycle.distance - cycle.end_distance) / passes;
+        let distance = |pass: u32| f64::from(pass - 1) * step + cycle.end_distance;
+        let widest = distance(if step < 0.0 { 1 } else { cycle.passes });
+        let outermost = moved(profile, widest);
+        let distances: Vec<f64> = (1..=cycle.passes).rev().map(distance).collect();
+        self.approach(cycle, turned, &outermost, widest)?;
+        let top = top_of(&outermost);
+        for (pass, distance) in (1..=cycle.passes).rev().zip(distances) {
+            let pieces = moved(profile, distance);
+            let Some(first) = pieces.first() else { continue };
             let start = turned.position(first.from, cycle.place);
+            if turned.point(cycle.place).second < first.from.second - NEAR {
+                let beside = Point::new(turned.point(cycle.place).first, first.from.second);
+                self.rapid(turned.position(beside, cycle.place))?;
+            }
             self.rapid(start)?;
             for piece in &pieces {
                 self.along(turned, piece)?;
             }
             if pass > 1 {
-                self.rapid(cycle.place)?;
+                self.back_over(cycle, turned, top)?;
             }
         }
         Ok(())
     }
 
+    /// Moves from the end of a profile to the place of the cycle, over all that is between.
+    fn back_over(&mut self, cycle: &Cycle, turned: Turned, top: f64) -> Result<(), Problem> {
+        let (end, place) = (turned.point(self.state.position), turned.point(cycle.place));
+        let height = top.max(place.second);
+        if end.second < top - NEAR || place.second < top - NEAR {
+            for along in [end.first, place.first] {
+                self.rapid(turned.position(Point::new(along, height), cycle.place))?;
+            }
+        }
+        self.rapid(cycle.place)
+    }
+
+    /// Moves from the place of a cycle to one before the moved profile, which becomes the place of the cycle.
+    fn approach(
+        &mut self,
+        cycle: &mut Cycle,
+        turned: Turned,
+        pieces: &[Piece],
+        distance: f64,
+    ) -> Result<(), Problem> {
+        let Some(begin) = pieces.first().map(|p| p.from) else { return Ok(()) };
+        let mut place = turned.point(cycle.place);
+        let top = top_of(pieces);
+        if place.first > begin.first && place.second < top - NEAR {
+            // The tool leaves a pocket upwards.
+            for along in [place.first, begin.first] {
+                self.rapid(turned.position(Point::new(along, top), cycle.place))?;
+            }
+            place = Point::new(begin.first, place.second.max(begin.second));
+        } else if place.second < begin.second - NEAR {
+            // It passes the corner at the begin of the profile at its distance.
+            place.first = place.first.min(begin.first - distance.max(0.0));
+        } else {
+            place.first = place.first.min(begin.first);
+        }
+        cycle.place = turned.position(place, cycle.place);
+        self.rapid(cycle.place)
+    }
+
     /// Makes the passes of G71 and G72.
     pub(super) fn rough(
         &mut self,
-        cycle: &Cycle,
+        cycle: &mut Cycle,
         turned: Turned,
         profile: &[Piece],
     ) -> Result<(), Problem> {
+        let exact: Vec<Piece> = profile.iter().map(|p| p.exact()).collect();
+        let mut pieces = moved(&exact, cycle.distance);
+        self.approach(cycle, turned, &pieces, cycle.distance)?;
         let place = turned.point(cycle.place);
-        let mut pieces = offset(profile, cycle.distance);
-        check_forward(&pieces)?;
+        // The allowance may leave nothing of a profile.
         let (Some(first), Some(last)) = (pieces.first().copied(), pieces.last().copied()) else {
-            return Err(Problem::ProfileEmpty);
+            return Ok(());
         };
         if last.to.second < place.second - NEAR {
             let end = Point::new(last.to.first, place.second);
-            pieces.push(Piece::line(last.to, end));
-        }
-        let depth = (place.second - first.from.second) / cycle.increment;
-        if !(0.0..MAX_PASSES).contains(&libm::fabs(depth)) {
-            return Err(Problem::OutputTooLarge { limit: 100_000 });
+            pieces.push(Piece::straight(last.to, end));
         }
         let parts: Vec<Piece> = pieces.iter().flat_map(Piece::monotone).collect();
         let only_pockets = matches!(cycle.code, 712 | 722);
-        let no_pockets = matches!(cycle.code, 711 | 721);
         let top = if only_pockets { first.from.second } else { place.second };
-        let mut levels = Levels { top, increment: cycle.increment };
-        if only_pockets {
-            self.rapid(turned.position(first.from, cycle.place))?;
-        } else {
-            let entry = Piece::line(place, first.from);
-            let begin = turned.position(first.from, cycle.place);
-            if first.from.second < place.second - NEAR {
-                self.descend(cycle, turned, levels, &entry, &parts, true)?;
-                self.rapid(begin)?;
-            } else {
-                self.feed(begin)?;
+        let levels = Levels::new(top, cycle.increment, &parts)?;
+        let peaks = Peaks::new(&parts);
+        let cut = Cut { cycle, turned, parts: &parts, peaks: &peaks };
+        let begin = turned.position(first.from, cycle.place);
+        if only_pockets || first.from.second < place.second - NEAR {
+            if !only_pockets {
+                let entry = Piece::straight(place, first.from);
+                self.descend(&cut, levels, &entry, 0, true)?;
             }
+            self.rapid(begin)?;
+        } else {
+            let beside = Point::new(place.first, first.from.second);
+            self.feed(turned.position(beside, cycle.place))?;
+            self.feed(begin)?;
         }
-        if no_pockets {
-            return self.over_pockets(turned, &parts);
+        match cycle.code {
+            711 | 721 => self.over_pockets(&cut),
+            _ => self.follow(&cut, levels, only_pockets),
         }
-        let mut rest = parts.as_slice();
+    }
+
+    /// Follows a profile, and cuts across at each level that it falls through.
+    fn follow(
+        &mut self,
+        cut: &Cut<'_>,
+        mut levels: Levels,
+        only_pockets: bool,
+    ) -> Result<(), Problem> {
         // The part of an arc that was not made yet.
         let mut begun: Option<Point> = None;
         let mut fell = false;
-        while let Some((part, after)) = rest.split_first() {
+        for (index, part) in cut.parts.iter().enumerate() {
             let falling = part.to.second < part.from.second - NEAR;
             if only_pockets && falling && !fell {
                 // Each pocket is cut from its rim on.
@@ -87,17 +144,15 @@ impl Run<'_> {
             fell = falling;
             let cuts = levels.between(part.from.second, part.to.second).next().is_some();
             let mut done =
-                if cuts { self.descend(cycle, turned, levels, part, after, false)? } else { *part };
+                if cuts { self.descend(cut, levels, part, index + 1, false)? } else { *part };
             done.from = begun.take().unwrap_or(done.from);
             // The bottom of an arc does not divide it.
-            let goes_on =
-                falling && after.first().is_some_and(|n| n.arc.is_some() && n.arc == part.arc);
-            if goes_on {
+            let next = cut.parts.get(index + 1);
+            if falling && next.is_some_and(|n| n.arc.is_some() && n.arc == part.arc) {
                 begun = Some(done.from);
             } else if !done.is_short() {
-                self.along(turned, &done)?;
+                self.along(cut.turned, &done)?;
             }
-            rest = after;
         }
         Ok(())
     }
@@ -105,88 +160,93 @@ impl Run<'_> {
     /// Cuts across at each level that a falling piece passes. Returns what is left of the piece.
     fn descend(
         &mut self,
-        cycle: &Cycle,
-        turned: Turned,
+        cut: &Cut<'_>,
         levels: Levels,
         piece: &Piece,
-        after: &[Piece],
+        after: usize,
         rapid: bool,
     ) -> Result<Piece, Problem> {
         let mut rest = *piece;
         for level in levels.between(piece.from.second, piece.to.second) {
-            let Some(at) = rest.at_level(level) else { continue };
-            let Some(wall) = next_rise(after, level) else { continue };
+            let Some(wall) = cut.wall(after, level) else { continue };
+            let at = rest.at_level(level);
             let (before, behind) = rest.split(at);
             if rapid {
-                self.rapid(turned.position(at, self.state.position))?;
+                self.rapid(cut.turned.position(at, self.state.position))?;
             } else if before.arc.is_none() || !before.is_short() {
-                self.along(turned, &before)?;
+                self.along(cut.turned, &before)?;
             }
             rest = behind;
-            let place =
-                |along: f64, level: f64| turned.position(Point::new(along, level), cycle.place);
-            let (near, far) = (at.first + cycle.retract, wall.first - cycle.retract);
-            self.feed(place(wall.first, level))?;
-            self.rapid(place(far, level + cycle.retract))?;
-            self.rapid(place(near, level + cycle.retract))?;
-            if rapid {
-                self.rapid(place(at.first, level))?;
-            } else {
-                self.feed(place(at.first, level))?;
-            }
+            self.across(cut, at, wall, rapid)?;
         }
         Ok(rest)
     }
 
+    /// Cuts from a place to a wall and comes back above the cut.
+    fn across(
+        &mut self,
+        cut: &Cut<'_>,
+        at: Point,
+        wall: Point,
+        rapid: bool,
+    ) -> Result<(), Problem> {
+        let place =
+            |along: f64, level: f64| cut.turned.position(Point::new(along, level), cut.cycle.place);
+        // A short cut has no room for the whole retraction.
+        let half = (wall.first - at.first) / 2.0;
+        let retract = cut.cycle.retract.min(half.max(0.0));
+        let above = at.second + retract;
+        self.feed(place(wall.first, at.second))?;
+        self.rapid(place(wall.first - retract, above))?;
+        self.rapid(place(at.first + retract, above))?;
+        let back = place(at.first, at.second);
+        if rapid { self.rapid(back) } else { self.feed(back) }
+    }
+
     /// Follows a profile straight over its pockets.
-    fn over_pockets(&mut self, turned: Turned, parts: &[Piece]) -> Result<(), Problem> {
-        let mut rest = parts;
-        while let Some((part, after)) = rest.split_first() {
-            let start = turned.position(part.from, self.state.position);
+    fn over_pockets(&mut self, cut: &Cut<'_>) -> Result<(), Problem> {
+        let mut index = 0;
+        while let Some(part) = cut.parts.get(index) {
+            let start = cut.turned.position(part.from, self.state.position);
             self.feed(start)?;
-            rest = after;
+            index += 1;
             let level = part.from.second;
             if part.to.second >= level - NEAR {
-                self.along(turned, part)?;
+                self.along(cut.turned, part)?;
                 continue;
             }
-            while let Some((next, after)) = rest.split_first() {
-                rest = after;
-                let rises = next.to.second > next.from.second + NEAR;
-                if rises
-                    && next.to.second >= level - NEAR
-                    && let Some(at) = next.at_level(level)
-                {
-                    self.feed(turned.position(at, self.state.position))?;
-                    self.along(turned, &next.split(at).1)?;
-                    break;
-                }
+            let Some(wall) = cut.peaks.first_at(index, level - NEAR) else { break };
+            let Some(rising) = cut.parts.get(wall) else { break };
+            let at = rising.at_level(level);
+            self.feed(cut.turned.position(at, self.state.position))?;
+            let rest = rising.split(at).1;
+            if !rest.is_short() {
+                self.along(cut.turned, &rest)?;
             }
+            index = wall + 1;
         }
         Ok(())
     }
 }
 
-/// Returns the first place at which the pieces rise to a level.
-fn next_rise(pieces: &[Piece], level: f64) -> Option<Point> {
-    let rises = |p: &&Piece| p.to.second >= level - NEAR && p.to.second > p.from.second + NEAR;
-    pieces.iter().find(rises).and_then(|p| p.at_level(level))
+/// A profile whose pieces rise or fall throughout, and the cycle that cuts it.
+struct Cut<'a> {
+    cycle: &'a Cycle,
+    turned: Turned,
+    parts: &'a [Piece],
+    peaks: &'a Peaks,
 }
 
-/// The levels of cuts.
-#[derive(Clone, Copy, Debug)]
-struct Levels {
-    top: f64,
-    increment: f64,
-}
-
-impl Levels {
-    /// Iterates over the levels from `high`, included, down to `low`, which is none.
-    fn between(self, high: f64, low: f64) -> impl Iterator<Item = f64> {
-        let first = libm::ceil((self.top - high) / self.increment - 1e-9);
-        let first = if first > 0.0 { first } else { 0.0 };
-        (0..100_000u32)
-            .map(move |n| self.top - (first + f64::from(n)) * self.increment)
-            .take_while(move |level| *level > low + 1e-9)
+impl Cut<'_> {
+    /// Returns the first place, from a part on, at which the profile rises to a level.
+    fn wall(&self, from: usize, level: f64) -> Option<Point> {
+        let index = self.peaks.first_at(from, level - NEAR)?;
+        self.parts.get(index).map(|p| p.at_level(level))
     }
+}
+
+/// Returns the highest level of some pieces.
+fn top_of(pieces: &[Piece]) -> f64 {
+    let ends = pieces.iter().flat_map(Piece::monotone).flat_map(|p| [p.from.second, p.to.second]);
+    ends.fold(f64::NEG_INFINITY, f64::max)
 }
