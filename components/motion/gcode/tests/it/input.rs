@@ -294,3 +294,167 @@ fn other_encodings_are_told_apart() {
     bad(b"\xff\xfeg\x000\x00\n", "fuzz.ngc:1:1");
     bad(b"g0 x1\ng0 \xd81\nm2\n", "fuzz.ngc:2:4");
 }
+
+/// Returns a text with numbers that G-code has no exponents for.
+fn spelled(text: &str) -> String {
+    let pairs = [
+        ("1e300", "[10**300]"),
+        ("1e-300", "[10**-300]"),
+        ("1e12", "1000000000000"),
+        ("1e10", "10000000000"),
+        ("1e9", "1000000000"),
+        ("1e-3", "0.001"),
+        ("1e-6", "0.000001"),
+        ("1e-9", "0.000000001"),
+        ("2e-9", "0.000000002"),
+        ("5e-10", "0.0000000005"),
+    ];
+    pairs.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+}
+
+/// Returns what is wrong with an error that should be in a line of a program and say this.
+fn wrong_error(error: Option<String>, line: u32, part: &str, case: &str) -> Option<String> {
+    let error = error.unwrap_or_default();
+    let is_there = error.starts_with(&format!("fuzz.ngc:{line}:")) && error.contains(part);
+    (!is_there).then(|| format!("{case}: {error:?}, not {part:?} in line {line}"))
+}
+
+/// Returns the error of a program with a profile and a cycle along it.
+fn of_profile(profile: &str, cycle: &str, world: &World) -> Option<String> {
+    let text = format!("g18 g21 g8 f100\no100 sub\n{profile}o100 endsub\ng0 x30 z2\n{cycle}\nm2\n");
+    outcome(spelled(&text).as_bytes(), world).map(|e| e.to_string())
+}
+
+#[test]
+fn bad_profiles_are_refused_by_their_line() {
+    let world = World::new();
+    let good = "g0 x10 z0\ng1 z-5\nx20\n";
+    assert_eq!(of_profile(good, "g71 q100", &world), None);
+    let cases = [
+        ("", "g71 q100", 5, "the profile has no motion"),
+        ("g0 x10 z0\n", "g71 q100", 6, "the profile has no motion"),
+        ("g0 x10 z0\ng1 x10 z0\n", "g70 q100", 7, "the profile has no motion"),
+        ("g0 x1e300 z0\ng1 z-5\n", "g71 q100", 3, "X of the cycle or its profile"),
+        ("g0 x10 z0\ng1 z-1e300\n", "g72 q100", 4, "Z of the cycle or its profile"),
+        ("g0 x10 z0\ng1 z[-1e300*1e300]\n", "g71 q100", 4, ""),
+        ("g0 x10 z0\ng2 x12 z-5 i1e300 k1e300\n", "g71 q100", 4, ""),
+        ("g0 x10 z0\ng2 x10 z-1e-9 i0 k-5e-10\n", "g71 q100", 4, "Zero-radius arc"),
+        ("g0 x10 z0\ng2 z-2e-9 r1e-9\n", "g71 q100", 4, "the radius of the arc"),
+        ("g0 x10 z0\ng2 x10 z0 i5 k0\n", "g71 q100", 4, "the profile is not monotonic"),
+        ("g0 x10 z0\ng1 z-5\nx15 z-9\nx20 z-4\nx22 z-9\n", "g71 q100", 6, "the profile"),
+        ("g0 x10 z0\ng1 x20 z-10\nz-3\n", "g71 q100", 5, "the profile"),
+        ("g0 x10 z0\no101 while [1]\no101 endwhile\n", "g71 q100", 5, ""),
+        ("g0 x10 z0\no101 repeat [5000]\ng1 w-1\no101 endrepeat\n", "g71 q100", 6, ""),
+        ("g0 x10 z0\ng1 z-5\no100 call\n", "g71 q100", 5, ""),
+        ("g0 x10 z0\ng1 z#<none>\n", "g71 q100", 4, ""),
+        (good, "g71 q100 d1e300", 8, "D of the cycle or its profile"),
+        (good, "g70 q100 e-1e12", 8, "E of the cycle or its profile"),
+        (good, "g71 q100 i1e300", 8, "I of the cycle or its profile"),
+        (good, "g71 q100 i-1", 8, "G71 and G72 need an I above 0"),
+        (good, "g71 q100 i1e-300", 8, "the cycle has more than 100000 levels"),
+        (good, "g71 q100 r-1", 8, "Negative R"),
+        (good, "g71 q100 x1e300", 8, "X of the cycle or its profile"),
+        (good, "g70 q100 p1e9", 8, ""),
+    ];
+    let wrong = cases.into_iter().filter_map(|(profile, cycle, line, part)| {
+        let error = of_profile(profile, cycle, &world);
+        wrong_error(error, line, part, &format!("{profile}{cycle}"))
+    });
+    assert_eq!(wrong.collect::<Vec<_>>(), Vec::<String>::new());
+}
+
+/// Values at the edges of what a program can say.
+const EDGES: [&str; 16] = [
+    "0", "-0", "1", "-1", "5", "-7.5", "1e-9", "-1e-9", "1e-6", "0.001", "1e9", "-1e9", "1e10",
+    "1e300", "-1e300", "1e-300",
+];
+
+#[test]
+fn random_profiles_and_contours_of_edge_values_end_in_order() {
+    let world = World::new();
+    let mut random = Random(11);
+    let (mut errors, mut ends) = (0, 0);
+    for case in 0..4000 {
+        let edge = |random: &mut Random| {
+            // Most values are ordinary, so that a bad one comes late.
+            if random.below(4) > 0 {
+                format!("{}", random.below(200) as f64 / 8.0 - 12.0)
+            } else {
+                EDGES[random.below(EDGES.len())].to_owned()
+            }
+        };
+        let mut text = String::new();
+        for _ in 0..1 + random.below(6) {
+            let code = ["g0", "g1", "g1", "g2", "g3"][random.below(5)];
+            let (x, z) = (edge(&mut random), edge(&mut random));
+            text.push_str(&format!("{code} x{x} z{z}"));
+            match (code, random.below(2)) {
+                ("g2" | "g3", 0) => text.push_str(&format!(" r{}", edge(&mut random))),
+                ("g2" | "g3", _) => {
+                    let (i, k) = (edge(&mut random), edge(&mut random));
+                    text.push_str(&format!(" i{i} k{k}"));
+                }
+                _ => {}
+            }
+            text.push('\n');
+        }
+        let value = edge(&mut random);
+        let error = if case % 2 == 0 {
+            let cycle = ["g70", "g71", "g71.1", "g71.2", "g72", "g72.1", "g72.2"][random.below(7)];
+            let word = ["d", "e", "i", "r", "x", "z"][random.below(6)];
+            of_profile(&text, &format!("{cycle} q100 {word}{value}"), &world)
+        } else {
+            let side = ["g41.1", "g42.1"][random.below(2)];
+            let text = format!("g18 g21 g8 f100\n{side} d{value}\n{text}g40\nm2\n");
+            outcome(spelled(&text).as_bytes(), &world).map(|e| e.to_string())
+        };
+        match error {
+            Some(_) => errors += 1,
+            None => ends += 1,
+        }
+    }
+    assert!(errors > 1000 && ends > 100, "{errors} errors and {ends} ends: the cases say little");
+}
+
+#[test]
+fn bad_contours_are_refused_by_their_line() {
+    let world = World::new();
+    let cases = [
+        ("g41.1 d1e300\n", 2, "a compensated move or the tool's radius is out of range"),
+        ("g41.1 d[1e300*1e300]\n", 2, ""),
+        ("g41.1 d1\ng1 x1e300\n", 3, "a compensated move or the tool's radius"),
+        ("g41.1 d1\ng1 x10\ng2 x20 r1e300\n", 4, "the radius of the arc is out of range"),
+        ("g41.1 d1\ng1 x10\ng2 x[10+2e-9] r1e-9\n", 4, "the radius of the arc"),
+        ("g41.1 d1\ng1 x10\ng3 x10.4 i0.2\n", 4, "Tool radius not less than arc radius"),
+        // A wedge of a fifth of a degree, and its other side.
+        ("g41.1 d1\ng1 x10\nx0 y0.03\n", 4, "Straight feed in concave corner"),
+        ("g42.1 d1\ng1 x10\nx0 y-0.03\n", 4, "Straight feed in concave corner"),
+        // The next side is too short for the tool.
+        ("g41.1 d2\ng1 x10\ny0.5\nx0\n", 4, "Straight feed in concave corner"),
+    ];
+    let wrong = cases.into_iter().filter_map(|(contour, line, part)| {
+        let text = format!("g17 g21 f100\n{contour}g40\nm2\n");
+        let error = outcome(spelled(&text).as_bytes(), &world).map(|e| e.to_string());
+        wrong_error(error, line, part, contour)
+    });
+    assert_eq!(wrong.collect::<Vec<_>>(), Vec::<String>::new());
+}
+
+#[test]
+fn a_tool_without_radius_is_on_the_programmed_lines() {
+    let world = World::new();
+    let contour = "g1 x10\ny10\nx9\ny0\nx20 y1e-3\nx5 y0\ng3 x-5 y0 i-5\ng2 x-5 y0 i2\ng0 x0 y-8\ng1 z-1\nm0\nx1\n";
+    let calls = |before: &str| {
+        let text = format!("g17 g21 f100\n{before}\n{contour}g40\ng1 x-9\nm2\n");
+        let mut it = Interpreter::new(settings(), Numbered::default());
+        it.load("wear.ngc", Arc::new(spelled(&text).into_bytes()));
+        let (calls, error) = crate::support::run_with(&mut it, &world, |_| {});
+        assert_eq!(error.map(|e| e.to_string()), None);
+        let is_told = |c: &hal_gcode::Call| matches!(c, hal_gcode::Call::Comment(_));
+        calls.into_iter().map(|c| c.call).filter(|c| !is_told(c)).collect::<Vec<_>>()
+    };
+    let plain = calls("");
+    for side in ["g41", "g42", "g41 d0", "g41.1 d0", "g42.1 d0", "g42.1 d-0", "g41.1 d1e-9"] {
+        assert_eq!(calls(side), plain, "{side}");
+    }
+}
