@@ -1,6 +1,6 @@
 //! The machine that a program is for: its INI file, tool table and parameter file.
 
-use crate::number::{self, arc_tolerance, count, number};
+use crate::number::{self, arc_tolerance, count, is_one, number};
 use crate::spindle::{self, Spindle};
 use crate::travel::coordinates;
 use crate::world::{Version, version};
@@ -189,8 +189,8 @@ impl Machine {
         self.folders.extend(ini.get("RS274NGC", "SUBROUTINE_PATH").map(list).unwrap_or_default());
         self.codes.extend(ini.get("RS274NGC", "USER_M_PATH").map(list).unwrap_or_default());
         self.startup = ini.get("RS274NGC", "RS274NGC_STARTUP_CODE").map(str::to_owned);
-        let random = ini.get("EMCIO", "RANDOM_TOOLCHANGER");
-        self.settings.random_changer = random.is_some_and(|v| v.trim() == "1");
+        self.settings.random_changer = is_one(ini, "EMCIO", "RANDOM_TOOLCHANGER");
+        self.settings.no_fanuc_subs = is_one(ini, "RS274NGC", "DISABLE_FANUC_STYLE_SUB");
         self.language(ini)?;
         self.python = Setup::read(ini, &self.folder)?;
         for entry in ini.all("RS274NGC", "REMAP") {

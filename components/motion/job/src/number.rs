@@ -23,6 +23,11 @@ pub(crate) fn count(ini: &Ini, section: &str, name: &str, most: u8) -> Result<Op
     number.map(Some).ok_or_else(|| wrong(entry, &format!("a whole number from 0 to {most}")))
 }
 
+/// Tells whether an entry is 1. Any other value is no, as in LinuxCNC.
+pub(crate) fn is_one(ini: &Ini, section: &str, name: &str) -> bool {
+    ini.get(section, name).is_some_and(|value| value.trim() == "1")
+}
+
 /// Returns the error of an entry, with what its value must be.
 pub fn wrong(entry: &Entry, wanted: &str) -> String {
     let Entry { file, line, section, name, value, .. } = entry;
@@ -101,6 +106,10 @@ mod tests {
         let machine = read(language).ok().unwrap();
         assert_eq!(machine.settings.dialect, hal_gcode::Dialect::Rs274d);
         assert_eq!(machine.settings.default_feed, 50.8);
+        for (value, is_set) in [("1", true), ("0", false), ("TRUE", false), ("", false)] {
+            let machine = read(&format!("[RS274NGC]\nDISABLE_FANUC_STYLE_SUB = {value}\n"));
+            assert_eq!(machine.ok().unwrap().settings.no_fanuc_subs, is_set, "{value}");
+        }
         let machine = read("[AXIS_X]\nMIN_LIMIT = -10 to the left\nMAX_LIMIT =\n").ok().unwrap();
         assert_eq!(machine.limits[0], (Some(-10.0), None));
         // With trivial kinematics, a joint's travel is that of its axis; the narrower one counts.

@@ -232,7 +232,8 @@ impl Job<'_> {
             if !goes_on || it.state.levels.is_empty() {
                 return Ok(true);
             }
-            // Goes on with the line after the one that failed.
+            // Goes on with the line after the one that failed, or after the call that led there.
+            it.leave_calls();
             it.state.ended = false;
             it.state.pending = None;
             let mut out = Vec::new();

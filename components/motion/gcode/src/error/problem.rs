@@ -46,7 +46,7 @@ problems! {
     NoBracket: "Left bracket missing after word", "write [expression]";
     UnclosedExpression: "Unclosed expression", "close the expression with ]";
     UnknownOperator: "Unknown operation", "operators are + - * / ** mod eq ne gt ge lt le and or xor";
-    ExistsNeedsName: "Expected #< after exists[", "write exists[#<name>]";
+    ExistsNeedsName: "Expected # after exists[", "write exists[#<name>] or exists[#n]";
     AtanNeedsSlash: "Slash missing after first atan argument", "write atan[y]/[x]";
     AtanNeedsBracket: "Left bracket missing after slash with atan", "write atan[y]/[x]";
     UnknownWord { first: char }: "Unknown word starting with {first}", "functions are abs acos asin atan cos exists exp fix fup ln round sin sqrt tan";
@@ -265,8 +265,10 @@ problems! {
     LinesSpent { limit: u64 }: "{limit} lines were run", "raise the limit";
     OutputTooLarge { limit: usize }: "one line makes more than {limit} canonical calls", "";
     NothingSaved: "Cannot restore context from invalid stack frame - missing M70/M73?", "";
+    FanucSubs { what: &'static str }: "{what}", "use o<name> sub and o<name> call, or take the entry out of [RS274NGC]";
     M98NeedsP: "Found 'm98' code with no P-word", "";
     M99Context: "M99 outside of a program part", "";
+    PythonComment: "Python in a comment is not run", "put it into a function of the module that [PYTHON] names, and write o<name> call";
     UserAbort { text: Box<str> }: "{text}", "";
     NoFile { name: Box<str> }: "Unable to open file <{name}>", "";
     FileUnread { name: Box<str>, reason: Box<str> }: "Unable to read file <{name}>: {reason}", "load the program again";

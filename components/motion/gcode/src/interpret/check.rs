@@ -25,7 +25,7 @@ impl Run<'_> {
         self.check_axes(block)?;
         let motion = find_motion(block, self.state.modal.motion)?;
         block.motion = motion;
-        if block.g(GGroup::Once) == Some(530) && !matches!(motion, None | Some(0 | 10)) {
+        if block.g(GGroup::Once) == Some(530) && !matches!(motion, Some(0 | 10)) {
             return Err(Problem::G53Motion);
         }
         if let (Some(20 | 30), Some(turns)) = (motion, block.get(b'p')) {

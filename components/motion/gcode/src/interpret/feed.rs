@@ -124,7 +124,7 @@ impl Run<'_> {
             return Err(Problem::OrientMode);
         };
         for spindle in self.spindles(self.spindle(b, "M19")?) {
-            if b.has(b'r') {
+            if b.has_any(b"rp") {
                 self.emit(Call::OrientSpindle { spindle, degrees, mode })?;
             }
             if let Some(timeout) = b.get(b'q') {

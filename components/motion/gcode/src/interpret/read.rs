@@ -189,6 +189,10 @@ impl Interpreter {
             return self.pause(block, pause, step, env, out);
         }
         match block.m(MGroup::Call) {
+            Some(98) if self.state.settings.no_fanuc_subs => {
+                let what = "DISABLE_FANUC_STYLE_SUB set in INI file, but found m98";
+                return Err(Problem::FanucSubs { what }.into());
+            }
             Some(98) => {
                 let part = block.integer(b'p')?.ok_or(Problem::M98NeedsP)?;
                 let repeats = block.integer(b'l')?.unwrap_or(1);

@@ -35,6 +35,7 @@ impl Run<'_> {
                 self.state.probe_file = false;
                 Call::ProbeClose
             }
+            Kind::Python => return Err(Problem::PythonComment),
             Kind::Abort => return Err(Problem::UserAbort { text: expanded() }),
         };
         self.emit(call)?;

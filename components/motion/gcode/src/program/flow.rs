@@ -15,6 +15,8 @@ use crate::{
     },
 };
 
+const NO_PARTS: &str = "DISABLE_FANUC_STYLE_SUB set in INI file, but found bare O-word";
+
 impl Interpreter {
     /// Runs an O-word.
     pub(crate) fn flow(
@@ -25,6 +27,9 @@ impl Interpreter {
     ) -> Result<(), BlockError> {
         let label = self.label(&word.label, env)?;
         match &word.action {
+            Action::Bare if self.state.settings.no_fanuc_subs => {
+                Err(Problem::FanucSubs { what: NO_PARTS }.into())
+            }
             Action::Bare => Ok(()),
             Action::Sub => self.skip_definition(&label, env),
             Action::Endsub(value) => self.leave(&label, "endsub", value.as_ref(), env),
@@ -287,8 +292,8 @@ impl Interpreter {
         env: &dyn Environment,
     ) -> Result<(), BlockError> {
         let value = value.map(|v| self.value(v, env)).transpose()?;
-        let level = self.level()?;
-        if level.kind != LevelKind::Sub || &*level.label != label {
+        // The label of the word does not matter, as in the reference: the innermost subroutine ends.
+        if self.level()?.kind != LevelKind::Sub {
             return Err(Problem::NotInSub { label: label.into(), word }.into());
         }
         self.state.returned = value;
@@ -316,6 +321,22 @@ impl Interpreter {
             self.restore(saved, env)?;
         }
         Ok(())
+    }
+
+    /// Ends all calls and loops in progress after an error: the line after the outermost call is next.
+    pub fn leave_calls(&mut self) {
+        while self.state.levels.len() > 1
+            && let Some(level) = self.state.levels.pop()
+        {
+            if level.kind == LevelKind::Sub {
+                self.state.numbered.set_locals(&level.saved);
+            }
+        }
+        if let Some(level) = self.state.levels.last_mut() {
+            level.open.clear();
+        }
+        self.late.clear();
+        self.remapped = None;
     }
 
     pub(crate) fn check_levels(&self) -> Result<(), BlockError> {

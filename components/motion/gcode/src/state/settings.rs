@@ -60,6 +60,9 @@ pub struct Settings {
     pub task: bool,
     /// The tool changer puts the old tool into the pocket of the new one.
     pub random_changer: bool,
+    /// M98 and O-words without a keyword are refused (`[RS274NGC]DISABLE_FANUC_STYLE_SUB`).
+    #[serde(default)]
+    pub no_fanuc_subs: bool,
     /// The remapped codes.
     pub remaps: Vec<Remap>,
     /// The language of programs.
@@ -81,6 +84,7 @@ impl Default for Settings {
             limits: Limits::default(),
             task: false,
             random_changer: false,
+            no_fanuc_subs: false,
             remaps: Vec::new(),
             dialect: Dialect::default(),
             default_feed: 381.0,

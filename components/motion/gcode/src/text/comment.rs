@@ -1,4 +1,6 @@
-//! Comments with a meaning: `MSG`, `DEBUG`, `PRINT`, `LOG` and the files of logs and probes.
+//! Comments with a meaning: `MSG`, `DEBUG`, `PRINT`, `LOG`, `ABORT`, and the files of logs and probes.
+//!
+//! The last comment in brackets of a line counts. What else stands on the line, before it or behind it, changes nothing.
 
 use crate::{parameters::format_value, text::evaluate::Values};
 
@@ -27,10 +29,12 @@ pub enum Kind {
     ProbeClose,
     /// The program ends with an error and this message.
     Abort,
+    /// Text in Python, which is refused.
+    Python,
 }
 
 /// The comments with a meaning: the word that begins them, and whether a text follows a comma.
-pub const KINDS: [(&str, Kind); 10] = [
+pub const KINDS: [(&str, Kind); 13] = [
     ("msg,", Kind::Message),
     ("debug,", Kind::Debug),
     ("print,", Kind::Print),
@@ -41,6 +45,9 @@ pub const KINDS: [(&str, Kind); 10] = [
     ("probeopen", Kind::ProbeOpen),
     ("probeclose", Kind::ProbeClose),
     ("abort,", Kind::Abort),
+    ("py,", Kind::Python),
+    ("pyrun,", Kind::Python),
+    ("pyreload", Kind::Python),
 ];
 
 /// Returns the meaning of the comment `text` (without its brackets) and what follows the word.

@@ -30,6 +30,11 @@ pub fn evaluate(expr: &Expr, at: Left, values: &dyn Values) -> Result<f64, Failu
             return values.numbered(index).map_err(|p| (*at, p));
         }
         Expr::Named(at, name) => return values.named(name).map_err(|p| (*at, p)),
+        Expr::ExistsNumbered(at, index) => {
+            let index = integer(evaluate(index, *at, values)?).map_err(|p| (*at, p))?;
+            let exists = index > 0 && values.numbered(index).is_ok();
+            return Ok(if exists { 1.0 } else { 0.0 });
+        }
         Expr::Exists(name) => return Ok(if values.exists(name) { 1.0 } else { 0.0 }),
         Expr::Negative(inner) => return Ok(-evaluate(inner, at, values)?),
         Expr::Call(at, function, inner) => {

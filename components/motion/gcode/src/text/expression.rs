@@ -126,6 +126,8 @@ pub enum Expr {
     Named(Left, Box<str>),
     /// `exists[#<name>]`
     Exists(Box<str>),
+    /// `exists[#n]`
+    ExistsNumbered(Left, Box<Expr>),
     /// A function of one argument.
     Call(Left, Function, Box<Expr>),
     /// `atan[y]/[x]`
@@ -204,14 +206,7 @@ fn parameter<'a>(input: Input<'a>, depth: u32, operators: &Cell<u32>) -> Parsed<
 
 fn function<'a>(input: Input<'a>, depth: u32, operators: &Cell<u32>) -> Parsed<'a, Expr> {
     if let Some(rest) = input.strip_prefix(b"exists") {
-        let [b'[', b'#', inner @ ..] = rest else {
-            return fail(rest, Problem::ExistsNeedsName);
-        };
-        let (after, name) = angled(inner)?;
-        let Some((b']', after)) = after.split_first() else {
-            return fail(after, Problem::UnclosedExpression);
-        };
-        return Ok((after, Expr::Exists(name)));
+        return exists(rest, depth, operators);
     }
     if let Some(rest) = input.strip_prefix(b"atan") {
         let (rest, y) = bracketed_at(rest, depth + 1, operators)?;
@@ -232,6 +227,22 @@ fn function<'a>(input: Input<'a>, depth: u32, operators: &Cell<u32>) -> Parsed<'
         }
     }
     fail(input, Problem::UnknownWord { first: char::from(input.first().copied().unwrap_or(b'?')) })
+}
+
+/// Reads the parameter in brackets behind `exists`.
+fn exists<'a>(input: Input<'a>, depth: u32, operators: &Cell<u32>) -> Parsed<'a, Expr> {
+    let [b'[', b'#', inner @ ..] = input else {
+        return fail(input, Problem::ExistsNeedsName);
+    };
+    let (after, found) = match parameter(inner, depth, operators)? {
+        (after, Expr::Named(_, name)) => (after, Expr::Exists(name)),
+        (after, Expr::Numbered(at, index)) => (after, Expr::ExistsNumbered(at, index)),
+        _ => return fail(input, Problem::ExistsNeedsName),
+    };
+    match after.split_first() {
+        Some((b']', after)) => Ok((after, found)),
+        _ => fail(after, Problem::UnclosedExpression),
+    }
 }
 
 fn bracketed_at<'a>(input: Input<'a>, depth: u32, operators: &Cell<u32>) -> Parsed<'a, Expr> {

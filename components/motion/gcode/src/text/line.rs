@@ -103,6 +103,12 @@ impl Line {
         Ok((rest, ()))
     }
 
+    /// Tells whether nothing of the line was read yet.
+    fn is_blank(&self) -> bool {
+        let is_marked = self.deletable || self.number.is_some() || self.oword.is_some();
+        !is_marked && self.words.is_empty() && self.assignments.is_empty() && self.remark.is_none()
+    }
+
     /// Reads what may follow an O-word: comments only.
     fn trailing<'a>(&mut self, mut rest: Input<'a>) -> Parsed<'a, ()> {
         while let Some(first) = rest.first() {
@@ -117,7 +123,10 @@ impl Line {
     fn comment<'a>(&mut self, input: Input<'a>) -> Input<'a> {
         let (mark, inner) = input.split_first().unwrap_or((&b';', &[]));
         if *mark == b';' {
-            self.remark = None;
+            // It ends the line; a comment in brackets before it keeps its meaning.
+            if inner.starts_with(b"py,") && self.is_blank() {
+                self.remark = Some(Remark { kind: comment::Kind::Python, text: Box::default() });
+            }
             return &[];
         }
         let end = inner.iter().position(|b| *b == b')').unwrap_or(inner.len());

@@ -154,7 +154,7 @@ fn random_bytes_and_token_soup_end_in_order() {
     let mut random = Random(7);
     let programs: Vec<&Vec<u8>> = world.files.values().collect();
     let (mut errors, mut ends) = (0, 0);
-    for case in 0..6000 {
+    for case in 0..7500 {
         let mut text = Vec::new();
         match case % 3 {
             0 => {

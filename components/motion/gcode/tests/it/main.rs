@@ -4,6 +4,7 @@
 
 mod axes;
 mod changer;
+mod comments;
 mod contours;
 mod golden;
 mod input;
