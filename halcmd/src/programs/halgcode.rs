@@ -5,6 +5,7 @@
 //! | `filter` | programs of `[FILTER]`, which turn other files into G-code |
 //! | `canon`, `printer` | `canon`: the canonical calls, as `rs274` prints them |
 //! | `check` | `check`: errors, limits, tools, extents |
+//! | `foreign` | programs of other controls, which `check` names |
 //! | `clock` | the time of a program on its machine, by the planner of motion |
 //! | `path` | the way of the tool in machine coordinates |
 //! | `plot`, `views` | `plot`: pictures of the way |
@@ -22,6 +23,7 @@ mod canon;
 mod check;
 mod clock;
 mod filter;
+mod foreign;
 mod format;
 mod help;
 mod language;

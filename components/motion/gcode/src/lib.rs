@@ -17,6 +17,7 @@
 //! | [`remap`] | codes that run a subroutine, as an INI file asks |
 //! | [`function`], [`view`] | functions of another language, and the state that they see |
 //! | [`error`] | the problems with their places |
+//! | [`foreign`] | programs of other controls: which one, and what to change |
 //!
 //! The caller loads a text and calls [`Interpreter::next`] until it ends. A step that needs an answer from the machine
 //! (a probe, an input, a tool change) returns [`Step::Ask`]; the caller runs the calls so far and then calls
@@ -31,6 +32,7 @@ pub mod canon;
 pub mod dialect;
 pub mod environment;
 pub mod error;
+pub mod foreign;
 pub mod function;
 pub mod interpret;
 pub mod motion;

@@ -1,6 +1,6 @@
 //! `halgcode check`: the errors of a program, the places that the machine cannot reach, its tools and extents.
 
-use super::{clock::Clock, filter, help::usage_of, language};
+use super::{clock::Clock, filter, foreign, help::usage_of, language};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -139,8 +139,10 @@ fn one(file: &str, world: &World, most: u64, quiet: bool) -> Result<bool, String
     let text = filter::load(Path::new(file), machine)?;
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
     start(&mut it, world)?;
+    let other_control = foreign::told(file, &text, world)?;
     it.load(file, text);
     let mut check = Check::new(&it, world);
+    check.text.push_str(&other_control);
     let mut result = run(
         &mut it,
         world,

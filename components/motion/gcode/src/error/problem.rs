@@ -1,6 +1,9 @@
 //! The table of problems: each with its message and its remedy.
 
 use core::fmt;
+use std::borrow::Cow;
+
+use crate::foreign;
 
 /// Declares the problems with their messages and remedies.
 macro_rules! problems {
@@ -18,8 +21,7 @@ macro_rules! problems {
         }
 
         impl Problem {
-            /// Returns advice, or nothing where the message says it all.
-            pub fn remedy(&self) -> &'static str {
+            fn standing_remedy(&self) -> &'static str {
                 match self { $( Self::$name $({ $($field: _),+ })? => $remedy, )+ }
             }
         }
@@ -53,6 +55,7 @@ problems! {
     NestedTooDeep { limit: u32 }: "expression is nested deeper than {limit} levels", "use a parameter for a part of it";
     TooManyOperators { limit: u32 }: "expression has more than {limit} operators", "use a parameter for a part of it";
     NoEqualSign: "Equal sign missing in parameter setting", "write #n=value";
+    Foreign { said: Box<str> }: "{said}", "";
     UnknownOCommand: "Unknown control command in o word", "keywords are sub endsub return call do while endwhile if elseif else endif repeat endrepeat break continue";
     AfterOWord: "Unexpected character after O-word", "only a comment may follow it";
     NotInDialect { what: Box<str> }: "{what} is not part of RS274-D", "it has G00 to G04, G20, G21, G28, G29, G90, G91, G92, M00, M01, M02, M30, words and numbers without exponent";
@@ -78,9 +81,9 @@ problems! {
 
     // Words of a block.
     MultipleWords { letter: char }: "Multiple {letter} words on one line", "";
-    UnknownG: "Unknown g code used", "";
+    UnknownG { code: f64 }: "Unknown g code used: G{code}", "";
     NegativeG: "Negative g code used", "";
-    GRange: "G-code out of range", "";
+    GRange { code: f64 }: "G-code out of range: G{code}", "";
     UnknownM { code: i32 }: "Unknown m code used: M{code}", "user codes M100 to M199 need a program of that name";
     NegativeM: "Negative m code used", "";
     MTooLarge { code: i32 }: "M-code greater than 199: M{code}", "";
@@ -278,6 +281,18 @@ problems! {
 }
 
 impl Problem {
+    /// Returns advice, or nothing where the message says it all. That of a code of another control says what it means there.
+    pub fn remedy(&self) -> Cow<'static, str> {
+        let advice = match self {
+            Self::UnknownG { code } | Self::GRange { code } => foreign::advice(b'g', *code),
+            Self::UnknownM { code } | Self::MTooLarge { code } => {
+                foreign::advice(b'm', f64::from(*code))
+            }
+            _ => None,
+        };
+        advice.map_or(Cow::Borrowed(self.standing_remedy()), Cow::Owned)
+    }
+
     /// Returns the problem of a byte that begins nothing; `None` is the end of the line.
     pub fn of_byte(byte: Option<u8>) -> Self {
         match byte {

@@ -78,7 +78,7 @@ impl Block {
         let group = match codes::g_group(code) {
             Some(group) => group,
             None if remaps.iter().any(|r| r.code == Remapped::G(code)) => GGroup::Motion,
-            None => return Err(Problem::UnknownG),
+            None => return Err(Problem::UnknownG { code: value }),
         };
         match self.g.get_mut(group as usize) {
             Some(empty @ None) => {

@@ -88,10 +88,10 @@ pub fn g_code(value: f64) -> Result<u16, Problem> {
     }
     // The largest code is 99.9.
     if !(0.0..=999.0).contains(&tenfold) {
-        return Err(Problem::GRange);
+        return Err(Problem::GRange { code: value });
     }
     if libm::fabs(tenfold - 10.0 * value) > 0.0001 * 10.0 {
-        return Err(Problem::UnknownG);
+        return Err(Problem::UnknownG { code: value });
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 999")]
     Ok(tenfold as u16)

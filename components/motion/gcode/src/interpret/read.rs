@@ -10,6 +10,7 @@ use crate::{
     canon::{Call, Issued},
     environment::Environment,
     error::{Error, Problem},
+    foreign,
     interpret::codes::MGroup,
     parameters::{check_writable, set_name, system},
     question::Answer,
@@ -97,7 +98,7 @@ impl Interpreter {
         let mut line = core::mem::take(&mut self.line);
         let parsed = line.parse(&self.cleaned).map_err(|fault| BlockError {
             at: BlockErrorAt::Left(crate::text::expression::left(fault.at)),
-            problem: fault.problem,
+            problem: of_other_control(&self.cleaned).unwrap_or(fault.problem),
         });
         let result = parsed.and_then(|()| self.run_parsed(&line, at, env, out));
         self.line = line;
@@ -317,6 +318,11 @@ impl Interpreter {
             _ => Err(Problem::NoProgramEnd.into()),
         }
     }
+}
+
+/// Returns the problem of a line that cannot be read here, and that another control understands.
+fn of_other_control(line: &[u8]) -> Option<Problem> {
+    Some(Problem::Foreign { said: foreign::line_advice(line)?.into() })
 }
 
 /// Gives a problem of a block its place: its word's, or that of the code in execution.

@@ -6,6 +6,7 @@ mod axes;
 mod changer;
 mod comments;
 mod contours;
+mod foreign;
 mod golden;
 mod input;
 mod oracle;

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::outside::{Level, Outside};
 use hal_component::StopEpoch;
-use hal_gcode::{Dialect, Interpreter};
+use hal_gcode::{Dialect, Interpreter, Text, foreign};
 use hal_job::{
     check::{Check, Seen},
     effects::Outputs,
@@ -20,6 +20,8 @@ use std::path::{Path, PathBuf};
 
 /// Seconds of the check before the start.
 const BUDGET: f64 = 0.2;
+/// Number of codes of another control that a refusal names.
+const SHOWN_CODES: usize = 5;
 /// Number of lines in one step of the worker before the start.
 const LINES_BEFORE: u32 = 4000;
 /// Number of lines in one step of the worker while the program runs.
@@ -80,8 +82,9 @@ impl Core {
             return;
         }
         let Start { check, path, text, ticket, given, stepping, .. } = start;
-        let may =
-            self.may_begin(super::Mode::Auto, "a program", out).and_then(|()| refusal(&check));
+        let may = self
+            .may_begin(super::Mode::Auto, "a program", out)
+            .and_then(|()| refusal(&check).map_err(|why| self.with_control(&text, why)));
         if let Err(why) = may {
             return out.finish(ticket, Err(why));
         }
@@ -108,14 +111,28 @@ impl Core {
     ) -> Result<Box<Check>, String> {
         // A job that goes on may have been opened under another name for the same path.
         let name = interpreter.state.levels.first().map(|level| level.file.clone());
-        interpreter.supply(&name.unwrap_or_default(), world::program(path)?);
+        let text = world::program(path)?;
+        interpreter.supply(&name.unwrap_or_default(), text.clone());
         let mut check = Box::new(Check::new(interpreter, self.given()));
         check.advance(&self.world, LINES_BEFORE);
         // The rest of a program in RS274-D too is checked before anything moves.
         while self.is_checked_whole() && check.seen() == Seen::Part {
             check.advance(&self.world, LINES_BEFORE);
         }
-        refusal(&check).map(|()| check)
+        refusal(&check).map(|()| check).map_err(|why| self.with_control(&text, why))
+    }
+
+    /// Puts the control that a refused program was written for before the reasons, if it is another one.
+    fn with_control(&self, text: &Text, why: String) -> String {
+        let settings = &self.interpreter.state.settings;
+        if settings.dialect != Dialect::LinuxCnc {
+            return why;
+        }
+        // A file that cannot be read has that as its reason.
+        match foreign::survey(text, &settings.remaps, &self.world) {
+            Ok(Some(found)) => format!("{}; {why}", found.summary(SHOWN_CODES)),
+            Ok(None) | Err(_) => why,
+        }
     }
 
     /// Ends the check of a program, which does not begin or has ended.

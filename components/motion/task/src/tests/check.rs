@@ -40,6 +40,22 @@ fn a_job_for_another_machine_is_refused_with_all_reasons_before_anything_begins(
 }
 
 #[test]
+fn a_program_of_another_control_is_refused_by_its_name_first() {
+    let mut rig = machine("G21 G90\nG187 P1\nG154 P2\nG0 X1\nM2\n");
+    let why = rig.refused(Command::Run);
+    let first = "this program is for Haas, not for LinuxCNC (G154, G187); \
+                 G187 (1 time, line 2): Haas's smoothing level; leave it out, or use G64 P; \
+                 G154 (1 time, line 3): Haas's additional work offset; use G54 to G59.3; ";
+    assert!(why.starts_with(first), "{why}");
+    assert!(why.contains("G-code out of range: G187"), "{why}");
+    // A program of LinuxCNC has its reasons only.
+    let mut rig = machine("G187 P1\nG0 X1\nM2\n");
+    let why = rig.refused(Command::Run);
+    assert!(why.contains("G-code out of range: G187"), "{why}");
+    assert!(!why.contains("this program is for"), "{why}");
+}
+
+#[test]
 fn offsets_and_the_tool_of_the_machine_count_in_the_check() {
     let mut rig = machine("G21 G90 G54 G0 X50\nM2\n");
     rig.core.interpreter.state.frame.g5x.x = 60.0;
