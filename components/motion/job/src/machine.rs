@@ -1,6 +1,6 @@
 //! The machine that a program is for: its INI file, tool table and parameter file.
 
-use crate::number::{self, arc_tolerance, count, is_one, number};
+use crate::number::{self, count, is_one, number};
 use crate::spindle::{self, Spindle};
 use crate::travel::coordinates;
 use crate::world::{Version, version};
@@ -173,7 +173,7 @@ impl Machine {
         self.settings.axes = mask(&letters);
         let most = u8::try_from(MAX_SPINDLES).unwrap_or(u8::MAX);
         self.settings.spindles = count(ini, "TRAJ", "SPINDLES", most)?.unwrap_or(1);
-        self.settings.arc_tolerance = arc_tolerance(ini)?;
+        number::of_language(ini, &mut self.settings)?;
         let kinematics = ini.get("KINS", "KINEMATICS").unwrap_or("trivkins");
         let name = kinematics.split_whitespace().next().unwrap_or("trivkins");
         self.kinematics = (name != "trivkins").then(|| name.to_owned());
@@ -190,7 +190,6 @@ impl Machine {
         self.codes.extend(ini.get("RS274NGC", "USER_M_PATH").map(list).unwrap_or_default());
         self.startup = ini.get("RS274NGC", "RS274NGC_STARTUP_CODE").map(str::to_owned);
         self.settings.random_changer = is_one(ini, "EMCIO", "RANDOM_TOOLCHANGER");
-        self.settings.no_fanuc_subs = is_one(ini, "RS274NGC", "DISABLE_FANUC_STYLE_SUB");
         self.language(ini)?;
         self.python = Setup::read(ini, &self.folder)?;
         for entry in ini.all("RS274NGC", "REMAP") {
@@ -384,6 +383,7 @@ impl Machine {
             self.remarks.push(format!("{remark}: {}", what.1));
         }
         file.apply(&mut self.numbered);
+        number::forget_g92(self.ini.as_ref(), &mut self.numbered);
         self.parameters = Some((path, file));
         Ok(())
     }

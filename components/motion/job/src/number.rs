@@ -1,6 +1,9 @@
 //! Numbers of an INI file. One that is none is an error, so that a limit is never left out by accident.
 
-use hal_gcode::Settings;
+use hal_gcode::{
+    Numbered, Settings,
+    parameters::number::{G92, G92_APPLIES},
+};
 use hal_ini::{Entry, Ini};
 
 /// Returns the number of an entry, if it is stated. Only the first word counts, as in a configuration of motion.
@@ -45,11 +48,31 @@ fn stated<'a>(ini: &'a Ini, section: &str, name: &str) -> Option<(&'a Entry, &'a
     Some((entry, entry.value.split_whitespace().next()?))
 }
 
+/// Takes the numbers of the section of the language.
+///
+/// # Errors
+/// A value is not a number.
+pub(crate) fn of_language(ini: &Ini, settings: &mut Settings) -> Result<(), String> {
+    settings.arc_tolerance = arc_tolerance(ini)?;
+    settings.no_fanuc_subs = is_one(ini, "RS274NGC", "DISABLE_FANUC_STYLE_SUB");
+    settings.orient_offset = number(ini, "RS274NGC", "ORIENT_OFFSET")?.unwrap_or(0.0);
+    Ok(())
+}
+
+/// Sets the offset of G92 in the parameters to none, if `[RS274NGC]DISABLE_G92_PERSISTENCE` asks for it.
+pub(crate) fn forget_g92(ini: Option<&Ini>, numbered: &mut Numbered) {
+    if ini.is_some_and(|ini| is_one(ini, "RS274NGC", "DISABLE_G92_PERSISTENCE")) {
+        for index in G92_APPLIES..=G92 + 8 {
+            numbered.put(index, 0.0);
+        }
+    }
+}
+
 /// Returns the tolerance of an arc's radii in millimetres.
 ///
 /// # Errors
 /// A value is not a number.
-pub(crate) fn arc_tolerance(ini: &Ini) -> Result<f64, String> {
+fn arc_tolerance(ini: &Ini) -> Result<f64, String> {
     let value = |name: &str| number(ini, "RS274NGC", name);
     let inch = value("CENTER_ARC_RADIUS_TOLERANCE_INCH")?.map(|v| v * 25.4);
     let default = Settings::default().arc_tolerance;
@@ -109,6 +132,15 @@ mod tests {
         for (value, is_set) in [("1", true), ("0", false), ("TRUE", false), ("", false)] {
             let machine = read(&format!("[RS274NGC]\nDISABLE_FANUC_STYLE_SUB = {value}\n"));
             assert_eq!(machine.ok().unwrap().settings.no_fanuc_subs, is_set, "{value}");
+        }
+        let machine = read("[RS274NGC]\nORIENT_OFFSET = -42.5\n").ok().unwrap();
+        assert_eq!(machine.settings.orient_offset, -42.5);
+        std::fs::write(folder.join("m.var"), "5210 1\n5211 3\n5219 4\n5220 2\n").unwrap();
+        for (value, kept) in [(0, [1.0, 3.0, 4.0, 2.0]), (1, [0.0, 0.0, 0.0, 2.0])] {
+            let text =
+                format!("[RS274NGC]\nPARAMETER_FILE = m.var\nDISABLE_G92_PERSISTENCE = {value}\n");
+            let machine = read(&text).ok().unwrap();
+            assert_eq!([5210, 5211, 5219, 5220].map(|n| machine.numbered.get(n)), kept, "{value}");
         }
         let machine = read("[AXIS_X]\nMIN_LIMIT = -10 to the left\nMAX_LIMIT =\n").ok().unwrap();
         assert_eq!(machine.limits[0], (Some(-10.0), None));

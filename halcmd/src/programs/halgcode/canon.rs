@@ -139,6 +139,8 @@ fn stand_in(machine: &mut Machine, keeps_parameters: bool) {
         program_unit: Unit::Millimetre,
         remaps,
         random_changer: machine.settings.random_changer,
+        no_fanuc_subs: machine.settings.no_fanuc_subs,
+        orient_offset: machine.settings.orient_offset,
         dialect: machine.settings.dialect,
         default_feed: machine.settings.default_feed,
         ..Settings::default()

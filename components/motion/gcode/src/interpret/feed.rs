@@ -123,6 +123,7 @@ impl Run<'_> {
         let Ok(mode @ 0..=2) = b.integer(b'p')?.map_or(Ok(0), u8::try_from) else {
             return Err(Problem::OrientMode);
         };
+        let degrees = degrees + self.state.settings.orient_offset;
         for spindle in self.spindles(self.spindle(b, "M19")?) {
             if b.has_any(b"rp") {
                 self.emit(Call::OrientSpindle { spindle, degrees, mode })?;

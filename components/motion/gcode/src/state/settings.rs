@@ -63,6 +63,9 @@ pub struct Settings {
     /// M98 and O-words without a keyword are refused (`[RS274NGC]DISABLE_FANUC_STYLE_SUB`).
     #[serde(default)]
     pub no_fanuc_subs: bool,
+    /// The angle in degrees that M19 adds to its R (`[RS274NGC]ORIENT_OFFSET`).
+    #[serde(default)]
+    pub orient_offset: f64,
     /// The remapped codes.
     pub remaps: Vec<Remap>,
     /// The language of programs.
@@ -85,6 +88,7 @@ impl Default for Settings {
             task: false,
             random_changer: false,
             no_fanuc_subs: false,
+            orient_offset: 0.0,
             remaps: Vec::new(),
             dialect: Dialect::default(),
             default_feed: 381.0,

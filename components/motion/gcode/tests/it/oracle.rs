@@ -30,6 +30,9 @@ fn peer(room: &Path, name: &str) -> Peer {
     if name.starts_with("random-") {
         command.args(["-i", "random.ini"]);
     }
+    if name.starts_with("offset-") {
+        command.args(["-i", "offset.ini"]);
+    }
     if name.starts_with("no-parts-") {
         command.args(["-i", "no-parts.ini"]);
     }
@@ -150,6 +153,7 @@ fn programs_give_the_calls_of_the_reference() {
     std::fs::write(room.join("random.ini"), "[EMCIO]\nRANDOM_TOOLCHANGER=1\n").unwrap();
     let no_parts = "[RS274NGC]\nDISABLE_FANUC_STYLE_SUB=1\n";
     std::fs::write(room.join("no-parts.ini"), no_parts).unwrap();
+    std::fs::write(room.join("offset.ini"), "[RS274NGC]\nORIENT_OFFSET=42\n").unwrap();
     std::fs::write(room.join("v.var"), "").unwrap();
     // The reference links its parameter file to a second name, which only the owner of a file may do.
     let given = Command::new("chown").args(["-R", "nobody"]).arg(&room).status().unwrap();

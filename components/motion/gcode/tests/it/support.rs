@@ -92,6 +92,7 @@ pub(crate) fn settings_of(name: &str) -> Settings {
         out.remaps = entries.map(|e| Remap::parse(e).unwrap()).collect();
     }
     out.random_changer = name.starts_with("random-");
+    out.orient_offset = if name.starts_with("offset-") { 42.0 } else { 0.0 };
     out.no_fanuc_subs = name.starts_with("no-parts-");
     out
 }
