@@ -82,19 +82,26 @@ pub(super) fn brake(
     let begin = effect.saturating_sub(1);
     let faster = speeds.get(..begin).and_then(|s| s.last()).copied().unwrap_or(moving.speed);
     // The speed at the end of a cycle is above the mean of it.
-    let speed = if accelerates { faster + step } else { moving.speed };
+    let speed = if accelerates { faster + moving.gains * DT } else { moving.speed };
     let measured = Measured { effect, rest, way: way(moving, &frames[..=rest]) };
     if limit < effect {
         return Err(format!("braking begins after {effect} cycles, at most {limit}"));
     }
     let most = begin + moving.cycles(speed, accelerates);
     if most < rest {
-        return Err(format!("at rest after {rest} cycles, at most {most}"));
+        let braked = faster / ((rest - begin) as f64 * DT);
+        return Err(format!(
+            "at rest after {rest} cycles, at most {most}: {braked:.1} units/s² on average, {:.1} are known",
+            moving.acceleration
+        ));
     }
     let braked = way(moving, &frames[begin..=rest]);
     let longest = moving.longest(speed);
     if longest * (1.0 + 1e-6) < braked {
-        return Err(format!("braked for {braked:.4}, at most {longest:.4}"));
+        return Err(format!(
+            "braked for {braked:.4} in {} cycles from {faster:.2}, at most {longest:.4}",
+            rest - begin
+        ));
     }
     let faster = speeds[begin..rest].windows(2).find(|s| s[0] * 1.001 + SAME / DT < s[1]);
     if let (false, Some(pair)) = (accelerates, faster) {

@@ -34,6 +34,8 @@ pub(super) struct Moving {
     pub(super) speed: f64,
     /// Acceleration that braking has at least, in units/s².
     pub(super) acceleration: f64,
+    /// Acceleration by which it may still gain speed, in units/s².
+    pub(super) gains: f64,
     /// Jerk limit in units/s³; 0 without one.
     pub(super) jerk: f64,
     /// True where the task runs a program.
@@ -171,6 +173,7 @@ pub(super) fn jog_of(rig: &Rig) -> (Target, f64, Moving) {
         joint: jog.joint,
         speed: jog.velocity,
         acceleration: jog.acceleration,
+        gains: jog.acceleration,
         jerk: jog.jerk,
         by_task: false,
     };
@@ -190,7 +193,7 @@ fn jog(rig: &mut Rig) -> Moving {
 fn on_path(plane: &Plane, limit: f64, by_task: bool) -> Moving {
     let Plane { speed, jerk, known, .. } = *plane;
     let acceleration = limit * known;
-    Moving { joint: None, speed, acceleration, jerk, by_task }
+    Moving { joint: None, speed, acceleration, gains: limit, jerk, by_task }
 }
 
 /// Returns the argument with the acceleration of moves, where the machine has its own.
@@ -302,6 +305,7 @@ fn homing(rig: &mut Rig) -> Result<Moving, String> {
         joint: Some(joint),
         speed: limits.velocity,
         acceleration: limits.acceleration,
+        gains: limits.acceleration,
         jerk: limits.jerk,
         by_task: false,
     })
