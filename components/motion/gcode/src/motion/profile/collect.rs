@@ -88,13 +88,13 @@ impl Interpreter {
             Course { pieces: Vec::new(), corners: Vec::new(), began: false, motion: 10 };
         let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
         let mut line = Line::default();
-        let mut quiet = 0;
+        let (mut read, mut quiet) = (0, 0);
         while let Some(level) = self.state.levels.get(depth..).and_then(<[Level]>::last) {
             let (file, at) = (level.file.clone(), level.cursor);
             if !level.is_of_file() {
                 return Err(Problem::ProfileCalls { label: level.label.clone() }.into());
             }
-            self.count_line(&mut quiet)?;
+            self.count_line(&mut read, &mut quiet)?;
             let Some(next) = self.read(&file, at, env, &mut raw)? else {
                 let label = self.state.levels.last().map(|l| l.label.clone()).unwrap_or_default();
                 return Err(Problem::EndMissing { label, line: at.line }.into());
@@ -129,16 +129,16 @@ impl Interpreter {
         Ok(rounded(course.pieces, &course.corners)?)
     }
 
-    /// Counts a line of a profile against the limits of a run.
-    fn count_line(&mut self, quiet: &mut u64) -> Result<(), BlockError> {
+    /// Counts a line of a profile against the limits of a run. All of them are one step of it: that of their cycle.
+    fn count_line(&self, read: &mut u64, quiet: &mut u64) -> Result<(), BlockError> {
         let limits = self.state.settings.limits;
-        if self.state.lines_run >= limits.lines {
+        if self.state.lines_run.saturating_add(*read) >= limits.lines {
             return Err(Problem::LinesSpent { limit: limits.lines }.into());
         }
         if *quiet > limits.quiet_lines {
             return Err(Problem::RunAway { limit: limits.quiet_lines }.into());
         }
-        self.state.lines_run += 1;
+        *read += 1;
         *quiet += 1;
         Ok(())
     }
