@@ -18,7 +18,7 @@ mod survey;
 pub mod table;
 
 pub use report::{advice, line_advice};
-pub use survey::{Code, Findings, MAX_BYTES, MAX_LINES, Seen, Unread, survey};
+pub use survey::{CodeName, Findings, MAX_BYTES, MAX_LINES, Seen, Unread, survey};
 
 /// A control that programs are written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

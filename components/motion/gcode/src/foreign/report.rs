@@ -4,13 +4,13 @@ use core::fmt;
 
 use super::{
     Control, Findings, Unread,
-    row::{Row, Sign, Weight},
+    row::{CodeRow, Sign, Weight},
     scan::{Scan, tenfold},
-    survey::{Code, has_text, rows_of},
+    survey::{CodeName, has_text, rows_of},
     table::ROWS,
 };
 
-impl fmt::Display for Code {
+impl fmt::Display for CodeName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let row = match self {
             Self::Number(letter, tenfold) => return number(f, *letter, *tenfold),
@@ -45,7 +45,7 @@ impl fmt::Display for Unread {
     /// Writes the code, its number of uses and lines, what it means there and what to write instead.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.code)?;
-        if let Some(Row { sign: Sign::WholeP(..), .. }) = self.row {
+        if let Some(CodeRow { sign: Sign::WholeP(..), .. }) = self.row {
             write!(f, "{}", self.seen.value)?;
         }
         let many = if self.seen.count == 1 { "" } else { "s" };
@@ -54,7 +54,7 @@ impl fmt::Display for Unread {
         let word = if lines.len() == 1 && more.is_empty() { "line" } else { "lines" };
         write!(f, " ({} time{many}, {word} {}{more})", self.seen.count, lines.join(", "))?;
         match self.row {
-            Some(row @ Row { sign: Sign::WholeP(..), .. }) => {
+            Some(row @ CodeRow { sign: Sign::WholeP(..), .. }) => {
                 write!(f, ": {}; write P{} for the seconds", meaning(row), self.seen.value / 1e3)
             }
             Some(row) => write!(f, ": {}; {}", meaning(row), row.instead),
@@ -72,7 +72,7 @@ impl Findings {
     /// Returns the sentence that names the control, and its first signs.
     pub fn sentence(&self) -> String {
         const SHOWN: usize = 5;
-        let signs: Vec<String> = self.signs.iter().take(SHOWN).map(Code::to_string).collect();
+        let signs: Vec<String> = self.signs.iter().take(SHOWN).map(CodeName::to_string).collect();
         let more = if self.signs.len() > SHOWN { ", ..." } else { "" };
         format!(
             "this program is for {}, not for LinuxCNC ({}{more})",
@@ -96,7 +96,7 @@ impl Findings {
 }
 
 /// Returns what a row means, with the controls that have it.
-fn meaning(row: &Row) -> String {
+fn meaning(row: &CodeRow) -> String {
     let owners: Vec<&str> = row.of.iter().copied().map(Control::owner).collect();
     format!("{} {}", join(&owners, " and "), row.means)
 }
@@ -113,14 +113,14 @@ fn join(names: &[&str], last: &str) -> String {
 /// out, or use G64 P". `letter` is `g` or `m`.
 pub fn advice(letter: u8, code: f64) -> Option<String> {
     let code = tenfold(code)?;
-    let strange = |row: &&Row| row.weight == Weight::Strange;
-    let mut rows: Vec<&Row> = rows_of(letter, code).filter(strange).collect();
+    let strange = |row: &&CodeRow| row.weight == Weight::Strange;
+    let mut rows: Vec<&CodeRow> = rows_of(letter, code).filter(strange).collect();
     // A row of its own tells more than one of many codes. From 200 on, those are numbers that remaps of LinuxCNC have too.
     let has_own = rows.iter().any(|row| matches!(row.sign, Sign::Code(..)));
     rows.retain(|row| matches!(row.sign, Sign::Code(..)) || !(has_own || 2000 <= code));
     let told: Vec<String> =
         rows.iter().map(|row| format!("{}; {}", meaning(row), row.instead)).collect();
-    let name = Code::Number(letter, code);
+    let name = CodeName::Number(letter, code);
     (!told.is_empty()).then(|| format!("{name} is {}", told.join(". Or it is ")))
 }
 
@@ -134,7 +134,7 @@ pub fn line_advice(line: &[u8]) -> Option<String> {
         matches!(row.sign, Sign::Has(_))
     });
     if let Some((index, row)) = text {
-        return Some(format!("{} is {}; {}", Code::Row(index), meaning(row), row.instead));
+        return Some(format!("{} is {}; {}", CodeName::Row(index), meaning(row), row.instead));
     }
     let codes = scan.words.iter().filter(|w| matches!(w.letter, b'g' | b'm'));
     codes.filter_map(|w| advice(w.letter, w.value)).next()

@@ -44,7 +44,7 @@ pub enum Weight {
 
 /// A code or word of other controls.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Row {
+pub struct CodeRow {
     /// What to look for.
     pub sign: Sign,
     /// The name of a text; a code has its own.
@@ -66,7 +66,7 @@ pub(super) const fn code(
     tenfold: u32,
     means: &'static str,
     instead: &'static str,
-) -> Row {
+) -> CodeRow {
     row(Sign::Code(letter, tenfold), "", of, Weight::Strange, means, instead)
 }
 
@@ -77,7 +77,7 @@ pub(super) const fn text(
     shown: &'static str,
     means: &'static str,
     instead: &'static str,
-) -> Row {
+) -> CodeRow {
     row(sign, shown, of, Weight::Strange, means, instead)
 }
 
@@ -87,12 +87,12 @@ pub(super) const fn other(
     sign: Sign,
     means: &'static str,
     instead: &'static str,
-) -> Row {
+) -> CodeRow {
     row(sign, "", of, Weight::Other, means, instead)
 }
 
 /// Returns the row of a comment that names a control.
-pub(super) const fn remark(of: &'static [Control], text: &'static str) -> Row {
+pub(super) const fn remark(of: &'static [Control], text: &'static str) -> CodeRow {
     row(Sign::Remark(text), text, of, Weight::Name, "", "")
 }
 
@@ -103,6 +103,6 @@ pub(super) const fn row(
     weight: Weight,
     means: &'static str,
     instead: &'static str,
-) -> Row {
-    Row { sign, shown, of, weight, means, instead }
+) -> CodeRow {
+    CodeRow { sign, shown, of, weight, means, instead }
 }

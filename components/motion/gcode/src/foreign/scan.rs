@@ -10,7 +10,7 @@ const MAX_WORDS: usize = 64;
 
 /// A word of a line: a letter and a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Word {
+pub(super) struct ScannedWord {
     pub(super) letter: u8,
     pub(super) value: f64,
     /// The number has neither decimal point nor sign.
@@ -19,7 +19,7 @@ pub(super) struct Word {
     pub(super) digits: usize,
 }
 
-impl Word {
+impl ScannedWord {
     /// Returns ten times the number of a code; `None` if it has more than one decimal.
     pub(super) fn tenfold(self) -> Option<u32> {
         tenfold(self.value)
@@ -42,7 +42,7 @@ pub(super) struct Scan {
     /// The comments in lower case.
     pub(super) remarks: Vec<u8>,
     /// The words.
-    pub(super) words: Vec<Word>,
+    pub(super) words: Vec<ScannedWord>,
     /// The line is more than letters with numbers.
     pub(super) is_odd: bool,
     /// The line has a word that only LinuxCNC has.
@@ -135,7 +135,7 @@ impl Scan {
         match value {
             Some(value) if !is_name && self.words.len() < MAX_WORDS => {
                 let is_whole = sign == 0 && digits == length;
-                self.words.push(Word { letter, value, is_whole, digits });
+                self.words.push(ScannedWord { letter, value, is_whole, digits });
             }
             Some(_) => {}
             None => self.is_odd |= rest.first().is_none_or(|b| !matches!(b, b'#' | b'[')),

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::{
     Control,
-    row::{Row, Sign, Weight},
-    scan::{Scan, Word, contains},
+    row::{CodeRow, Sign, Weight},
+    scan::{Scan, ScannedWord, contains},
     table::ROWS,
 };
 use crate::{
@@ -56,16 +56,16 @@ impl Seen {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unread {
     /// The code or word.
-    pub code: Code,
+    pub code: CodeName,
     /// Its uses.
     pub seen: Seen,
     /// What it means there; `None` if the table does not have it.
-    pub row: Option<&'static Row>,
+    pub row: Option<&'static CodeRow>,
 }
 
 /// A code, or a word of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Code {
+pub enum CodeName {
     /// A letter, and ten times the number.
     Number(u8, u32),
     /// The place of a row in the table.
@@ -78,7 +78,7 @@ pub struct Findings {
     /// The controls that have the most of its signs; more than one if the signs do not tell them apart.
     pub controls: Vec<Control>,
     /// The signs of these controls.
-    pub signs: Vec<Code>,
+    pub signs: Vec<CodeName>,
     /// What means nothing here, or something else, in the order of the first uses.
     pub unread: Vec<Unread>,
     /// Number of lines that were looked at.
@@ -201,7 +201,7 @@ impl Counts {
         }
         if line <= MAX_REMARKS && !scan.remarks.is_empty() {
             for index in &self.remarks {
-                if let (Some(Row { sign: Sign::Remark(text), .. }), Some(seen)) =
+                if let (Some(CodeRow { sign: Sign::Remark(text), .. }), Some(seen)) =
                     (ROWS.get(*index), self.rows.get_mut(*index))
                     && contains(&scan.remarks, text.as_bytes())
                 {
@@ -231,7 +231,7 @@ impl Counts {
     }
 
     /// Returns what a row has counted; codes that are understood here are no signs.
-    fn seen(&self, index: usize, row: &Row, known: &dyn Fn(u8, u32) -> bool) -> bool {
+    fn seen(&self, index: usize, row: &CodeRow, known: &dyn Fn(u8, u32) -> bool) -> bool {
         match row.sign {
             Sign::Code(letter, code) => {
                 self.codes.contains_key(&(letter, code)) && !known(letter, code)
@@ -242,7 +242,7 @@ impl Counts {
     }
 
     fn findings(&self, known: &dyn Fn(u8, u32) -> bool) -> Option<Findings> {
-        let signs: Vec<(usize, &'static Row)> = ROWS
+        let signs: Vec<(usize, &'static CodeRow)> = ROWS
             .iter()
             .enumerate()
             .filter(|(k, row)| row.weight != Weight::Other && self.seen(*k, row, known))
@@ -255,18 +255,18 @@ impl Counts {
         let best = Control::ALL.into_iter().map(score).max().filter(|best| *best >= 2)?;
         let controls: Vec<Control> =
             Control::ALL.into_iter().filter(|c| score(*c) == best).collect();
-        let is_of = |row: &Row| row.of.iter().any(|c| controls.contains(c));
+        let is_of = |row: &CodeRow| row.of.iter().any(|c| controls.contains(c));
         let signs = signs.iter().filter(|(_, row)| is_of(row));
         let signs = signs.map(|(k, row)| match row.sign {
-            Sign::Code(letter, tenfold) => Code::Number(letter, tenfold),
-            _ => Code::Row(*k),
+            Sign::Code(letter, tenfold) => CodeName::Number(letter, tenfold),
+            _ => CodeName::Row(*k),
         });
         let (signs, unread) = (signs.collect(), self.unread(&is_of, known));
         Some(Findings { controls, signs, unread, lines: 0, is_whole: true })
     }
 
     /// Tells whether each use of a code has a word that gives it a row of its own.
-    fn has_own_row(&self, key: (u8, u32), count: u64, is_of: &dyn Fn(&Row) -> bool) -> bool {
+    fn has_own_row(&self, key: (u8, u32), count: u64, is_of: &dyn Fn(&CodeRow) -> bool) -> bool {
         let mut rows = self.by_code.get(&key).into_iter().flatten();
         rows.any(|k| {
             let (row, seen) = (ROWS.get(*k), self.rows.get(*k));
@@ -274,7 +274,11 @@ impl Counts {
         })
     }
 
-    fn unread(&self, is_of: &dyn Fn(&Row) -> bool, known: &dyn Fn(u8, u32) -> bool) -> Vec<Unread> {
+    fn unread(
+        &self,
+        is_of: &dyn Fn(&CodeRow) -> bool,
+        known: &dyn Fn(u8, u32) -> bool,
+    ) -> Vec<Unread> {
         let mut out = Vec::new();
         for ((letter, tenfold), seen) in &self.codes {
             let row = rows_of(*letter, *tenfold).find(|row| is_of(row));
@@ -283,14 +287,14 @@ impl Counts {
             }
             let other = row.is_some_and(|row| row.weight == Weight::Other);
             if other || !known(*letter, *tenfold) {
-                let code = Code::Number(*letter, *tenfold);
+                let code = CodeName::Number(*letter, *tenfold);
                 out.push(Unread { code, seen: seen.clone(), row });
             }
         }
         for (index, (row, seen)) in ROWS.iter().zip(&self.rows).enumerate() {
             let is_named = matches!(row.weight, Weight::Strange | Weight::Other);
             if is_named && seen.count > 0 && is_of(row) {
-                out.push(Unread { code: Code::Row(index), seen: seen.clone(), row: Some(row) });
+                out.push(Unread { code: CodeName::Row(index), seen: seen.clone(), row: Some(row) });
             }
         }
         out.sort_by_key(|u| (u.seen.lines.first().copied(), u.code));
@@ -299,7 +303,7 @@ impl Counts {
 }
 
 /// Returns the rows of a code.
-pub(super) fn rows_of(letter: u8, tenfold: u32) -> impl Iterator<Item = &'static Row> {
+pub(super) fn rows_of(letter: u8, tenfold: u32) -> impl Iterator<Item = &'static CodeRow> {
     ROWS.iter().filter(move |row| match row.sign {
         Sign::Code(l, code) => l == letter && code == tenfold,
         Sign::Codes(l, first, last) => l == letter && (first..=last).contains(&tenfold),
@@ -307,7 +311,7 @@ pub(super) fn rows_of(letter: u8, tenfold: u32) -> impl Iterator<Item = &'static
     })
 }
 
-fn word(scan: &Scan, letter: u8) -> Option<Word> {
+fn word(scan: &Scan, letter: u8) -> Option<ScannedWord> {
     scan.words.iter().find(|w| w.letter == letter).copied()
 }
 

@@ -5,7 +5,7 @@
 
 use super::{
     Control::{self, Fanuc, Grbl, Haas, Heidenhain, Mach3, Marlin, Siemens},
-    row::{Row, Sign, Weight, code, other, remark, row, text},
+    row::{CodeRow, Sign, Weight, code, other, remark, row, text},
 };
 
 const ISO: &[Control] = &[Fanuc, Haas];
@@ -24,7 +24,7 @@ macro_rules! rows {
 }
 
 /// All rows.
-pub const ROWS: &[Row] = rows! {
+pub const ROWS: &[CodeRow] = rows! {
     // Fanuc, and what others have of it.
     code(&[Fanuc], b'g', 71, "cylindrical interpolation", "convert it in the CAM program"),
     code(ISO, b'g', 90, "exact stop for one line", "use G61.1, and G64 behind the line"),
