@@ -209,7 +209,7 @@ pub(crate) fn jog_incr(order: &mut SetLine<'_>, args: &[&str]) -> bool {
 }
 
 pub(crate) fn jog_stop(order: &mut SetLine<'_>, args: &[&str]) -> bool {
-    let Some(word) = args.first() else { return false };
+    let Some(word) = args.first().filter(|word| axis(word).is_some()) else { return false };
     // A stop of what does not jog in this mode stops all that does.
     let target = target(order, word).map(JogTarget::arg);
     order.command("motion.jog-stop", target.as_slice())

@@ -1,4 +1,4 @@
-//! What `check` says of a program that was written for another control.
+//! Words of `check` about a program that was written for another control.
 
 use hal_gcode::{Dialect, Text, foreign};
 use hal_job::world::World;

@@ -27,7 +27,7 @@ const BEHIND_LEASE: usize = 1200;
 /// Machine time between two beats of a program that is well, in milliseconds.
 const FRESH: u32 = 15;
 
-/// What the program has begun.
+/// Motion that the program has begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Work {
     /// A jog that lasts while a button is held.
@@ -58,13 +58,13 @@ enum Who {
     Python,
 }
 
-/// How it is lost.
+/// Way in which it is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 enum Way {
-    /// Its connection ends.
+    /// The connection ends.
     #[serde(rename = "closed")]
     Closed,
-    /// It says nothing more.
+    /// The program says nothing more.
     #[serde(rename = "silent")]
     Silent,
     #[serde(rename = "SIGTERM")]

@@ -150,7 +150,7 @@ pub(super) fn begin(rig: &mut Rig, motion: Motion, accelerates: bool) -> Result<
     }
 }
 
-/// What jogs: a joint, or an axis.
+/// Target of a jog: a joint, or an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Target {
     Joint(usize),

@@ -19,7 +19,7 @@ const STAYS: usize = 500;
 const F1: &str = "\u{e031}";
 const ESCAPE: &str = "\u{e00c}";
 
-/// What a person does.
+/// Press of a person.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     Button(&'static str),

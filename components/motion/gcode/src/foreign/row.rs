@@ -2,7 +2,7 @@
 
 use super::Control;
 
-/// What to look for.
+/// Mark of another control in a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
     /// A code.
@@ -29,7 +29,7 @@ pub enum Sign {
     Remark(&'static str),
 }
 
-/// What a row tells.
+/// Evidence of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     /// This language does not understand it: it tells the control.
@@ -38,24 +38,24 @@ pub enum Weight {
     Habit,
     /// This language gives it another meaning: it is named once the control is known.
     Other,
-    /// It tells the control, and asks for no change.
+    /// A mark that tells the control, and asks for no change.
     Name,
 }
 
 /// A code or word of other controls.
 #[derive(Debug, PartialEq, Eq)]
 pub struct CodeRow {
-    /// What to look for.
+    /// Mark in a program.
     pub sign: Sign,
     /// The name of a text; a code has its own.
     pub shown: &'static str,
     /// The controls that have it.
     pub of: &'static [Control],
-    /// What it tells.
+    /// Evidence that it gives.
     pub weight: Weight,
-    /// What it means there.
+    /// Meaning at that control.
     pub means: &'static str,
-    /// What to write instead.
+    /// Text to write instead.
     pub instead: &'static str,
 }
 

@@ -57,9 +57,9 @@ impl Seen {
 pub struct Unread {
     /// The code or word.
     pub code: CodeName,
-    /// Its uses.
+    /// Uses of it.
     pub seen: Seen,
-    /// What it means there; `None` if the table does not have it.
+    /// Meaning there; `None` if the table does not have it.
     pub row: Option<&'static CodeRow>,
 }
 
@@ -79,7 +79,7 @@ pub struct Findings {
     pub controls: Vec<Control>,
     /// The signs of these controls.
     pub signs: Vec<CodeName>,
-    /// What means nothing here, or something else, in the order of the first uses.
+    /// Codes that mean nothing here, or something else, in the order of the first uses.
     pub unread: Vec<Unread>,
     /// Number of lines that were looked at.
     pub lines: u32,
@@ -146,7 +146,7 @@ fn is_other(letter: u8, tenfold: u32) -> bool {
     ROWS.iter().any(|r| r.weight == Weight::Other && r.sign == Sign::Code(letter, tenfold))
 }
 
-/// What was counted.
+/// Counts of marks.
 struct Counts {
     codes: BTreeMap<(u8, u32), Seen>,
     /// The uses of the rows that are not codes.

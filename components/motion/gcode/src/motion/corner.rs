@@ -33,7 +33,7 @@ pub(super) struct Next {
     pub(super) path: Path,
     /// The length of the compensated path from there.
     pub(super) size: f64,
-    /// It is a rapid move.
+    /// True for a rapid move.
     pub(super) rapid: bool,
 }
 

@@ -26,7 +26,7 @@ const COMMENTS: [(&str, &str); 16] = [
     ("a remark", "COMMENT(\"a remark\")"),
 ];
 
-/// What may stand before a comment, and whether it moves.
+/// Texts before a comment, and whether it moves.
 const BEFORE: [(&str, bool); 11] = [
     ("", false),
     ("  \t", false),
@@ -41,7 +41,7 @@ const BEFORE: [(&str, bool); 11] = [
     ("\t(PRINT,first) #3=#1 ", false),
 ];
 
-/// What may stand behind a comment, whether it moves, and the call that replaces that of the comment.
+/// Texts behind a comment, whether it moves, and the call that replaces that of the comment.
 const BEHIND: [(&str, bool, Option<&str>); 11] = [
     ("", false, None),
     (" \t ", false, None),

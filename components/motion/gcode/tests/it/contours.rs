@@ -35,10 +35,10 @@ struct Cut {
     index: usize,
 }
 
-/// What the oracle found.
+/// Findings of the oracle.
 #[derive(Clone, Debug, Default)]
 struct Found {
-    /// How far the tool is inside the contour.
+    /// Depth of the tool inside the contour.
     gouge: f64,
     /// The widest place of the contour that the tool should touch and does not.
     left: f64,

@@ -126,7 +126,7 @@ fn programs_of_the_package_linuxcnc_are_linuxcncs() {
     assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), all.len(), wrong.join("\n"));
 }
 
-/// One sign alone, or signs that this language understands, say nothing.
+/// A sign alone, or signs that this language understands, say nothing.
 #[test]
 fn one_sign_is_not_enough() {
     for text in [

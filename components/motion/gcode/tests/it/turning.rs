@@ -49,7 +49,7 @@ struct Pass {
     rapid: bool,
 }
 
-/// What the oracle found.
+/// Findings of the oracle.
 #[derive(Clone, Debug, Default)]
 struct Found {
     /// The deepest way into the part with its allowance.
