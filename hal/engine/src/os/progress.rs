@@ -195,6 +195,7 @@ mod tests {
         assert_eq!(processor_time(other), Some(had));
         drop(end);
         waits.join().unwrap();
-        assert_eq!(processor_time(other), None, "it has gone");
+        // The kernel lists it for a moment behind its end.
+        while processor_time(other).is_some() {}
     }
 }
