@@ -168,6 +168,18 @@ fn wrong_passwords_end_a_connection() {
 }
 
 #[test]
+fn an_axis_that_does_not_jog_is_told_why() {
+    let (mut session, mut machine) = ready();
+    assert!(say(&mut session, &mut machine, "set jog X 60").ends_with(" NAK\n\r"));
+    let why = say(&mut session, &mut machine, "get error");
+    assert!(
+        why.contains("jogs move joints now, which have numbers: set teleop_enable on"),
+        "{why}"
+    );
+    assert_eq!(machine.said, [""; 0]);
+}
+
+#[test]
 fn lines_become_commands() {
     for (lines, commands) in [
         ("set estop off", "task.estop-reset"),

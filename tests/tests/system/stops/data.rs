@@ -76,9 +76,9 @@ pub(super) struct PathMoves {
     /// Share of the lower acceleration that the turn of a circle takes.
     #[serde(default = "half")]
     pub(super) turn: f64,
-    /// Share of the acceleration that the planner knows to be there.
+    /// Share of the commanded speed that the planner gives.
     #[serde(default = "whole")]
-    pub(super) known: f64,
+    pub(super) reached: f64,
     /// Acceleration that moves are given, where that of the path counts and not that of the axes.
     pub(super) given: Option<f64>,
     #[serde(default)]

@@ -82,7 +82,7 @@ pub(super) fn brake(
     let begin = effect.saturating_sub(1);
     let faster = speeds.get(..begin).and_then(|s| s.last()).copied().unwrap_or(moving.speed);
     // The speed at the end of a cycle is above the mean of it.
-    let speed = if accelerates { faster + moving.gains * DT } else { moving.speed };
+    let speed = if accelerates { faster + step } else { moving.speed };
     let measured = Measured { effect, rest, way: way(moving, &frames[..=rest]) };
     if limit < effect {
         return Err(format!("braking begins after {effect} cycles, at most {limit}"));

@@ -16,8 +16,8 @@ const LASTS: f64 = 1.5;
 const TURNS: usize = 20;
 /// Share by which a constant speed may change from one cycle to the next: arms are slower where a joint limits them.
 const SAME: f64 = 1e-3;
-/// Share of the commanded speed that a motion reaches at least.
-const LEAST: f64 = 0.1;
+/// Share of its speed that a motion reaches at least.
+const LEAST: f64 = 0.9;
 /// Cycles within which a motion reaches its speed.
 const BEGIN: usize = 3000;
 /// Circles of the program: it goes on for longer than a lease lasts.
@@ -30,12 +30,10 @@ const PART: &str = "stops-part.ngc";
 pub(super) struct Moving {
     /// Joint that moves by itself.
     pub(super) joint: Option<usize>,
-    /// Commanded speed in units/s.
+    /// Speed in units/s: the commanded one, or the share of it that the planner gives.
     pub(super) speed: f64,
     /// Acceleration that braking has at least, in units/s².
     pub(super) acceleration: f64,
-    /// Acceleration by which it may still gain speed, in units/s².
-    pub(super) gains: f64,
     /// Jerk limit in units/s³; 0 without one.
     pub(super) jerk: f64,
     /// True where the task runs a program.
@@ -82,8 +80,8 @@ struct Plane {
     radius: f64,
     lower: f64,
     jerk: f64,
-    /// Share of the acceleration that the planner knows to be there.
-    known: f64,
+    /// Share of the commanded speed that the planner gives.
+    reached: f64,
 }
 
 impl Plane {
@@ -102,7 +100,7 @@ impl Plane {
             radius: path.velocity * path.velocity / (lower * path.turn),
             lower,
             jerk: path.jerk,
-            known: path.known,
+            reached: path.reached,
         }
     }
 
@@ -173,7 +171,6 @@ pub(super) fn jog_of(rig: &Rig) -> (Target, f64, Moving) {
         joint: jog.joint,
         speed: jog.velocity,
         acceleration: jog.acceleration,
-        gains: jog.acceleration,
         jerk: jog.jerk,
         by_task: false,
     };
@@ -190,10 +187,9 @@ fn jog(rig: &mut Rig) -> Moving {
     moving
 }
 
-fn on_path(plane: &Plane, limit: f64, by_task: bool) -> Moving {
-    let Plane { speed, jerk, known, .. } = *plane;
-    let acceleration = limit * known;
-    Moving { joint: None, speed, acceleration, gains: limit, jerk, by_task }
+fn on_path(plane: &Plane, acceleration: f64, by_task: bool) -> Moving {
+    let speed = plane.speed * plane.reached;
+    Moving { joint: None, speed, acceleration, jerk: plane.jerk, by_task }
 }
 
 /// Returns the argument with the acceleration of moves, where the machine has its own.
@@ -305,7 +301,6 @@ fn homing(rig: &mut Rig) -> Result<Moving, String> {
         joint: Some(joint),
         speed: limits.velocity,
         acceleration: limits.acceleration,
-        gains: limits.acceleration,
         jerk: limits.jerk,
         by_task: false,
     })

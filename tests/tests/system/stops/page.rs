@@ -167,6 +167,34 @@ fn keys_and_buttons_of_the_page_stop_machines_with_and_without_a_task() {
 }
 
 #[test]
+fn escape_that_closes_a_question_stops_nothing_and_f1_stops_while_somebody_types() {
+    if !Browser::is_there() {
+        return;
+    }
+    let machine = machines().into_iter().find(|m| m.name == "mill").unwrap();
+    let mut desk = Desk::of(&machine);
+    cell::ready(&mut desk.rig).unwrap();
+    let moving = motion::begin(&mut desk.rig, Motion::Jog, false).unwrap();
+    desk.until("document.querySelector('#machine-state').dataset.state === 'on'");
+    desk.rig.forget();
+    desk.browser.run(
+        "const asks = document.createElement('dialog'); asks.id = 'asks'; asks.textContent = '?'; \
+         document.body.append(asks); asks.showModal()",
+    );
+    assert!(desk.stop(Way::Key(ESCAPE)));
+    desk.until("!document.querySelector('#asks').open");
+    judge::on(&moving, &desk.rig.seen).unwrap();
+    desk.browser.run(
+        "const typed = document.createElement('input'); typed.id = 'typed'; \
+         document.body.append(typed); typed.focus()",
+    );
+    assert!(desk.stop(Way::Key(F1)));
+    desk.until("document.querySelector('#machine-state').dataset.state === 'estop'");
+    assert!(!desk.rig.last().on);
+    assert_eq!(desk.browser.errors(), Vec::<String>::new());
+}
+
+#[test]
 #[ignore = "takes minutes: cargo test -p hal-tests --test system stops::page -- --ignored --nocapture"]
 fn full_page() {
     walk(|_, _, _| true);

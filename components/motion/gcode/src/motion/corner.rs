@@ -4,7 +4,7 @@ use core::f64::consts::{PI, TAU};
 
 use super::{
     arc::{Shape, in_plane, sweep, with_plane},
-    geometry::{Point, circles, line_circle},
+    geometry::{Course, Point},
 };
 use crate::{
     canon::Call,
@@ -22,6 +22,9 @@ const SMALL_TURN: f64 = 0.05;
 
 /// Motion takes smaller arcs, in radians, for none or a full turn.
 const SMALL_ARC: f64 = 1e-6;
+
+/// Lines between whose directions the cross product is smaller are parallel.
+const PARALLEL: f64 = 1e-12;
 
 /// The move behind a corner.
 pub(super) struct Next {
@@ -78,27 +81,16 @@ impl Path {
         }
     }
 
+    fn course(&self) -> Course {
+        match *self {
+            Self::Line { from, direction } => Course::Line(from, direction),
+            Self::Arc { centre, radius, .. } => Course::Circle(centre, radius),
+        }
+    }
+
     /// Returns the meeting points of the whole lines and circles of two paths.
     fn meetings(&self, other: &Self) -> Option<[Point; 2]> {
-        match (*self, *other) {
-            (Self::Line { from, direction }, Self::Line { from: start, direction: way }) => {
-                let cross = direction.cross(way);
-                if libm::fabs(cross) < 1e-12 {
-                    return None;
-                }
-                let along = start.minus(from).cross(way) / cross;
-                let at = from.plus(direction, along);
-                Some([at, at])
-            }
-            (Self::Line { from, direction }, Self::Arc { centre, radius, .. })
-            | (Self::Arc { centre, radius, .. }, Self::Line { from, direction }) => {
-                line_circle(from, direction, centre, radius)
-            }
-            (
-                Self::Arc { centre, radius, .. },
-                Self::Arc { centre: other, radius: other_radius, .. },
-            ) => circles(centre, radius, other, other_radius),
-        }
+        self.course().meetings(other.course(), PARALLEL)
     }
 
     /// Returns the curvature of the programmed path, positive to the left; `offset` is the way to the left from it.

@@ -49,13 +49,39 @@ impl Point {
     }
 }
 
+/// A line or a circle, whole.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Course {
+    /// Through a point, in a unit direction.
+    Line(Point, Point),
+    /// Round a centre, with a radius.
+    Circle(Point, f64),
+}
+
+impl Course {
+    /// Returns the meeting points with another course; twice the same of two lines, and none of lines between whose directions
+    /// the cross product is below `parallel`.
+    pub(crate) fn meetings(self, other: Self, parallel: f64) -> Option<[Point; 2]> {
+        match (self, other) {
+            (Self::Line(a, along), Self::Line(b, across)) => {
+                let cross = along.cross(across);
+                if libm::fabs(cross) < parallel {
+                    return None;
+                }
+                let at = a.plus(along, b.minus(a).cross(across) / cross);
+                Some([at, at])
+            }
+            (Self::Line(at, along), Self::Circle(centre, radius))
+            | (Self::Circle(centre, radius), Self::Line(at, along)) => {
+                line_circle(at, along, centre, radius)
+            }
+            (Self::Circle(a, ra), Self::Circle(b, rb)) => circles(a, ra, b, rb),
+        }
+    }
+}
+
 /// Returns the meeting points of a line (a point and a unit direction) and a circle.
-pub(crate) fn line_circle(
-    at: Point,
-    direction: Point,
-    centre: Point,
-    radius: f64,
-) -> Option<[Point; 2]> {
+fn line_circle(at: Point, direction: Point, centre: Point, radius: f64) -> Option<[Point; 2]> {
     let foot = at.plus(direction, centre.minus(at).dot(direction));
     let distance = foot.minus(centre).length();
     let square = radius * radius - distance * distance;
@@ -67,7 +93,7 @@ pub(crate) fn line_circle(
 }
 
 /// Returns the meeting points of two circles.
-pub(crate) fn circles(a: Point, ra: f64, b: Point, rb: f64) -> Option<[Point; 2]> {
+fn circles(a: Point, ra: f64, b: Point, rb: f64) -> Option<[Point; 2]> {
     let between = b.minus(a);
     let d = between.length();
     let direction = between.unit()?;

@@ -4,6 +4,7 @@
 //! ([`mutants`]) must break one of them.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, clippy::print_stdout, reason = "tests")]
 
+mod answers;
 mod model;
 mod mutants;
 mod remote;

@@ -54,7 +54,8 @@ fn on(like: &SafetyMachine) -> SafetyMachine {
     machine
 }
 
-const IDLE: Facts = Facts {
+/// Facts of a machine that may be switched on, and rests.
+pub(crate) const IDLE: Facts = Facts {
     epoch: hal_safety::Epoch { stops: 1, pauses: 0 },
     estop: false,
     enable: true,

@@ -2,7 +2,10 @@
 
 use super::{Action, Args, Effect, Input, ROWS};
 use crate::{
-    engine::{Ending, tests::orders},
+    engine::{
+        Ending,
+        tests::{ALL, orders},
+    },
     session::Role,
 };
 use hal_protocol::Request;
@@ -47,33 +50,7 @@ fn only_what_ends_motion_needs_no_lease() {
     assert_eq!(viewers, ["abort", "estop", "robot-stop"]);
 }
 
-/// Commands of machines with and without a task.
-const WITH: &[&str] = &[
-    "motion.jog",
-    "motion.disable",
-    "motion.abort",
-    "motion.pause",
-    "iocontrol.estop",
-    "iocontrol.abort",
-    "iocontrol.estop-reset",
-    "task.run",
-    "task.mode",
-    "task.on",
-    "task.home",
-    "task.estop-reset",
-    "task.open",
-    "task.run-from",
-    "task.recover",
-    "task.confirm",
-    "task.resume",
-    "task.step",
-    "task.mdi",
-    "task.feed-override",
-    "task.rapid-override",
-    "task.spindle-override",
-    "task.optional-stop",
-    "task.block-delete",
-];
+/// Commands of a machine without a task.
 const WITHOUT: &[&str] = &[
     "motion.jog",
     "motion.disable",
@@ -92,7 +69,7 @@ fn sent(name: &str, args: &Json, is_inch: bool) -> Result<String, String> {
 
 fn asked(name: &str, args: &Json, is_inch: bool, has_task: bool) -> Result<String, String> {
     let args: Args = serde_json::from_value(args.clone()).unwrap();
-    let orders = orders(if has_task { WITH } else { WITHOUT });
+    let orders = orders(if has_task { ALL } else { WITHOUT });
     let given = Input { args: &args, orders: &orders, is_inch };
     let requests = match super::find(name).map_err(|e| e.text)?.action {
         Action::Engine(requests) => requests(&given),

@@ -2,7 +2,7 @@
 
 use crate::{
     error::Problem,
-    motion::geometry::{Point, circles, line_circle, nearest},
+    motion::geometry::{Course, Point, nearest},
 };
 
 /// Distances below this are none, in program units.
@@ -119,27 +119,16 @@ impl Piece {
         (-1e-7..=1.0 + 1e-7).contains(&self.share(at))
     }
 
+    fn course(&self) -> Course {
+        match self.arc {
+            None => Course::Line(self.from, self.direction(self.from)),
+            Some(arc) => Course::Circle(arc.centre, self.radius()),
+        }
+    }
+
     /// Returns the meeting points of the whole lines and circles of two pieces.
     fn meetings(&self, other: &Self) -> Option<[Point; 2]> {
-        match (self.arc, other.arc) {
-            (None, None) => {
-                let (a, b) = (self.direction(self.from), other.direction(other.from));
-                let cross = a.cross(b);
-                if libm::fabs(cross) < NEAR {
-                    return None;
-                }
-                let along = other.from.minus(self.from).cross(b) / cross;
-                let at = self.from.plus(a, along);
-                Some([at, at])
-            }
-            (None, Some(arc)) => {
-                line_circle(self.from, self.direction(self.from), arc.centre, other.radius())
-            }
-            (Some(arc), None) => {
-                line_circle(other.from, other.direction(other.from), arc.centre, self.radius())
-            }
-            (Some(a), Some(b)) => circles(a.centre, self.radius(), b.centre, other.radius()),
-        }
+        self.course().meetings(other.course(), NEAR)
     }
 
     /// Returns the crossing of two pieces that both hold, the one nearest to `corner`.

@@ -5,9 +5,12 @@
 //! a pocket is too narrow for the allowance.
 
 use super::contour::{Arc, NEAR, Piece, SNAP};
-use crate::motion::geometry::{Point, circles, line_circle};
+use crate::motion::geometry::{Course, Point};
 
-/// The course of a curve.
+/// Lines between whose directions the cross product is smaller are parallel.
+const PARALLEL: f64 = 1e-14;
+
+/// Line or half of a circle that a curve follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
     Line(Point, Point),
@@ -58,28 +61,16 @@ impl Curve {
         }
     }
 
+    fn course(&self) -> Course {
+        match self.shape {
+            Shape::Line(a, b) => Course::Line(a, b.minus(a).unit().unwrap_or_default()),
+            Shape::Circle { centre, radius, .. } => Course::Circle(centre, radius),
+        }
+    }
+
     /// Returns the places along the first axis at which two curves may cross.
     fn crossings(&self, other: &Self) -> Option<[f64; 2]> {
-        let line = |a: Point, b: Point| b.minus(a).unit().unwrap_or_default();
-        let meetings = match (self.shape, other.shape) {
-            (Shape::Line(a, b), Shape::Line(c, d)) => {
-                let (along, across) = (line(a, b), line(c, d));
-                let cross = along.cross(across);
-                if libm::fabs(cross) < 1e-14 {
-                    return None;
-                }
-                let at = a.plus(along, c.minus(a).cross(across) / cross);
-                Some([at, at])
-            }
-            (Shape::Line(a, b), Shape::Circle { centre, radius, .. })
-            | (Shape::Circle { centre, radius, .. }, Shape::Line(a, b)) => {
-                line_circle(a, line(a, b), centre, radius)
-            }
-            (
-                Shape::Circle { centre, radius, .. },
-                Shape::Circle { centre: other, radius: r, .. },
-            ) => circles(centre, radius, other, r),
-        };
+        let meetings = self.course().meetings(other.course(), PARALLEL);
         meetings.map(|[a, b]| [a.first, b.first])
     }
 

@@ -16,16 +16,15 @@ impl Run<'_> {
         turned: Turned,
         profile: &[Piece],
     ) -> Result<(), Problem> {
-        let passes = f64::from(cycle.passes);
-        let step = (cycle.distance - cycle.end_distance) / passes;
-        let distance = |pass: u32| f64::from(pass - 1) * step + cycle.end_distance;
+        let last = cycle.end_distance;
+        let step = (cycle.distance - last) / f64::from(cycle.passes);
+        let distance = |pass: u32| f64::from(pass - 1) * step + last;
         let widest = distance(if step < 0.0 { 1 } else { cycle.passes });
         let outermost = moved(profile, widest);
-        let distances: Vec<f64> = (1..=cycle.passes).rev().map(distance).collect();
         self.approach(cycle, turned, &outermost, widest)?;
         let top = top_of(&outermost);
-        for (pass, distance) in (1..=cycle.passes).rev().zip(distances) {
-            let pieces = moved(profile, distance);
+        for pass in (1..=cycle.passes).rev() {
+            let pieces = moved(profile, distance(pass));
             let Some(first) = pieces.first() else { continue };
             let start = turned.position(first.from, cycle.place);
             if turned.point(cycle.place).second < first.from.second - NEAR {

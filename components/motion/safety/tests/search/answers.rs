@@ -1,35 +1,13 @@
 //! Answers beside the states that searches know: power that is given, epochs that rise, orders that are refused, jobs of a
 //! lease.
+use crate::mutants::IDLE;
 use hal_safety::{
-    Answer, Epoch, Event, Facts, Mode, OrderKind, OrderSource, Parked, Reaction, Refused,
-    SafetyMachine, Stop, Trouble,
+    Answer, Event, Mode, OrderKind, OrderSource, Reaction, Refused, SafetyMachine, Stop, Trouble,
     lease::{Desk, Job, OnLoss, Work},
 };
 
-/// Facts of a machine that may be switched on, and rests.
-const READY: Facts = Facts {
-    epoch: Epoch { stops: 1, pauses: 0 },
-    estop: false,
-    enable: true,
-    jog_inhibit: false,
-    homing_inhibit: false,
-    configured: true,
-    jogs: false,
-    homes: false,
-    path: false,
-    rests_on_path: false,
-    parked: Parked::No,
-    claimed: false,
-    target: true,
-    place: true,
-    rests: true,
-    moving: 0,
-    open_loop: 0,
-    volatile: 0,
-};
-
 fn ordered(machine: &mut SafetyMachine, order: OrderKind) -> Answer {
-    machine.on(Event::Order(order, OrderSource::Local, READY.epoch), &READY)
+    machine.on(Event::Order(order, OrderSource::Local, IDLE.epoch), &IDLE)
 }
 
 fn on(mode: Mode) -> SafetyMachine {
@@ -45,7 +23,7 @@ fn power_is_given_once() {
     let mut machine = SafetyMachine::OFF;
     assert!(ordered(&mut machine, OrderKind::Enable).powers);
     assert!(!ordered(&mut machine, OrderKind::Enable).powers, "it is on");
-    assert_eq!(machine.on(Event::Off, &READY).stop, Stop::Drop);
+    assert_eq!(machine.on(Event::Off, &IDLE).stop, Stop::Drop);
     assert!(ordered(&mut machine, OrderKind::Enable).powers);
 }
 
@@ -59,9 +37,9 @@ fn every_trouble_of_a_machine_that_is_on_raises_the_epoch_once() {
             Trouble::Following { by: reaction, twice: true },
         ] {
             let mut machine = on(Mode::Free);
-            assert!(machine.on(Event::Trouble(trouble), &READY).raises, "{trouble:?}");
+            assert!(machine.on(Event::Trouble(trouble), &IDLE).raises, "{trouble:?}");
             // While it brakes, and once it is off, the same trouble is no new one.
-            assert!(!machine.on(Event::Trouble(Trouble::Limit(Reaction::Ramp)), &READY).raises);
+            assert!(!machine.on(Event::Trouble(Trouble::Limit(Reaction::Ramp)), &IDLE).raises);
         }
     }
 }
