@@ -57,7 +57,7 @@ pub use order::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     WayInfo,
 };
-pub use orders::{Orders, Unserved};
+pub use orders::{Orders, Unlisted, Unserved};
 pub use pattern::Patterns;
 pub use pins::{MAX_PAGE_PINS, PinPage, PinPageInfo};
 pub use place::{Place, valid_instance};

@@ -1,6 +1,6 @@
 //! Orders to a machine: its commands by the names that the task gives them, also where there is no task.
 
-use crate::{CommandInfo, Kind, Missing, Request, Stops};
+use crate::{CommandInfo, Kind, Missing, Reply, Request, Stops};
 use std::{collections::BTreeMap, fmt};
 
 /// Names of the commands that belong to a machine.
@@ -72,6 +72,24 @@ impl fmt::Display for Unserved {
     }
 }
 
+/// Reason why a machine cannot be commanded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Unlisted {
+    /// Its engine has answered with something else than commands.
+    NoList,
+    /// Something moves that its commands cannot stop.
+    Missing(Missing),
+}
+
+impl fmt::Display for Unlisted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoList => f.write_str("the engine lists no commands"),
+            Self::Missing(missing) => missing.fmt(f),
+        }
+    }
+}
+
 /// The commands that a machine offers, as its clients ask for them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Orders {
@@ -81,11 +99,22 @@ pub struct Orders {
 }
 
 impl Orders {
-    /// Returns the request for the commands of a machine, from whose answer [`Self::of`] finds its orders.
+    /// Returns the request for the commands of a machine, from whose answer [`Self::listed`] finds its orders.
     #[must_use]
     pub fn list() -> Request {
         let patterns = PATTERNS.map(str::to_owned).to_vec();
         Request::List { kind: Kind::Commands, patterns, ty: None }
+    }
+
+    /// Finds the orders of a machine from the answer to [`Self::list`].
+    ///
+    /// # Errors
+    /// The answer has no commands, or something moves that they cannot stop.
+    pub fn listed(answer: &Reply) -> Result<Self, Unlisted> {
+        match answer {
+            Reply::Commands(commands) => Self::of(commands).map_err(Unlisted::Missing),
+            _ => Err(Unlisted::NoList),
+        }
     }
 
     /// Finds the orders of a machine that offers these commands.

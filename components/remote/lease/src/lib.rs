@@ -28,23 +28,23 @@ const ROBOT_STOPS: &[(&str, &str, &str)] =
     &[("remote.hold", "remote-hold", "robot.hold"), ("remote.abort", "remote-abort", "robot.stop")];
 const ROBOT_JOB: (&str, &str, &str) = ("robot.busy", "remote-job", "remote.job");
 
-/// Finds the orders of a machine. Every program that commands it asks first: a machine that cannot be stopped is not commanded.
+/// Finds the orders of a machine.
 ///
 /// # Errors
 /// The engine does not answer, or something moves that nothing stops.
 pub fn orders(client: &mut Client) -> Result<Orders, String> {
-    match client.call(Orders::list()).map_err(|e| e.to_string())? {
-        Reply::Commands(list) => Orders::of(&list).map_err(|missing| missing.to_string()),
-        _ => Err("the engine lists no commands".to_owned()),
-    }
+    let answer = client.call(Orders::list()).map_err(|e| e.to_string())?;
+    Orders::listed(&answer).map_err(|why| why.to_string())
 }
 
 /// Loads and wires the plugin as a whole, or leaves the machine as it is. Messages name the program that asks.
 ///
 /// # Errors
-/// There is no engine, or no motion; or the machine's files have wired these pins otherwise.
+/// There is no engine, or no motion; something moves that nothing stops; or the machine's files have wired these pins otherwise.
 pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), String> {
     let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
+    // A machine that cannot be stopped is not commanded.
+    orders(&mut client)?;
     let mut requests = Vec::new();
     let Reply::Threads(threads) = list(&mut client, Kind::Threads)? else {
         return Err("the engine lists no threads".to_owned());

@@ -224,11 +224,8 @@ fn components(
 fn orders(
     call: &mut impl FnMut(Request) -> Option<Result<Reply, Error>>,
 ) -> Result<Orders, String> {
-    match call(Orders::list()) {
-        Some(Ok(Reply::Commands(list))) => Orders::of(&list).map_err(|missing| missing.to_string()),
-        Some(Err(e)) => Err(e.text),
-        _ => Err("the engine lists no commands".to_owned()),
-    }
+    let answer = call(Orders::list()).ok_or_else(gone).flatten().map_err(|e| e.text)?;
+    Orders::listed(&answer).map_err(|why| why.to_string())
 }
 
 /// Executes requests until the engine or this program ends.

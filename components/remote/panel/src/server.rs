@@ -21,7 +21,7 @@ use crate::{
 };
 use axum::Router;
 use hal_ini::Ini;
-use hal_protocol::{Client, Place, Reply, Request as HalRequest};
+use hal_protocol::{Place, Reply, Request as HalRequest};
 use hyper::{
     Request,
     body::Incoming,
@@ -162,8 +162,6 @@ pub fn run(options: &Options) -> Result<(), String> {
         let programs = programs.map_err(|e| hal_output::reason(&e))?;
         let audit = Audit::open(&audit)?;
         let teleop_port = teleop.unwrap_or(teleop::ADDRESS).port();
-        // A machine that cannot be stopped is not served.
-        hal_lease::orders(&mut Client::connect(&place, "").map_err(|e| e.to_string())?)?;
         hal_lease::load(&place, ini.as_ref(), "halpanel")?;
         let engine = Engine::join(&place)?;
         let on_loss = on_loss(&engine).await;

@@ -296,7 +296,9 @@ fn walk(seed: u64, seen: &mut BTreeSet<Plant>) {
             || back && body.parked != Parked::Returns
             || matches!(act, Act::Order(OrderKind::Move, ..))
             || since >= SHORT;
-        if body.parked == Parked::Returns && (comes_back || random.below(2) == 0) {
+        // A return that was stopped brakes, and does not arrive.
+        let returns = body.parked == Parked::Returns && body.is_driven();
+        if returns && (comes_back || random.below(2) == 0) {
             trail.push(Act::Arrive);
             body.act(Act::Arrive, SafetyMachine::on);
             for _ in 0..2000 {
@@ -307,7 +309,7 @@ fn walk(seed: u64, seen: &mut BTreeSet<Plant>) {
             }
             rig.cycles(SETTLE);
             since = 0;
-        } else if body.parked != Parked::Returns && (must || random.below(3) == 0) {
+        } else if !returns && (must || body.parked == Parked::Returns || random.below(3) == 0) {
             trail.push(Act::Settle);
             body.act(Act::Settle, SafetyMachine::on);
             rig.cycles(SETTLE);

@@ -51,9 +51,7 @@ fn run(options: &Options) -> Result<(), String> {
         }
         None => (String::new(), Ini::parse("", b"").map_err(|e| e.to_string())?),
     };
-    let mut watched = Client::connect(&place, "").map_err(|e| e.to_string())?;
-    // A machine that cannot be stopped is not served.
-    hal_lease::orders(&mut watched)?;
+    let watched = Client::connect(&place, "").map_err(|e| e.to_string())?;
     hal_lease::load(&place, Some(&ini), "linuxcncrsh")?;
     let control = Control::start(&place)?;
     let passwords = Passwords {
