@@ -75,7 +75,7 @@ impl fmt::Display for Unserved {
 /// Reason why a machine cannot be commanded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Unlisted {
-    /// Its engine has answered with something else than commands.
+    /// Answer of the engine that lists no commands.
     NoList,
     /// Something moves that its commands cannot stop.
     Missing(Missing),
@@ -191,7 +191,7 @@ fn renamed(arg: String, names: &[(&str, &str)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Orders, WITHOUT_TASK};
-    use crate::{ArgInfo, Bounds, CommandInfo, Request};
+    use crate::{ArgInfo, Bounds, CommandInfo, Reply, Request};
 
     fn info(name: &str) -> CommandInfo {
         let (name, args) = name.split_once(' ').unwrap_or((name, ""));
@@ -265,6 +265,15 @@ mod tests {
         for name in names {
             check(&whole, name, name);
         }
+    }
+
+    #[test]
+    fn a_machine_that_is_not_listed_or_cannot_be_stopped_has_no_orders() {
+        let commands = |names: &[&str]| Reply::Commands(names.iter().map(|n| info(n)).collect());
+        assert!(Orders::listed(&commands(&["motion.enable"])).is_ok());
+        let why = |answer| Orders::listed(&answer).unwrap_err().to_string();
+        assert_eq!(why(Reply::Done), "the engine lists no commands");
+        assert!(why(commands(&["motion.jog"])).contains("motion.jog"));
     }
 
     #[test]
