@@ -34,6 +34,9 @@ const SHORTEST_HALF: f64 = 1e-7;
 /// The corner itself is missed by at most this many tolerances.
 const CORNER_MISS: f64 = 1.5;
 
+/// Cosine of the angle between the way back and the second segment, above which the motion comes to rest: 0.003°.
+const STRAIGHT_BACK: f64 = 1.0 - 1e-9;
+
 /// Kind of joint between two segments.
 #[expect(clippy::large_enum_variant, reason = "lives on the stack for a moment")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +49,7 @@ pub(crate) enum Joint {
     Stop,
 }
 
-/// Finds the joint between `a` and `b`. `room` is the longest half, and `jerk` is true if second derivatives must be
+/// Finds the joint between `a` and `b`, with the longest blend inside the tolerances. `room` is the longest half, and `jerk` is true if second derivatives must be
 /// continuous.
 pub(crate) fn joint(a: &Segment, b: &Segment, room: f64, t: &Tolerances, jerk: bool) -> Joint {
     if b.smooth {
@@ -62,7 +65,7 @@ pub(crate) fn joint(a: &Segment, b: &Segment, room: f64, t: &Tolerances, jerk: b
         return Joint::Smooth;
     }
     let lengths = e.first.dot_all(&e.first) * f.first.dot_all(&f.first);
-    if e.first.dot_all(&f.first) < -0.985 * lengths.sqrt() {
+    if e.first.dot_all(&f.first) < -STRAIGHT_BACK * lengths.sqrt() {
         return Joint::Stop;
     }
     let found = match (&a.curve, &b.curve) {
@@ -95,7 +98,7 @@ fn between_lines(
         worst = worst.max(off.max(turn.norm(group) / CORNER_MISS) / t.of(group));
     }
     let half = room.min((1.0 - 1e-9) * 16.0 / 3.0 / worst);
-    (half >= SHORTEST_HALF).then(|| Blend { curve: curve(a, b, half), half })
+    (half >= SHORTEST_HALF).then(|| of_half(a, b, half))
 }
 
 /// Blend with an arc or polynomial: the longest half, to about 1.5 %, whose bound is inside the tolerance.
@@ -115,7 +118,7 @@ fn between_curves(a: &Segment, b: &Segment, room: f64, t: &Tolerances, size: f64
         if half < SHORTEST_HALF {
             break;
         }
-        let blend = Blend { curve: curve(a, b, half), half };
+        let blend = of_half(a, b, half);
         let ratio = deviation(&blend, a, b, t);
         if ratio <= 1.0 {
             if half > low.0 {
@@ -146,6 +149,11 @@ fn between_curves(a: &Segment, b: &Segment, room: f64, t: &Tolerances, size: f64
         half = next;
     }
     best
+}
+
+/// Returns the blend with this half.
+pub(crate) fn of_half(a: &Segment, b: &Segment, half: f64) -> Blend {
+    Blend { curve: curve(a, b, half), half }
 }
 
 fn curve(a: &Segment, b: &Segment, half: f64) -> Curve {

@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Largest number of lines that are joined at once.
-const WINDOW: usize = 64;
+const MAX_LINES: usize = 64;
 
 /// Number of lines that are kept for the next window where a run goes on.
 const KEPT: usize = 16;
@@ -67,8 +67,13 @@ impl Join {
         self.lines.first().copied()
     }
 
+    /// Returns the lines that wait.
+    pub(crate) fn lines(&self) -> &[Segment] {
+        &self.lines
+    }
+
     pub(crate) fn is_full(&self) -> bool {
-        self.lines.len() >= WINDOW
+        self.lines.len() >= MAX_LINES
     }
 
     pub(crate) fn push(&mut self, line: &Segment) {
@@ -84,40 +89,54 @@ impl Join {
         false
     }
 
-    /// Gives out the window, as a spline or as the lines that it was; if the run goes on, without its last lines.
-    pub(crate) fn flush(
-        &mut self,
+    /// Returns the number of lines that a window gives out: if the run goes on, without its last ones.
+    fn count(&self, goes_on: bool) -> usize {
+        let kept = if goes_on { KEPT.min(self.lines.len() / 2) } else { 0 };
+        self.lines.len() - kept
+    }
+
+    /// Returns the smoothest spline through the window that the tolerances and the certificate allow. `most` are the
+    /// tolerances of which its ends use a share.
+    pub(crate) fn curve(
+        &self,
         goes_on: bool,
         tolerances: &Tolerances,
+        most: &Tolerances,
         certificate: &mut Certificate,
-    ) -> Vec<Segment> {
-        let mut out = Vec::new();
-        let kept = if goes_on { KEPT.min(self.lines.len() / 2) } else { 0 };
-        let count = self.lines.len() - kept;
+    ) -> Option<Joining> {
+        let count = self.count(goes_on);
         let end = if goes_on { self.derivatives(count) } else { None };
+        let window = Window { lines: self.lines.get(..count)?, spacing: self.spacing };
+        let (first, last) = (window.lines.first()?, window.lines.last()?);
+        let straight = [slope(first), slope(last)].map(|u| [u, Pose::ZERO]);
+        let [from, to] = [window.one_sided(false), window.one_sided(true)];
+        let from = self.end.or(from).unwrap_or(straight[0]);
+        let to = end.or(to).unwrap_or(straight[1]);
+        let spline = window.spline(&from, &to, tolerances).or_else(|| {
+            let ends = [self.end.unwrap_or(straight[0]), end.unwrap_or(straight[1])];
+            if ends == [from, to] { None } else { window.spline(&ends[0], &ends[1], tolerances) }
+        })?;
+        let (curves, spacing) = (spline.curves(), spline.spacing);
+        let joined = Joined { curves: &curves, spacing, lines: window.lines, tolerances };
+        if !certificate.allows_joining(&joined) {
+            return None;
+        }
+        let ends = Joined { tolerances: most, ..joined }.ends();
+        Some(Joining { curves, spacing, ends, end })
+    }
+
+    /// Gives out the window, as the spline or as the lines that it was; if the run goes on, without its last lines.
+    pub(crate) fn give(&mut self, goes_on: bool, found: Option<Joining>) -> Vec<Segment> {
+        let mut out = Vec::new();
+        let count = self.count(goes_on);
         let rest = self.lines.split_off(count);
         let smooth = self.end.is_some();
         let (Some(first), Some(last)) = (self.lines.first(), self.lines.last()) else { return out };
         let last = *last;
-        let straight = [slope(first), slope(&last)].map(|u| [u, Pose::ZERO]);
-        let [from, to] = [self.one_sided(false), self.one_sided(true)];
-        let from = self.end.or(from).unwrap_or(straight[0]);
-        let to = end.or(to).unwrap_or(straight[1]);
-        let found = self.spline(&from, &to, tolerances).or_else(|| {
-            let ends = [self.end.unwrap_or(straight[0]), end.unwrap_or(straight[1])];
-            if ends == [from, to] { None } else { self.spline(&ends[0], &ends[1], tolerances) }
-        });
-        let found = found.and_then(|spline| {
-            let curves = spline.curves();
-            let Self { lines, .. } = &*self;
-            let joined = Joined { curves: &curves, spacing: spline.spacing, lines, tolerances };
-            let ends = certificate.allows_joining(&joined).then(|| joined.ends());
-            Some((spline, curves, ends?))
-        });
         match found {
-            Some((spline, curves, ends)) => {
+            Some(Joining { curves, spacing, ends, end }) => {
                 for (k, curve) in curves.iter().enumerate() {
-                    let middle = spline.spacing * (float(k) + 0.5);
+                    let middle = spacing * (float(k) + 0.5);
                     let (mut line, mut s) = (last.line, 0.0);
                     for l in &self.lines {
                         s += l.length;
@@ -127,13 +146,13 @@ impl Join {
                         }
                     }
                     let mode = if k + 1 == curves.len() { last.mode } else { first.mode };
-                    let (curve, length, smooth) = (*curve, spline.spacing, k > 0 || smooth);
+                    let (curve, length, smooth) = (*curve, spacing, k > 0 || smooth);
                     // What the ends use of the tolerance is not left for their blends.
                     let at_start = if k == 0 { ends[0] } else { 0.0 };
                     let off = if k + 1 == curves.len() { at_start.max(ends[1]) } else { at_start };
                     out.push(Segment { curve, length, line, mode, smooth, off, ..*first });
                 }
-                self.spacing = spline.spacing;
+                self.spacing = spacing;
                 self.end = end;
             }
             None => {
@@ -145,6 +164,52 @@ impl Join {
         out
     }
 
+    /// Returns the first two derivatives that the lines around the start of a line suggest.
+    fn derivatives(&self, number: usize) -> Option<[Pose; 2]> {
+        let before = self.lines.get(number.checked_sub(AROUND)?..number)?;
+        let after = self.lines.get(number..number + AROUND)?;
+        let ((a, x), (b, y)) = (chord(before)?, chord(after)?);
+        let main = self.lines.first()?.main;
+        let mean = (a * y + b * x) * (1.0 / (x + y));
+        let tangent = unit(&mean, main)?;
+        let bend = (b - a) * (2.0 / (x + y));
+        Some([tangent, bend - tangent * bend.dot(&tangent, main)])
+    }
+}
+
+/// A curve through the lines of a window.
+#[derive(Clone, Debug)]
+pub(crate) struct Joining {
+    curves: Vec<Curve>,
+    /// Length of each of them.
+    spacing: f64,
+    /// Shares of the tolerance that both ends use.
+    ends: [f64; 2],
+    /// Two derivatives at the end, if the run goes on.
+    end: Option<[Pose; 2]>,
+}
+
+impl Joining {
+    /// Returns the curves, each as long as [`Self::spacing`].
+    pub(crate) fn curves(&self) -> &[Curve] {
+        &self.curves
+    }
+
+    /// Returns the length of each curve.
+    pub(crate) const fn spacing(&self) -> f64 {
+        self.spacing
+    }
+}
+
+/// Lines that become a spline together.
+#[derive(Clone, Copy, Debug)]
+struct Window<'a> {
+    lines: &'a [Segment],
+    /// Distance between samples in the window before.
+    spacing: f64,
+}
+
+impl Window<'_> {
     /// Returns the first two derivatives at the start or at the end of the lines, as the lines nearby suggest.
     fn one_sided(&self, at_end: bool) -> Option<[Pose; 2]> {
         let count = self.lines.len();
@@ -156,18 +221,6 @@ impl Join {
         // A chord has the direction of the curve at its middle.
         let tangent = if at_end { b + bend * (0.5 * y) } else { a - bend * (0.5 * x) };
         let tangent = unit(&tangent, main)?;
-        Some([tangent, bend - tangent * bend.dot(&tangent, main)])
-    }
-
-    /// Returns the first two derivatives that the lines around the start of a line suggest.
-    fn derivatives(&self, number: usize) -> Option<[Pose; 2]> {
-        let before = self.lines.get(number.checked_sub(AROUND)?..number)?;
-        let after = self.lines.get(number..number + AROUND)?;
-        let ((a, x), (b, y)) = (chord(before)?, chord(after)?);
-        let main = self.lines.first()?.main;
-        let mean = (a * y + b * x) * (1.0 / (x + y));
-        let tangent = unit(&mean, main)?;
-        let bend = (b - a) * (2.0 / (x + y));
         Some([tangent, bend - tangent * bend.dot(&tangent, main)])
     }
 
@@ -197,7 +250,7 @@ impl Join {
         let h = length / pieces;
         let mut points = Vec::new();
         let (mut s, mut k) = (0.0, 2.0);
-        for line in &self.lines {
+        for line in self.lines {
             while k <= pieces - 2.0 && k * h <= s + line.length {
                 points.push(line.curve.pose(k * h - s));
                 k += 1.0;

@@ -1,7 +1,7 @@
 //! The planner: from moves to cells with proved limits.
 
 use crate::{
-    blend::{self, Blend, Joint},
+    blend::{Blend, Joint},
     certificate::{Certificate, Rejection},
     curve::Curve,
     erosion::Erosion,
@@ -11,17 +11,19 @@ use crate::{
     machine::{Limits, Machine},
     moves::{Mode, Move},
     pose::Pose,
-    segment::{Segment, Tolerances},
+    segment::{Segment, Tolerances, UNBOUNDED},
     speed::Law,
     track::Track,
 };
 
 mod cells;
 mod reach;
+mod rounding;
 pub(crate) mod spline;
 mod window;
 
 use cells::Span;
+pub(crate) use rounding::Stretch;
 use window::Window;
 
 /// Number of cells that a track holds; further moves are refused until the follower has advanced.
@@ -153,11 +155,8 @@ impl<K: Kinematics> Planner<K> {
     /// Adds the lines that wait to be joined.
     fn flush(&mut self, goes_on: bool) {
         let mut join = core::mem::take(&mut self.join);
-        if let Some(first) = join.first() {
-            let tolerances = self.tolerances(&first, &first);
-            for segment in &join.flush(goes_on, &tolerances, &mut self.certificate) {
-                self.place(Some(segment));
-            }
+        for segment in &self.join_lines(&mut join, goes_on) {
+            self.place(Some(segment));
         }
         self.join = join;
     }
@@ -204,7 +203,7 @@ impl<K: Kinematics> Planner<K> {
     /// Returns the tolerances of a mode.
     fn tolerance(&self, mode: &Mode) -> Tolerances {
         let linear = match mode {
-            Mode::Blend(p) if *p >= 1e-6 => p.min(1e6),
+            Mode::Blend(p) if *p >= 1e-6 => p.min(UNBOUNDED),
             Mode::Blend(_) | Mode::Exact | Mode::ExactStop => self.machine.exact_tolerance,
         };
         Tolerances { linear, angular: self.machine.angular_tolerance }
@@ -224,19 +223,7 @@ impl<K: Kinematics> Planner<K> {
             return;
         };
         let joint = match next {
-            Some(b) if a.mode != Mode::ExactStop => {
-                let room = 0.5 * a.length.min(b.length);
-                let tolerances = self.tolerances(&a, b);
-                match blend::joint(&a, b, room, &tolerances, self.law.has_jerk()) {
-                    Joint::Blend(blend)
-                        if !self.certificate.allows(&blend, &a, b, &tolerances)
-                            || !self.has_joints(&blend.curve, 2.0 * blend.half, pieces(&blend)) =>
-                    {
-                        Joint::Stop
-                    }
-                    joint => joint,
-                }
-            }
+            Some(b) if a.mode != Mode::ExactStop => self.joint(&a, b),
             _ => Joint::Stop,
         };
         let half = if let Joint::Blend(blend) = &joint { blend.half } else { 0.0 };

@@ -37,7 +37,15 @@ pub(crate) struct Tolerances {
     pub(crate) angular: f64,
 }
 
+/// Tolerance of a path without one (G64 without P); half of each segment bounds its blends.
+pub(crate) const UNBOUNDED: f64 = 1e6;
+
 impl Tolerances {
+    /// Returns true if a tolerance bounds the distance in XYZ.
+    pub(crate) const fn is_bounded(&self) -> bool {
+        self.linear < 0.5 * UNBOUNDED
+    }
+
     /// Returns the tolerance of a group.
     pub(crate) const fn of(&self, group: Group) -> f64 {
         match group {

@@ -17,7 +17,8 @@
 use crate::{
     bounds::Bounds,
     machine::{JOINTS, Limits, Machine},
-    pose::AXES,
+    plan::Stretch,
+    pose::{AXES, Group, Pose},
 };
 
 mod rows;
@@ -239,6 +240,70 @@ impl Law {
             }
         }
         Allowed::between(speed, rest.max(top), top)
+    }
+
+    /// Returns how much longer a blend would have to be to carry a speed.
+    pub(crate) fn stretch(
+        &self,
+        bounds: &Bounds,
+        joints: Option<&JointBounds>,
+        speed: f64,
+        shares: Shares,
+    ) -> Stretch {
+        let [_, mut r2, mut r3] = self.axes.shares(bounds.rows());
+        if let Some(j) = joints {
+            let [_, s2, s3] = self.joints.shares(j.rows());
+            (r2, r3) = (r2.max(s2), r3.max(s3));
+        }
+        self.stretch_of(r2, r3, speed, shares)
+    }
+
+    fn stretch_of(&self, r2: f64, r3: f64, speed: f64, shares: Shares) -> Stretch {
+        let shares = if self.jerk { shares } else { Shares::ALL };
+        let square = speed * speed;
+        let acceleration = r2 * square / shares.acceleration;
+        let jerk = if self.jerk { (r3 * square * speed / shares.jerk).sqrt() } else { 0.0 };
+        Stretch { acceleration, jerk }
+    }
+
+    /// Returns the half of a blend between two lines that carries a speed, for acceleration and for jerk. `turn` is the
+    /// difference of their directions, `most` the highest acceleration along the path. The second derivative of such a
+    /// blend is at most 3/4 of `turn` per half, the third 3/2 of it per squared half.
+    pub(crate) fn half(&self, turn: &Pose, speed: f64, most: f64) -> Stretch {
+        let second = *turn * 0.75;
+        let bounds =
+            Bounds { second: second.abs(), third: (*turn * 1.5).abs(), ..Bounds::default() };
+        let all = self.stretch(&bounds, None, speed, Shares::BLEND);
+        let bend = Group::ALL.map(|g| second.norm(g)).into_iter().fold(0.0, f64::max);
+        let along = self.bend_share(bend, most, Shares::BLEND) * speed * speed;
+        all.max(Stretch { acceleration: along, jerk: 0.0 })
+    }
+
+    /// Returns the lowest acceleration of the axes that `turn` moves.
+    pub(crate) fn acceleration(&self, turn: &Pose) -> f64 {
+        let rows = turn.0.iter().zip(&self.axes.limits).filter(|(by, _)| by.abs() > 1e-9);
+        rows.map(|(_, l)| l.acceleration).fold(1e9, f64::min)
+    }
+
+    /// Returns the share of the acceleration along the path that the curvature `bend` may use takes at a speed of 1.
+    pub(crate) fn bend_share(&self, bend: f64, most: f64, shares: Shares) -> f64 {
+        let shares = if self.jerk { shares } else { Shares::ALL };
+        bend / (shares.acceleration * most)
+    }
+
+    /// Returns limits that keep the acceleration of the path too: what the curvature `bend` and the motion along it need
+    /// together is at most `most`.
+    pub(crate) fn along(&self, allowed: &Allowed, bend: f64, most: f64, shares: Shares) -> Allowed {
+        if most >= 1e9 {
+            return *allowed;
+        }
+        let mut speed = allowed.speed;
+        let share = self.bend_share(bend, most, shares);
+        if share * speed * speed > 1.0 {
+            speed = (1.0 / share).sqrt();
+        }
+        let top = allowed.at(speed).min((most - bend * speed * speed).max(0.0));
+        Allowed::between(speed, allowed.rest.min(most).max(top), top)
     }
 
     /// Returns the highest speed along a cell that the limits of velocity alone allow.

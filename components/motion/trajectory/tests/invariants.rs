@@ -101,7 +101,7 @@ fn two_runs_are_the_same_bits_on_every_machine() {
 }
 
 /// Hash of all poses of the programs above. It changes with the planner, never with the machine.
-const HASH: u64 = 0xcec6_66a0_fb16_cd34;
+const HASH: u64 = 0x5faa_929e_640e_315f;
 
 #[test]
 fn mirrored_and_permuted_programs_take_the_same_time() {
@@ -224,8 +224,8 @@ fn a_plan_in_portions_is_the_plan_of_the_whole() {
 }
 
 #[test]
-fn a_corner_of_more_than_170_degrees_is_a_stop() {
-    for (angle, stops) in [(90.0_f64, 1), (169.0, 1), (171.0, 2), (180.0, 2)] {
+fn only_the_way_straight_back_is_a_stop() {
+    for (angle, stops) in [(90.0_f64, 1), (169.0, 1), (171.0, 1), (179.9, 1), (180.0, 2)] {
         let (sin, cos) = libm::sincos(angle.to_radians());
         let mut planner = Planner::new(machine(1e5), Trivial, Pose::ZERO).unwrap();
         for [x, y] in [[10.0, 0.0], [10.0 + 10.0 * cos, 10.0 * sin]] {

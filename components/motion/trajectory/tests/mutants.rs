@@ -24,7 +24,7 @@ const BOUNDS: [&str; 2] = ["times", "times_are_near"];
 
 const LIB: &str = "lib";
 
-const MUTANTS: [Mutant; 27] = [
+const MUTANTS: [Mutant; 31] = [
     Mutant {
         mistake: "a search takes the end of its bracket that has not passed the test",
         file: "follower/event.rs",
@@ -66,6 +66,34 @@ const MUTANTS: [Mutant; 27] = [
         right: "(1.0 - 1e-9) * 16.0 / 3.0 / worst",
         wrong: "1.07 * 16.0 / 3.0 / worst",
         fails: BY_NAME,
+    },
+    Mutant {
+        mistake: "a blend is as long as its tolerance permits",
+        file: "plan/rounding.rs",
+        right: "let chosen = self.shortest(a, b, &longest, &tolerances);",
+        wrong: "let chosen = longest;",
+        fails: ["rounding", "a_corner_is_rounded"],
+    },
+    Mutant {
+        mistake: "without a tolerance a limit of jerk makes blends as long as it likes",
+        file: "plan/rounding.rs",
+        right: "if t.is_bounded() { *longest } else { self.free(a, b, longest) }",
+        wrong: "*longest",
+        fails: ["rounding", "free_corners"],
+    },
+    Mutant {
+        mistake: "lines are joined as far from them as the tolerance permits",
+        file: "plan/rounding.rs",
+        right: "let (mut tolerances, lines_carry) = self.joining(join.lines(), &most);",
+        wrong: "let (mut tolerances, lines_carry) = (most, false);",
+        fails: ["rounding", "dense_lines"],
+    },
+    Mutant {
+        mistake: "the acceleration of the path does not count in curves",
+        file: "speed.rs",
+        right: "speed = (1.0 / share).sqrt();",
+        wrong: "speed += 0.0;",
+        fails: ["rounding", "a_limit_of_the_path"],
     },
     Mutant {
         mistake: "tolerance 0 is no tolerance",

@@ -14,8 +14,9 @@ const MOST: u32 = 4096;
 /// Part of the tolerance that chords use; the path along them keeps to the rest.
 const SHARE: f64 = 0.1;
 
-/// Distance of chords from the curve where no tolerance is given, and on an exact path, in millimetres.
-const FREE: f64 = 0.002;
+/// Largest distance of chords from the curve, and the one on an exact path, in millimetres. Coarser chords turn further
+/// from each to the next, so that a looser path would be slower.
+const COARSEST: f64 = 0.000_1;
 const EXACT: f64 = 0.000_02;
 
 impl Converter {
@@ -29,8 +30,10 @@ impl Converter {
     ) -> bool {
         let unit = self.frame.unit.millimetres();
         let tolerance = match self.path {
-            PathMode::Continuous { tolerance } if tolerance > 0.0 => SHARE * tolerance,
-            PathMode::Continuous { .. } => FREE / unit,
+            PathMode::Continuous { tolerance } if tolerance > 0.0 => {
+                (SHARE * tolerance).min(COARSEST / unit)
+            }
+            PathMode::Continuous { .. } => COARSEST / unit,
             PathMode::ExactPath | PathMode::ExactStop => EXACT / unit,
         };
         let Some(mut ends) = chords(order, points, tolerance) else { return false };

@@ -116,7 +116,8 @@ fn directions_that_cancel_give_no_derivatives() {
         join.push(&line(corner(k), corner(k + 1)));
     }
     let mut certificate = Certificate::default();
-    let out = join.flush(true, &TOLERANCES, &mut certificate);
+    let found = join.curve(true, &TOLERANCES, &TOLERANCES, &mut certificate);
+    let out = join.give(true, found);
     assert_eq!(certificate.rejections, 0);
     assert!(out.iter().all(|s| matches!(s.curve, Curve::Poly { .. })), "lines stay lines");
     for segment in &out {

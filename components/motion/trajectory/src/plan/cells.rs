@@ -2,6 +2,7 @@
 
 use super::{Planner, count};
 use crate::{
+    bounds::Bounds,
     curve::Curve,
     erosion::Raw,
     kinematics::{CELL, Kinematics, joint_bounds},
@@ -68,11 +69,7 @@ impl<K: Kinematics> Planner<K> {
     ) {
         let bounds = curve.bounds(from, to, a.lead);
         let shares = if b.is_some() { Shares::BLEND } else { Shares::MOVE };
-        let next = b.map(|b| {
-            let is_same = a.lead == b.lead;
-            (b, if is_same { bounds.speed } else { curve.bounds(from, to, b.lead).speed })
-        });
-        let [own, mut rapid] = programmed((a, bounds.speed), next);
+        let [own, mut rapid] = programmed_along(curve, [from, to], &bounds, a, b);
         let feed = own.min(rapid);
         if self.erosion.known() == 0.0 {
             self.law.choose_filter(feed * self.machine.max_override);
@@ -85,16 +82,7 @@ impl<K: Kinematics> Planner<K> {
         };
         let mut allowed =
             self.law.allowed(&bounds, joints.as_ref(), feed * self.machine.max_override, shares);
-        // Along the path, the filter changes the acceleration by all of it in its length.
-        let jerk = if self.law.has_jerk() { self.jerk * self.law.time() } else { f64::INFINITY };
-        let most = self.acceleration.min(jerk);
-        if allowed.rest > most {
-            // The share that the curvature uses stays the same.
-            if allowed.fade > 0.0 {
-                allowed.speed *= (most / allowed.rest).sqrt();
-            }
-            allowed.rest = most;
-        }
+        allowed = self.law.along(&allowed, bounds.second.norm(a.lead), self.most(), shares);
         if !self.direct && joints.is_none() {
             let speed = allowed.speed.min(1e-3);
             let (rest, top) = (allowed.rest.min(1e-3), allowed.at(speed).min(1e-3));
@@ -160,8 +148,23 @@ impl<K: Kinematics> Planner<K> {
 }
 
 /// Returns the programmed speeds along a cell of a segment, or of a blend between two: of feed moves and of rapid moves.
-/// With each segment goes the speed of its lead group along the cell.
-fn programmed(a: (&Segment, f64), b: Option<(&Segment, f64)>) -> [f64; 2] {
+/// The bounds are those of the cell, with the lead group of the first segment.
+pub(super) fn programmed_along(
+    curve: &Curve,
+    [from, to]: [f64; 2],
+    bounds: &Bounds,
+    a: &Segment,
+    b: Option<&Segment>,
+) -> [f64; 2] {
+    let next = b.map(|b| {
+        let is_same = a.lead == b.lead;
+        (b, if is_same { bounds.speed } else { curve.bounds(from, to, b.lead).speed })
+    });
+    programmed((a, bounds.speed), next)
+}
+
+/// Returns the programmed speeds along a cell. With each segment goes the speed of its lead group along the cell.
+pub(super) fn programmed(a: (&Segment, f64), b: Option<(&Segment, f64)>) -> [f64; 2] {
     let mut speeds = [f64::INFINITY; 2];
     for (segment, speed) in [Some(a), b].into_iter().flatten() {
         let along = if speed > 0.0 { (segment.feed / speed).min(1e9) } else { 1e9 };
