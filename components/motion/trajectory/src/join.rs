@@ -122,7 +122,7 @@ impl Join {
             return None;
         }
         let ends = Joined { tolerances: most, ..joined }.ends();
-        Some(Joining { curves, spacing, ends, end })
+        Some(Joining { curves, spacing, within: *tolerances, ends, end })
     }
 
     /// Gives out the window, as the spline or as the lines that it was; if the run goes on, without its last lines.
@@ -134,7 +134,7 @@ impl Join {
         let (Some(first), Some(last)) = (self.lines.first(), self.lines.last()) else { return out };
         let last = *last;
         match found {
-            Some(Joining { curves, spacing, ends, end }) => {
+            Some(Joining { curves, spacing, ends, end, .. }) => {
                 for (k, curve) in curves.iter().enumerate() {
                     let middle = spacing * (float(k) + 0.5);
                     let (mut line, mut s) = (last.line, 0.0);
@@ -183,6 +183,8 @@ pub(crate) struct Joining {
     curves: Vec<Curve>,
     /// Length of each of them.
     spacing: f64,
+    /// Tolerances within which it was found.
+    within: Tolerances,
     /// Shares of the tolerance that both ends use.
     ends: [f64; 2],
     /// Two derivatives at the end, if the run goes on.
@@ -193,6 +195,14 @@ impl Joining {
     /// Returns the curves, each as long as [`Self::spacing`].
     pub(crate) fn curves(&self) -> &[Curve] {
         &self.curves
+    }
+
+    /// Bounds the largest distance from these lines, which it joins, and returns the line of the program beside which it is.
+    pub(crate) fn deviation(&self, lines: &[Segment]) -> (f64, u32) {
+        let Self { curves, spacing, within, .. } = self;
+        let joined = Joined { curves, spacing: *spacing, lines, tolerances: within };
+        let (ratio, line) = joined.farthest();
+        (ratio * within.linear, line)
     }
 
     /// Returns the length of each curve.

@@ -65,7 +65,7 @@ pub use follower::{Follower, Step};
 pub use kinematics::{Jet, Joints, Kinematics, Trivial};
 pub use machine::{JOINTS, Limits, Machine};
 pub use moves::{Mode, Move, SHORTEST, Shape};
-pub use plan::{CAPACITY, Planner, spline::Spline};
+pub use plan::{CAPACITY, Deviation, Planner, spline::Spline};
 pub use pose::{AXES, FARTHEST, Group, Pose};
 pub use scales::Scales;
 pub use share::{Publisher, Reader, share};

@@ -60,6 +60,18 @@ pub struct Planner<K> {
     /// Highest acceleration and jerk along the path.
     acceleration: f64,
     jerk: f64,
+    /// Largest distance from the programmed path so far, if it is watched.
+    deviation: Option<Deviation>,
+}
+
+/// Largest distance of a planned path from the programmed one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deviation {
+    /// Distance in length units: of a blend from its corner, in XYZ or UVW; of joined lines, a bound that is at most twice as
+    /// large.
+    pub distance: f64,
+    /// Line of the program before the corner, 0 if the path is the programmed one everywhere.
+    pub line: u32,
 }
 
 impl<K: Kinematics> Planner<K> {
@@ -92,6 +104,7 @@ impl<K: Kinematics> Planner<K> {
             room: CAPACITY,
             acceleration: f64::INFINITY,
             jerk: f64::INFINITY,
+            deviation: None,
         })
     }
 
@@ -190,6 +203,16 @@ impl<K: Kinematics> Planner<K> {
         self.track.memory() + self.erosion.memory() + self.certificate.memory()
     }
 
+    /// Measures from now on how far the path is from the programmed one. A plan that is only computed can afford the time.
+    pub const fn watch_deviation(&mut self) {
+        self.deviation = Some(Deviation { distance: 0.0, line: 0 });
+    }
+
+    /// Returns the largest distance from the programmed path since [`Self::watch_deviation`].
+    pub const fn deviation(&self) -> Option<Deviation> {
+        self.deviation
+    }
+
     /// Returns the end of the last accepted move.
     pub const fn position(&self) -> &Pose {
         &self.position
@@ -237,6 +260,7 @@ impl<K: Kinematics> Planner<K> {
             self.add_span(&Span { curve: a.curve, from, to, pieces }, &a, None);
         }
         if let (Joint::Blend(blend), Some(b)) = (&joint, next) {
+            self.note_corner(blend, b, a.line);
             let pieces = pieces(blend);
             let span = Span { curve: blend.curve, from: 0.0, to: 2.0 * half, pieces };
             self.add_span(&span, &a, Some(b));

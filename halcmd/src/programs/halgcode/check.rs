@@ -26,6 +26,9 @@ use std::{
     process::ExitCode,
 };
 
+/// Largest number of moves that are refused by the planner and shown.
+const MAX_REFUSED: u64 = 10;
+
 /// Arguments of the command.
 pub(super) const ARGUMENTS: &str = "[options] FILE...";
 /// Purpose of the command.
@@ -218,6 +221,8 @@ struct Check<'a> {
     minutes: f64,
     /// The planner's time, if the INI file states what it needs.
     clock: Option<Clock>,
+    /// Moves that the planner refused.
+    refused: u64,
     tools: BTreeMap<i32, Use>,
     /// The limits of an axis that moves go beyond: lower, upper.
     beyond: BTreeMap<(usize, bool), Beyond>,
@@ -237,6 +242,7 @@ impl<'a> Check<'a> {
             speed: it.state.modal.spindles.first().map_or(0.0, |s| s.speed),
             minutes: 0.0,
             clock: Clock::new(it, &world.machine),
+            refused: 0,
             tools: BTreeMap::new(),
             beyond: BTreeMap::new(),
         }
@@ -264,8 +270,8 @@ impl<'a> Check<'a> {
             Call::Message(ref text) if is_rs274d => self.text.push_str(&format!("{text}\n")),
             _ => {}
         }
-        if let Some(clock) = &mut self.clock {
-            clock.call(issued);
+        if let Some(Err(error)) = self.clock.as_mut().map(|clock| clock.call(issued)) {
+            self.refusal(it, &error);
         }
         let mut from = self.way.at;
         let mut moved = Vec::new();
@@ -293,6 +299,21 @@ impl<'a> Check<'a> {
             from = point;
         }
         Ok(())
+    }
+
+    /// Writes the move that the planner refuses, as motion would. Each is an error; only the first ones are shown.
+    fn refusal(&mut self, it: &Interpreter, error: &hal_trajectory::Error) {
+        self.errors += 1;
+        self.refused += 1;
+        if self.refused > MAX_REFUSED {
+            return;
+        }
+        let file = it.state.levels.last().map(|l| l.file.clone()).unwrap_or_default();
+        let text = error.to_string();
+        // "line 7: what is wrong"
+        let (line, reason) = text.split_once(": ").unwrap_or(("line 0", &text));
+        let line = line.strip_prefix("line ").unwrap_or("0");
+        self.text.push_str(&format!("{file}:{line}: error: motion refuses this move: {reason}\n"));
     }
 
     /// Notes the axes that are beyond their travel.
@@ -359,7 +380,8 @@ impl<'a> Check<'a> {
                     let (low, high) = (extents.low[axis], extents.high[axis]);
                     if low != 0.0 || high != 0.0 {
                         let letter = axis.letter().to_ascii_uppercase();
-                        out.push_str(&format!("  {letter} {low:.3} to {high:.3}"));
+                        let unit = if axis.is_rotary() { "°" } else { " mm" };
+                        out.push_str(&format!("  {letter} {low:.3} to {high:.3}{unit}"));
                     }
                 }
                 out.push('\n');
@@ -370,9 +392,9 @@ impl<'a> Check<'a> {
             let k = self.world.machine.settings.unit.millimetres();
             let (diameter, remark) = tool.map_or((0.0, ""), |t| (t.diameter * k, &*t.remark));
             let mut line =
-                format!("  tool {number}: from line {}, cuts {:.1}", used.line, used.way);
+                format!("  tool {number}: from line {}, cuts {:.1} mm", used.line, used.way);
             if diameter != 0.0 {
-                line.push_str(&format!(", diameter {diameter:.3}"));
+                line.push_str(&format!(", diameter {diameter:.3} mm"));
             }
             if !remark.is_empty() {
                 line.push_str(&format!(", {remark}"));
@@ -381,17 +403,30 @@ impl<'a> Check<'a> {
             out.push('\n');
         }
         let seconds = self.minutes * 60.0;
-        let added = writeln!(out, "  time at feed {seconds:.1} s, rapid way {:.1}", self.rapid);
+        let added = writeln!(out, "  time at feed {seconds:.1} s, rapid way {:.1} mm", self.rapid);
         added.unwrap_or_else(|e| print_error(&e.to_string()));
-        if let Some((seconds, refused)) = self.clock.take().map(Clock::seconds) {
+        if let Some((seconds, deviation)) = self.clock.take().map(Clock::result) {
             out.push_str(&format!(
-                "  time on the machine {seconds:.1} s, without tool changes and waits"
+                "  time on the machine {seconds:.1} s, without tool changes and waits\n"
             ));
-            out.push_str(&match refused {
-                0 => "\n".to_owned(),
-                count => format!(", and without {count} moves that the planner refuses\n"),
+            out.push_str(&match deviation.line {
+                0 => "  the planned path is the programmed one\n".to_owned(),
+                line => format!(
+                    "  the planned path is off by {} mm at most, after line {line}\n",
+                    rounded(deviation.distance)
+                ),
             });
         }
         self.text.push_str(&out);
     }
+}
+
+/// Returns a distance with three significant places, rounded up.
+fn rounded(distance: f64) -> String {
+    let places = (2.0 - distance.abs().max(1e-9).log10().floor()).max(0.0);
+    let scale = 10f64.powf(places);
+    let up = (distance * scale).ceil() / scale;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 11")]
+    let places = places as usize;
+    format!("{up:.places$}")
 }

@@ -11,7 +11,8 @@ use hal_job::{
     way::{Kind, Way},
 };
 use hal_trajectory::{
-    Error, Follower, Limits, Machine as Motion, Mode, Move, Planner, Pose, Shape, Trivial,
+    Deviation, Error, Follower, Limits, Machine as Motion, Mode, Move, Planner, Pose, Shape,
+    Trivial,
 };
 
 /// Tolerance of blends after a G64 without P: only the length of the moves limits them.
@@ -27,8 +28,6 @@ pub(super) struct Clock {
     period: f64,
     periods: u64,
     dwells: f64,
-    /// Moves that the planner refused.
-    refused: u64,
     frame: Frame,
     way: Way,
     /// Highest speeds along the path, linear and angular, in units per second.
@@ -48,14 +47,14 @@ impl Clock {
         let state = &it.state;
         let motion = motion(machine)?;
         let start = pose(state.frame.machine_mm(state.position));
-        let planner = Planner::new(motion, Trivial, start).ok()?;
+        let mut planner = Planner::new(motion, Trivial, start).ok()?;
+        planner.watch_deviation();
         Some(Self {
             planner,
             follower: Follower::new(motion.period, start),
             period: motion.period,
             periods: 0,
             dwells: 0.0,
-            refused: 0,
             frame: state.frame,
             way: Way::new(state.frame, state.position),
             top: machine.top_speed,
@@ -68,7 +67,10 @@ impl Clock {
     }
 
     /// Takes a call into account.
-    pub(super) fn call(&mut self, issued: &Issued) {
+    ///
+    /// # Errors
+    /// The planner refuses a move, as motion would.
+    pub(super) fn call(&mut self, issued: &Issued) -> Result<(), Error> {
         let unit = self.frame.unit.millimetres();
         match &issued.call {
             Call::SetFeedRate(feed) => self.feed = *feed,
@@ -103,27 +105,29 @@ impl Clock {
         {
             let taken = self.push(from, self.way.at, arc, Kind::Feed, issued.line);
             if taken.is_ok() {
-                return;
+                return Ok(());
             }
         }
         let stops = matches!(issued.call, Call::RigidTap { .. } | Call::StraightProbe { .. });
         let mut last = from;
+        let mut refused = Ok(());
         for (kind, point) in points {
             let line = Shape::Line { end: pose(point) };
-            if self.push(last, point, line, kind, issued.line).is_err() {
-                self.refused += 1;
-            }
+            refused = refused.and(self.push(last, point, line, kind, issued.line));
             if stops {
                 self.rest();
             }
             last = point;
         }
+        refused
     }
 
-    /// Returns the time in seconds, and the number of refused moves, which it does not include.
-    pub(super) fn seconds(mut self) -> (f64, u64) {
+    /// Returns the time in seconds, without refused moves, and the largest distance from the programmed path, in
+    /// millimetres.
+    pub(super) fn result(mut self) -> (f64, Deviation) {
         self.rest();
-        (self.periods as f64 * self.period + self.dwells, self.refused)
+        let seconds = self.periods as f64 * self.period + self.dwells;
+        (seconds, self.planner.deviation().unwrap_or_default())
     }
 
     /// Returns an arc in machine coordinates; `None` in planes of U, V and W.

@@ -3,6 +3,7 @@
 mod comp;
 mod compat;
 mod conformance;
+mod corners;
 mod halshow;
 mod homing;
 mod kinematics;

@@ -45,6 +45,24 @@ impl Joined<'_> {
             .map(|(a, b)| self.largest(a, b, SMALL, HALVINGS[1]).min(1.0))
     }
 
+    /// Bounds the largest ratio of distance to tolerance, and returns the line of the program beside which it is.
+    pub(crate) fn farthest(&self) -> (f64, u32) {
+        let mut worst = (0.0_f64, 0);
+        let mut from = 0.0;
+        for line in self.lines {
+            let to = from + line.length;
+            if to > self.spacing * f64::from(u32::try_from(self.curves.len()).unwrap_or(u32::MAX)) {
+                break;
+            }
+            let ratio = self.largest(from, to, worst.0.max(SMALL) * 0.5, HALVINGS[0]);
+            if ratio > worst.0 {
+                worst = (ratio, line.line);
+            }
+            from = to;
+        }
+        worst
+    }
+
     /// Bounds the ratio of distance to tolerance between two path coordinates. A piece is halved while its bound is above
     /// `aim`.
     fn largest(&self, from: f64, to: f64, aim: f64, halvings: u32) -> f64 {

@@ -8,13 +8,13 @@
 //! A tolerance, and half of each segment, only bound the half. Where no half inside them carries the feed, the fastest is
 //! taken: between lines the longest; beside curves a longer blend can be slower, because it replaces more of the curve.
 
-use super::{Planner, cells, pieces};
+use super::{Deviation, Planner, cells, pieces};
 use crate::{
     blend::{self, Blend, Joint},
     curve::Curve,
     join::{Join, Joining},
     kinematics::{Kinematics, joint_bounds},
-    pose::Pose,
+    pose::{Group, Pose},
     segment::{Segment, Tolerances},
     speed::Shares,
 };
@@ -147,7 +147,10 @@ impl<K: Kinematics> Planner<K> {
         let speed = own.min(rapid) * self.machine.max_override;
         let most = self.law.acceleration(&turn).min(self.acceleration);
         let size = turn.norm(a.main);
-        FREE * free_deviation(0.5 * size) * speed * speed / most / (DEVIATION * size)
+        let lines = matches!((&a.curve, &b.curve), (Curve::Line { .. }, Curve::Line { .. }));
+        let deviation = FREE * free_deviation(0.5 * size, lines) * speed * speed / most;
+        let half = deviation / (DEVIATION * size);
+        if lines { half } else { half.min(free_share(0.5 * size) * a.length.min(b.length)) }
     }
 
     /// Returns the blend beside a curve that carries the largest part of the feed, up to the longest.
@@ -247,7 +250,19 @@ impl<K: Kinematics> Planner<K> {
             }
             tolerances.linear = (tolerances.linear * LOOSER).min(most.linear);
         }
+        if let (Some(watched), Some((found, _))) = (&mut self.deviation, &best) {
+            let (distance, line) = found.deviation(join.lines());
+            note(watched, distance, line);
+        }
         join.give(goes_on, best.map(|(found, _)| found))
+    }
+
+    /// Notes how far a blend is from its corner, if that is watched.
+    pub(super) fn note_corner(&mut self, blend: &Blend, b: &Segment, line: u32) {
+        if let Some(watched) = &mut self.deviation {
+            let by = blend.curve.pose(blend.half) - b.curve.pose(0.0);
+            note(watched, by.norm(Group::Xyz).max(by.norm(Group::Uvw)), line);
+        }
     }
 
     /// Returns the tolerances within which lines are joined: as far from them as the feed needs at the sharpest of their
@@ -286,12 +301,26 @@ impl<K: Kinematics> Planner<K> {
     }
 }
 
+/// Keeps the larger deviation.
+const fn note(watched: &mut Deviation, distance: f64, line: u32) {
+    if distance > watched.distance {
+        *watched = Deviation { distance, line };
+    }
+}
+
 /// Returns the deviation of a corner of LinuxCNC 2.9 that carries its feed, times acceleration and per squared feed; `sin` is
 /// the sine of half of the angle.
 ///
-/// It is an arc of radius v²/(0.87·A) where the angle is large, and a longer one where it is small. The function is below
-/// each of the corners that were measured (`components/motion/motion/CORNERS.md`).
-fn free_deviation(sin: f64) -> f64 {
+/// It is an arc of radius v²/(0.87·A) where the angle is large, and a longer one where it is small, less so beside arcs. The
+/// function is below each of the corners that were measured (`components/motion/motion/CORNERS.md`).
+fn free_deviation(sin: f64, lines: bool) -> f64 {
     let cos = (1.0 - sin * sin).max(1e-9).sqrt();
-    1.15 * (1.0 / cos - 1.0) * (0.78 / sin.max(1e-9)).max(1.0)
+    let small = if lines { 0.78 } else { 0.45 };
+    1.15 * (1.0 / cos - 1.0) * (small / sin.max(1e-9)).max(1.0)
+}
+
+/// Returns the longest half beside an arc as a part of the shorter segment, from the same measurements: LinuxCNC keeps more
+/// of its arcs than of its lines, and nearly all of an arc that leads back. `sin` is the sine of half of the angle.
+const fn free_share(sin: f64) -> f64 {
+    if sin < 0.97 { 0.1 } else { 0.017 }
 }

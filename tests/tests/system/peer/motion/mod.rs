@@ -18,7 +18,7 @@ use path::Programmed;
 use std::{fmt::Write, path::PathBuf, process::Command};
 
 /// Number of joints: X Y Z A B.
-const JOINTS: usize = 5;
+pub(super) const JOINTS: usize = 5;
 /// Servo period in seconds.
 const PERIOD: f64 = 0.001;
 /// Velocity and acceleration of each joint, as `machine.ini` has them.
@@ -32,7 +32,7 @@ const ROUNDING: f64 = 1e-7;
 const REST: f64 = 1e-5;
 
 /// Program number and joint positions of a servo cycle.
-type Sample = (f64, [f64; JOINTS]);
+pub(super) type Sample = (f64, [f64; JOINTS]);
 
 /// Figures of one program on one controller.
 #[derive(Clone, Copy, Debug)]
@@ -47,11 +47,7 @@ struct Figures {
 
 impl Figures {
     fn of(samples: &[[f64; JOINTS]], path: &Programmed) -> Self {
-        let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
-            panic!("no samples")
-        };
-        let start = samples.iter().position(|s| s != first).expect("it moves");
-        let end = samples.iter().rposition(|s| s != last).expect("it moves") + 1;
+        let last = samples.last().expect("samples");
         let apart = last.iter().zip(path.end).map(|(is, end)| (is - end).abs());
         assert!(
             apart.fold(0.0, f64::max) < REST,
@@ -74,7 +70,7 @@ impl Figures {
             pose
         });
         Self {
-            seconds: (end + 1 - start) as f64 * PERIOD,
+            seconds: seconds(samples),
             velocity: report.velocity.ratio,
             acceleration: report.acceleration.ratio,
             distance: path.worst(poses),
@@ -87,7 +83,7 @@ impl Figures {
 }
 
 /// Returns the folder of the programs.
-fn folder() -> PathBuf {
+pub(super) fn folder() -> PathBuf {
     root().join("tests/peer/motion")
 }
 
@@ -102,7 +98,7 @@ fn names() -> Vec<String> {
 }
 
 /// Reads what the sampler noted.
-fn samples(text: &str) -> Vec<Sample> {
+pub(super) fn samples(text: &str) -> Vec<Sample> {
     text.lines()
         .map(|line| {
             let mut words = line.split_whitespace();
@@ -123,9 +119,31 @@ fn overrides(program: &str) -> Option<String> {
     Some(format!("override={feed} rapid-override={rapid}"))
 }
 
-/// Runs a program through ours, on the virtual clock.
-fn ours(name: &str) -> Figures {
+/// Copies the folder of the programs; with `free`, their G64 is without P.
+fn copied(free: bool) -> Scratch {
     let scratch = Scratch::copy_of(&folder());
+    for name in names() {
+        let name = format!("{name}.ngc");
+        let text = scratch.read(&name);
+        let mut out = String::new();
+        for line in text.lines() {
+            let words = line.split(' ').scan(false, |blends, word| {
+                let is_tolerance = *blends && word.starts_with(['P', 'Q']);
+                *blends |= word == "G64";
+                Some((word, is_tolerance))
+            });
+            let kept: Vec<_> = words.filter(|(_, t)| !(free && *t)).map(|(word, _)| word).collect();
+            out.push_str(&kept.join(" "));
+            out.push('\n');
+        }
+        scratch.write(&name, out);
+    }
+    scratch
+}
+
+/// Runs a program through ours, on the virtual clock; returns the joint positions and the programmed path.
+fn run_ours(name: &str, free: bool) -> (Vec<[f64; JOINTS]>, Programmed) {
+    let scratch = copied(free);
     let ini = scratch.read("machine.ini");
     scratch.write("ours.ini", ini.replace(".hal\n", ".hal\nHALFILE = record.hal\n"));
     let program = format!("{name}.ngc");
@@ -134,26 +152,105 @@ fn ours(name: &str) -> Figures {
     scratch.write("record.hal", record + &feed.unwrap_or_default());
     let out = scratch.halrun(&["--virtual", "--headless", "--run", &program, "ours.ini"]);
     assert_eq!(out.status, Some(0), "{name}: {}{}", out.stdout, out.stderr);
-    let positions: Vec<_> = samples(&scratch.read("samples")).into_iter().map(|s| s.1).collect();
-    Figures::of(&positions, &Programmed::read(scratch.path(), &program))
+    let positions = samples(&scratch.read("samples")).into_iter().map(|s| s.1).collect();
+    (positions, Programmed::read(&folder(), &program))
 }
 
-/// Runs programs through LinuxCNC; `None` without it.
-fn theirs(names: &[String]) -> Option<Vec<Figures>> {
+/// Runs a program through ours.
+fn ours(name: &str) -> Figures {
+    let (positions, path) = run_ours(name, false);
+    Figures::of(&positions, &path)
+}
+
+/// Returns the time from the first cycle of motion to the last, in seconds.
+fn seconds(samples: &[[f64; JOINTS]]) -> f64 {
+    let (first, last) = (samples.first().expect("samples"), samples.last().expect("samples"));
+    let start = samples.iter().position(|s| s != first).expect("it moves");
+    let end = samples.iter().rposition(|s| s != last).expect("it moves") + 1;
+    (end + 1 - start) as f64 * PERIOD
+}
+
+/// Seconds of all programs without P through ours.
+fn free_ours(names: &[String]) -> Vec<f64> {
+    names.iter().map(|name| seconds(&run_ours(name, true).0)).collect()
+}
+
+/// Seconds of all programs without P through LinuxCNC; `None` without it.
+fn free_theirs(names: &[String]) -> Option<Vec<f64>> {
+    let programs: Vec<String> = names.iter().map(|n| format!("{n}.ngc")).collect();
+    let (all, text) = run_theirs(&copied(true), &programs)?;
+    let each = (1..=programs.len()).map(|number| {
+        let of = all.iter().filter(|s| s.0 == number as f64).map(|s| s.1);
+        let positions: Vec<_> = of.collect();
+        assert!(!positions.is_empty(), "LinuxCNC did not run program {number}: {text}");
+        seconds(&positions)
+    });
+    Some(each.collect())
+}
+
+/// Reads LinuxCNC's seconds without P from the page.
+fn free_recorded(names: &[String]) -> Vec<f64> {
+    let page = std::fs::read_to_string(root().join(FREE_PAGE)).unwrap();
+    let one = |name: &String| {
+        let row = page.lines().find(|l| l.starts_with(&format!("| {name} |")));
+        let row = row.unwrap_or_else(|| panic!("{FREE_PAGE} has no row for {name}"));
+        row.split('|').nth(3).unwrap().trim().parse().unwrap()
+    };
+    names.iter().map(one).collect()
+}
+
+/// Compares the page of programs without P with these figures, and the sums with each other.
+fn check_free(names: &[String], ours: &[f64], theirs: &[f64]) {
+    let mut table = String::from(FREE_HEAD);
+    let mut total = [0.0; 2];
+    for ((name, ours), theirs) in names.iter().zip(ours).zip(theirs) {
+        let [a, b] = [ours, theirs].map(|f| (f * 1000.0).round() / 1000.0);
+        total = [total[0] + a, total[1] + b];
+        writeln!(table, "| {name} | {a:.3} | {b:.3} | {:.3} |", a / b).unwrap();
+    }
+    let [a, b] = total;
+    writeln!(table, "\nAll {} programs: {a:.1} s ours, {b:.1} s LinuxCNC's.", names.len()).unwrap();
+    golden::check(&root().join(FREE_PAGE), &table);
+    assert!(a <= b, "{a} s, LinuxCNC {b} s");
+}
+
+#[test]
+fn programs_without_a_tolerance_take_no_longer_than_linuxcnc() {
+    let names = names();
+    check_free(&names, &free_ours(&names), &free_recorded(&names));
+}
+
+#[test]
+#[ignore = "eight minutes, and needs LinuxCNC; UPDATE_EXPECT=1 writes the page: cargo test -p hal-tests --test system peer::motion::all_free -- --ignored"]
+fn all_free_programs_beside_linuxcnc() {
+    let names = names();
+    let Some(theirs) = free_theirs(&names) else { return };
+    if golden::is_update() {
+        check_free(&names, &free_ours(&names), &theirs);
+    }
+}
+
+/// Runs the programs of a folder through LinuxCNC; returns the samples of all, and what it said; `None` without it.
+pub(super) fn run_theirs(scratch: &Scratch, programs: &[String]) -> Option<(Vec<Sample>, String)> {
     let here = foreign::installed().filter(|_| PathBuf::from("/usr/bin/linuxcnc").is_file());
     tools::LINUXCNC.or_skip(here)?;
-    let scratch = Scratch::copy_of(&folder());
     let mut allow = Command::new("chmod");
     assert!(allow.args(["-R", "a+rwX,a+x"]).arg(scratch.path()).status().unwrap().success());
-    let programs: Vec<String> = names.iter().map(|n| format!("{n}.ngc")).collect();
     let mut command = foreign::peer("/usr/bin/linuxcnc", scratch.path());
     command
         .arg("machine.ini")
         .env("PROGRAMS", programs.join(" "))
         .env("PATH", "/usr/bin:/bin:/usr/sbin:/sbin");
     let out = command.output().unwrap();
-    let text = String::from_utf8_lossy(&out.stdout);
-    let all = samples(&scratch.read("samples"));
+    let text = String::from_utf8_lossy(&out.stdout).into_owned();
+    Some((samples(&scratch.read("samples")), text))
+}
+
+/// Runs programs through LinuxCNC; `None` without it.
+fn theirs(names: &[String]) -> Option<Vec<Figures>> {
+    let programs: Vec<String> = names.iter().map(|n| format!("{n}.ngc")).collect();
+    let scratch = Scratch::copy_of(&folder());
+    let (all, text) = run_theirs(&scratch, &programs)?;
     let figures = programs.iter().zip(1_u32..).map(|(program, number)| {
         let positions: Vec<_> =
             all.iter().filter(|s| s.0 == f64::from(number)).map(|s| s.1).collect();
@@ -263,4 +360,18 @@ servo cycle alone, judged by `hal-watchman`. Each run of the tests checks the fi
 
 | program | P, mm | ours, s | LinuxCNC, s | ratio | ours v | a | d | LinuxCNC v | a | d |
 |---|---|---|---|---|---|---|---|---|---|---|
+";
+
+/// The page of the programs without P.
+const FREE_PAGE: &str = "components/motion/motion/PEER-FREE.md";
+/// Beginning of its table.
+const FREE_HEAD: &str = "\
+# Programs on G64 without P, beside LinuxCNC's
+
+`UPDATE_EXPECT=1 cargo test -p hal-tests --test system peer::motion::all_free -- --ignored` writes this page: the seconds of the
+programs of [`PEER.md`](PEER.md) where their G64 has no P. LinuxCNC then rounds every corner as far as its feed asks, or to a quarter
+of a segment; [`CORNERS.md`](CORNERS.md) has the deviations of both.
+
+| program | ours, s | LinuxCNC, s | ratio |
+|---|---|---|---|
 ";
