@@ -27,6 +27,7 @@ mod speed;
 mod spindle_stop;
 mod stop_line;
 mod switch;
+mod sync;
 mod tap;
 mod walk;
 mod watch;
