@@ -4,6 +4,7 @@ mod coord;
 pub(crate) mod image;
 mod lead;
 pub(crate) mod order;
+mod pace;
 mod progress;
 mod queue;
 mod reach;
@@ -276,6 +277,7 @@ impl Path {
                 follower.step(&session.way, scales, reverse)
             }
             Rider::Pursuer(pursuer) => {
+                pursuer.limit(top);
                 let goal = drive.pace.map_or(Pursuit::Rest, |pace| pace.goal);
                 pursuer.step(&session.way, goal)
             }

@@ -38,6 +38,8 @@ pub struct Pursuer {
     to_go: f64,
     begun: bool,
     skip: f64,
+    /// Highest speed along the path, whatever was planned.
+    top: f64,
     now: Motion,
     position: Pose,
     shown: Option<Cell>,
@@ -68,6 +70,7 @@ impl Pursuer {
             to_go: 0.0,
             begun: false,
             skip: 0.0,
+            top: f64::INFINITY,
             now: Motion { velocity: 0.0, acceleration: 0.0 },
             position: start,
             shown: None,
@@ -80,6 +83,11 @@ impl Pursuer {
     pub const fn begin_at(mut self, distance: f64) -> Self {
         self.skip = if distance > 0.0 { distance } else { 0.0 };
         self
+    }
+
+    /// Limits the speed along the path from now on, in units per second. A motion that is faster brakes.
+    pub const fn limit(&mut self, top: f64) {
+        self.top = if top > 0.0 { top } else { 0.0 };
     }
 
     /// Advances by one period.
@@ -235,7 +243,8 @@ impl Pursuer {
         } else {
             f64::INFINITY
         };
-        Limits { velocity: cell.speed, acceleration, jerk }
+        let velocity = if self.top < cell.speed { self.top } else { cell.speed };
+        Limits { velocity, acceleration, jerk }
     }
 
     /// Returns the highest jerk along a curve, if it is a straight line whose axes alone count; else 0.

@@ -55,6 +55,8 @@ pub(crate) struct PathMove {
     /// Line of the program.
     pub(crate) line: u32,
     pub(crate) sync: Option<Sync>,
+    /// Turns per second of that spindle as the move was given.
+    pub(crate) turns: f64,
 }
 
 impl PathMove {
@@ -300,6 +302,8 @@ pub(crate) struct PathSetup {
     pub(crate) axis_acceleration: Pose,
     /// Highest jerks of axes.
     pub(crate) axis_jerk: Pose,
+    /// Highest velocity along the path.
+    pub(crate) path_velocity: f64,
     /// Highest jerk along the path.
     pub(crate) path_jerk: f64,
     /// Highest feed override for which the path is planned.
@@ -330,6 +334,7 @@ impl PathSetup {
         axis_velocity: [f64::INFINITY; 9],
         axis_acceleration: [f64::INFINITY; 9],
         axis_jerk: [f64::INFINITY; 9],
+        path_velocity: f64::INFINITY,
         path_jerk: f64::INFINITY,
         max_override: 1.0,
         exact_tolerance: 2e-3,

@@ -5,7 +5,7 @@ use crate::{
     path::{
         image::Image,
         order::{HandOver, Kind, Order, PathMove, PathSetup, Report, Rider, Session, Way},
-        reach,
+        pace, reach,
         sweep::Sweep,
         tap,
     },
@@ -264,6 +264,7 @@ impl Planning {
     fn plan(&mut self, setup: &PathSetup, id: u32, step: &PathMove) -> Result<(), Option<Refusal>> {
         let start = *self.planner.position();
         reach::check(setup, &self.image, &start, step).map_err(Some)?;
+        pace::check(setup, &self.image, &start, step).map_err(Some)?;
         if step.probe.is_some() {
             // A probe move begins at rest.
             self.planner.finish();
@@ -314,21 +315,28 @@ pub(super) fn machine(setup: &PathSetup) -> Machine {
 
 /// Returns what moves along a path as a spindle turns.
 pub(super) fn pursuer(setup: &PathSetup, image: &Image, start: Pose) -> Pursuer {
-    let jerks = image.axes_of_joints().map(|axes| {
-        let mut jerks = setup.axis_jerk;
-        let joints = setup.joint_jerk.iter().zip(&setup.joint_active).zip(axes);
-        for ((jerk, _), axis) in joints.filter(|((_, active), _)| **active) {
-            if let Some(place) = axis.and_then(|axis| jerks.get_mut(axis))
-                && jerk < place
-            {
-                *place = *jerk;
-            }
-        }
-        let mut all = [f64::INFINITY; AXES];
-        all.copy_from_slice(&jerks);
-        all
-    });
+    let jerks = with_joints(setup, image, &setup.axis_jerk, &setup.joint_jerk);
     Pursuer::new(setup.period, start, jerks, setup.path_jerk)
+}
+
+/// Returns limits of the axes with those of the joints, if each joint follows an axis.
+pub(super) fn with_joints(
+    setup: &PathSetup,
+    image: &Image,
+    axes: &[f64; AXES],
+    joints: &[f64],
+) -> Option<[f64; AXES]> {
+    let axis_of = image.axes_of_joints()?;
+    let mut all = *axes;
+    let joints = joints.iter().zip(&setup.joint_active).zip(axis_of);
+    for ((limit, _), axis) in joints.filter(|((_, active), _)| **active) {
+        if let Some(place) = axis.and_then(|axis| all.get_mut(axis))
+            && limit < place
+        {
+            *place = *limit;
+        }
+    }
+    Some(all)
 }
 
 /// Returns the longest time in which an axis or joint comes from rest to its acceleration, at most as much as is looked for

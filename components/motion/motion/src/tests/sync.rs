@@ -210,8 +210,15 @@ fn what_cannot_be_followed_is_refused_before_it_moves() {
                          farther from the cut, or turn slower";
     const SHALLOW: &str = "the tap is {} long, and at {} turns/min it needs a lead-in of {}: begin it farther from the hole, \
                            or turn slower";
+    const PER_TURN: &str = "move on line {}: a feed of {} per turn at {} turns/min is faster than the axes allow, {} units/s";
     for jerk in JERKS {
         for (text, speed, why) in [
+            ("motion.move x=60 per-turn=9.1", 600.0, Some(PER_TURN)),
+            ("motion.move x=60 y=60 per-turn=9.1", 600.0, None),
+            ("motion.move z=6 per-turn=1.1", -600.0, Some(PER_TURN)),
+            ("motion.move z=6 per-turn=0.9", 600.0, None),
+            ("motion.arc x=20 center-x=10 center-y=0 per-turn=9.1", 600.0, Some(PER_TURN)),
+            ("motion.arc x=20 center-x=10 center-y=0 per-turn=0.9", 600.0, None),
             ("motion.move x=60 pitch=9.1", 600.0, Some(FAST)),
             ("motion.move x=60 pitch=9", -600.0, Some(FAST)),
             ("motion.move x=60 pitch=8", 600.0, None),
