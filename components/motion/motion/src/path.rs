@@ -257,6 +257,9 @@ impl Path {
             self.paused &= self.resume_in > 0;
         }
         let retracts = self.retracts(&drive);
+        if !self.paused && drive.may_begin {
+            self.refuse_probe(drive.probe, &drive.scales);
+        }
         let session = self.session.as_mut()?;
         let is_paused = self.paused && !retracts;
         let holds = self.stop.is_some() || is_paused || self.last.rests && !drive.may_begin;

@@ -263,7 +263,10 @@ mod tests {
                 assert!(-20.01 <= one.pos && one.pos <= 60.01);
             }
             assert!(worst <= jerk * 1.0001 + 2.0, "{worst} of {jerk}");
-            assert!(top <= 1350.0 * 1.0001 && worst > 0.9 * jerk.min(0.25 * 1350.0 / DT), "{top} {worst}");
+            assert!(
+                top <= 1350.0 * 1.0001 && worst > 0.9 * jerk.min(0.25 * 1350.0 / DT),
+                "{top} {worst}"
+            );
             assert_eq!((one.active, one.pos), (false, 10.0));
         }
     }

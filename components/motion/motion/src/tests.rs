@@ -6,6 +6,7 @@ mod event;
 mod fault;
 mod follow;
 mod gap;
+mod hold_jerk;
 mod home;
 mod interlock;
 mod jerk;
