@@ -7,6 +7,7 @@ use crate::{
     estimate::{Estimate, TimeTable},
     refusal::Refusal,
     simulation::{KnownAnswers, Simulation},
+    threads::{Finding, Threads},
     way::Way,
     world::World,
 };
@@ -41,6 +42,7 @@ pub struct Check {
     program: Simulation,
     way: Way,
     estimate: Estimate,
+    threads: Threads,
     times: TimeTable,
     /// Axes whose lower or upper limit has a reason already.
     beyond: BTreeSet<(Axis, bool)>,
@@ -57,6 +59,7 @@ impl Check {
         Self {
             way: Way::new(state.frame, state.position),
             estimate: Estimate::new(state),
+            threads: Threads::new(state),
             program: Simulation::new(interpreter, given),
             times: TimeTable::default(),
             beyond: BTreeSet::new(),
@@ -123,10 +126,13 @@ impl Check {
                 // Somebody may have edited the table.
                 self.seen = Seen::Known;
             }
-            let mut from = self.way.at;
+            let start = self.way.at;
+            let mut from = start;
+            let mut points = Vec::new();
             let (estimate, beyond, reasons) =
                 (&mut self.estimate, &mut self.beyond, &mut self.reasons);
             self.way.follow(&issued.call, &mut |kind, to| {
+                points.push((kind, to));
                 estimate.add(machine, kind, unit, from, to);
                 from = to;
                 for (axis, is_upper, limit) in machine.beyond(to).filter(|_| has_limits) {
@@ -144,6 +150,11 @@ impl Check {
                     });
                 }
             });
+            let found = self.threads.call(machine, issued, state, start, &points);
+            if let Some(Finding { line, text }) = found.filter(|_| reasons.len() < MAX_REASONS) {
+                let file = state.levels.last().map(|l| &*l.file).unwrap_or_default();
+                reasons.push(Reason { number, text: format!("{file}:{line}: {text}") });
+            }
             if matches!(issued.call, Call::ChangeTool(_)) {
                 self.way.at = state.frame.machine_mm(state.position);
             }

@@ -13,6 +13,7 @@
 //! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
 //! | [`simulation`] | a program without its machine, line by line |
 //! | [`check`], [`estimate`] | the check of a whole program before it runs, and the time that it takes |
+//! | [`threads`] | threads, taps and feeds per turn that the axes cannot follow |
 //! | [`effects`] | outputs, user codes and open files of the lines before it |
 //! | [`spindle`] | the record of the tool in the spindle |
 //!
@@ -31,6 +32,7 @@ pub mod refusal;
 pub mod run;
 pub mod simulation;
 pub mod spindle;
+pub mod threads;
 pub mod travel;
 pub mod way;
 pub mod world;

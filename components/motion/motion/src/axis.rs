@@ -17,10 +17,6 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    pub(crate) fn new() -> Self {
-        Self { teleop: Jogger::new(), offset: Offset::new(), ..Self::default() }
-    }
-
     /// Writes the pins.
     pub(crate) fn write_pins(&mut self, pins: &AxisPins, pos: f64) {
         let (tp, by) = (&self.teleop.tp, self.teleop.by);

@@ -98,11 +98,6 @@ pub(crate) struct Jogger {
 }
 
 impl Jogger {
-    /// Jogger that can limit jerk.
-    pub(crate) fn new() -> Self {
-        Self { tp: SimpleTp::smooth(), ..Self::default() }
-    }
-
     /// Moves to a target at a speed; replaces any previous motion.
     pub(crate) fn set_target(
         &mut self,

@@ -68,8 +68,7 @@ pub(crate) struct Joint {
 
 impl Joint {
     pub(crate) fn new(extra: bool, has_lock: bool) -> Self {
-        let mut joint =
-            Self { extra, lock: Lock::new(has_lock), free: Jogger::new(), ..Self::default() };
+        let mut joint = Self { extra, lock: Lock::new(has_lock), ..Self::default() };
         joint.set_config(JointConfig::default());
         joint
     }

@@ -21,7 +21,6 @@ mod pins;
 mod safety;
 mod setup;
 mod simple_tp;
-mod smooth;
 mod source;
 mod spindle;
 mod state;

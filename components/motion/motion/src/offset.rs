@@ -26,10 +26,6 @@ pub(crate) struct OffsetPins {
 }
 
 impl Offset {
-    pub(crate) fn new() -> Self {
-        Self { tp: SimpleTp::smooth(), ..Self::default() }
-    }
-
     /// Reads the pins.
     pub(crate) fn ask(&mut self, pins: &OffsetPins, allowed: bool) {
         let counts = pins.counts.get();

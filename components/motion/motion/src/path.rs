@@ -2,7 +2,9 @@
 
 mod coord;
 pub(crate) mod image;
+mod lead;
 pub(crate) mod order;
+mod pace;
 mod progress;
 mod queue;
 mod reach;
@@ -16,9 +18,9 @@ pub(crate) mod worker;
 
 use crate::commands::{command::Sync, refusal::Refusal};
 use hal_component::{Gives, Pose, SeqWriter, TicketHandle};
-use hal_trajectory::{Scales, Step};
+use hal_trajectory::{Pursuit, Scales, Step};
 use libm::fabs;
-use order::{HandOver, Item, Kind, Order, PathSetup, Session};
+use order::{HandOver, Item, Kind, Order, PathSetup, Rider, Session};
 use retract::Retract;
 pub(crate) use spindle::Pace;
 use spindle::{Course, OVERRUN_TURNS, Tracker};
@@ -255,35 +257,43 @@ impl Path {
             self.paused &= self.resume_in > 0;
         }
         let retracts = self.retracts(&drive);
+        if !self.paused && drive.may_begin {
+            self.refuse_probe(drive.probe, &drive.scales);
+        }
         let session = self.session.as_mut()?;
         let is_paused = self.paused && !retracts;
-        let mut holds = self.stop.is_some() || is_paused || self.last.rests && !drive.may_begin;
-        let mut reverse = self.reverse != drive.reverse;
-        let (scales, mut top) = match retracts {
+        let holds = self.stop.is_some() || is_paused || self.last.rests && !drive.may_begin;
+        let reverse = self.reverse != drive.reverse;
+        let (scales, top) = match retracts {
             true => (drive.retract, drive.retract_top),
             false => (drive.scales, drive.top),
         };
         self.scales = scales;
-        if let Some(pace) = drive.pace {
+        if drive.pace.is_some() {
             // Overrides and holds wait until the spindle is free.
-            (holds, reverse, self.scales) = (pace.waits, pace.velocity < 0.0, Scales::FULL);
-            top = less(top, fabs(pace.velocity));
-        } else if self.course != Course::Free {
-            reverse = false;
+            self.scales = Scales::FULL;
         }
         let scales = if holds { Scales::HOLD } else { self.scales };
-        session.follower.limit(top);
-        let step = session.follower.step(&session.way, scales, reverse);
-        self.hand.set_input(session.follower.input(&session.way));
-        let is_at_end = session.follower.is_done(&session.way) && !step.moving;
-        let brakes = session.follower.brakes();
+        let step = match &mut session.rider {
+            Rider::Follower(follower) => {
+                follower.limit(top);
+                follower.step(&session.way, scales, reverse)
+            }
+            Rider::Pursuer(pursuer) => {
+                pursuer.limit(top);
+                let goal = drive.pace.map_or(Pursuit::Rest, |pace| pace.goal);
+                pursuer.step(&session.way, goal)
+            }
+        };
+        self.hand.set_input(session.input());
+        let is_at_end = session.is_done() && !step.moving;
         self.velocity = fabs(step.travel) / drive.dt;
         self.travelled = if step.line == self.last.line { self.travelled } else { 0.0 };
         self.travelled += step.travel;
         self.turn_heading(&step);
         self.last = step;
         if drive.pace.is_some_and(|p| !p.waits) {
-            self.keep_pace(&step, brakes);
+            self.keep_pace(&step);
         }
         self.watch_probe(drive.probe);
         self.end_moves(is_at_end);

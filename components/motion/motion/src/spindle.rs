@@ -174,6 +174,17 @@ impl Spindle {
         self.on && !self.inputs.inhibit && !self.is_kept_off
     }
 
+    /// Returns the higher one of the measured and the commanded speed, in turns per second.
+    pub(crate) fn turns_a_second(&self) -> f64 {
+        let (measured, commanded) = (self.inputs.speed.abs(), self.turns_commanded());
+        if measured > commanded { measured } else { commanded }
+    }
+
+    /// Returns the commanded speed with the override, in turns per second.
+    pub(crate) fn turns_commanded(&self) -> f64 {
+        self.speed_out().abs() / 60.0
+    }
+
     /// Returns the commanded speed in turns per minute, without override.
     pub(crate) const fn speed(&self) -> f64 {
         self.speed

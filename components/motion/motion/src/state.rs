@@ -164,7 +164,7 @@ impl State {
             joints: (0..setup.joints).map(joint).collect(),
             has_locks: setup.unlock_mask != 0,
             tables: Tables::default(),
-            axes: (0..9).map(|_| Axis::new()).collect(),
+            axes: (0..9).map(|_| Axis::default()).collect(),
             planning_fractions: [1.0; MAX_JOINTS],
             spindles: vec![Spindle::default(); setup.spindles],
             digital_out: vec![false; setup.digital_out.len()],

@@ -1,11 +1,12 @@
 //! Paths of thousands of lines and arcs at speed, inside limits that hold.
 //!
-//! Three parts work together:
+//! These parts work together:
 //!
 //! - The [`Planner`] turns moves into a [`Track`]: curves with continuous first and second derivatives inside the path
 //!   tolerance, cut into cells with the highest speed and acceleration that every axis and joint allows.
 //! - The [`Follower`] walks along the track in the servo thread, at any override of feeds and of rapid moves, holds, and
 //!   reverses. A moving average over its travel limits the jerk. The average moves the output along the path, never off it.
+//! - The [`Pursuer`] follows a spindle along such a track instead, without the delay of an average.
 //! - A certificate checks each cell, by other means than the plan, before the follower may see it.
 //!
 //! ```
@@ -38,16 +39,19 @@ mod axis;
 mod blend;
 mod bounds;
 mod certificate;
+mod chaser;
 mod curve;
 mod erosion;
 mod error;
 mod follower;
 mod join;
 mod kinematics;
+mod lead;
 mod machine;
 mod moves;
 mod plan;
 mod pose;
+mod pursuer;
 mod scales;
 mod segment;
 mod share;
@@ -59,6 +63,7 @@ mod track;
 pub use axis::{Axis, Goal};
 pub use bounds::Bounds;
 pub use certificate::{Rejection, Rule};
+pub use chaser::{Aim, Chaser, Motion};
 pub use curve::{Curve, Derivatives};
 pub use error::{Error, SplineFault};
 pub use follower::{Follower, Step};
@@ -67,6 +72,7 @@ pub use machine::{JOINTS, Limits, Machine};
 pub use moves::{Mode, Move, SHORTEST, Shape};
 pub use plan::{CAPACITY, Deviation, Planner, spline::Spline};
 pub use pose::{AXES, FARTHEST, Group, Pose};
+pub use pursuer::{Pursuer, Pursuit};
 pub use scales::Scales;
 pub use share::{Publisher, Reader, share};
 pub use track::{Cell, Path, Track};

@@ -16,6 +16,7 @@ use hal_gcode::{
 use hal_job::{
     machine::{Files, Machine},
     run::{Answers, Stop, run, start},
+    threads::{Finding, Threads},
     way::{Extents, Kind, Way, distance},
     world::World,
 };
@@ -180,6 +181,8 @@ fn one(file: &str, world: &World, most: u64, quiet: bool) -> Result<bool, String
     if let Err(Stop::Output(reason)) = result {
         return Err(reason);
     }
+    let found = check.threads.finish(&world.machine);
+    check.found(file, found);
     check.limits(file);
     let wrong = check.errors > 0;
     if !quiet {
@@ -210,6 +213,7 @@ struct Beyond {
 struct Check<'a> {
     world: &'a World,
     way: Way,
+    threads: Threads,
     text: String,
     errors: u64,
     all: Extents,
@@ -233,6 +237,7 @@ impl<'a> Check<'a> {
         Self {
             world,
             way: Way::new(it.state.frame, it.state.position),
+            threads: Threads::new(&it.state),
             text: String::new(),
             errors: 0,
             all: Extents::new(),
@@ -276,6 +281,9 @@ impl<'a> Check<'a> {
         let mut from = self.way.at;
         let mut moved = Vec::new();
         self.way.follow(&issued.call, &mut |kind, point| moved.push((kind, point)));
+        let found = self.threads.call(&self.world.machine, issued, state, from, &moved);
+        let file = state.levels.last().map(|l| l.file.clone()).unwrap_or_default();
+        self.found(&file, found);
         for (kind, point) in moved {
             let length = distance(from, point);
             if self.cut.any || kind == Kind::Rapid {
@@ -328,6 +336,14 @@ impl<'a> Check<'a> {
             if (value > entry.farthest) == side {
                 entry.farthest = value;
             }
+        }
+    }
+
+    /// Writes what the axes cannot follow.
+    fn found(&mut self, file: &str, found: Option<Finding>) {
+        if let Some(Finding { line, text }) = found {
+            self.text.push_str(&format!("{file}:{line}: error: {text}\n"));
+            self.errors += 1;
         }
     }
 

@@ -9,6 +9,7 @@ use crate::{
     jogger::{By, Jogger, TravelLimits},
     names::{JointText, Names, joint_text},
     path::order::{Kind, PathMove},
+    spindle::Spindle,
     state::State,
 };
 use hal_component::{MotionSource, TicketHandle};
@@ -312,6 +313,9 @@ impl State {
             acceleration: m.acceleration.filter(|a| *a < most).unwrap_or(most),
             line: m.line,
             sync: m.sync,
+            turns: m.sync.map_or(0.0, |sync| {
+                self.spindles.get(sync.spindle).map_or(0.0, Spindle::turns_commanded)
+            }),
         };
         self.path.push(&self.pose, &m.to, order, Some(ticket))
     }

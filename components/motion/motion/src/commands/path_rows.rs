@@ -73,7 +73,8 @@ and so are the moves that wait behind it.
 
 With pitch= the move follows the turns of a spindle from its index on, as G33: overrides do not count,
 and a hold takes effect after it and the move behind it, the retract, if that move waits already.
-Several such moves in a row are one thread.",
+Several such moves in a row are one thread. A pitch that is too fast for the axes, and a thread that is no longer than its
+lead-in and run-out, are refused before they move, and so is a feed per turn that is too fast.",
         args: with_axes![
             &SPINDLE,
             &Arg::float("pitch", "Units in x y z per turn of the spindle, above 0, as G33."),
@@ -96,7 +97,8 @@ Taps a thread in a straight line with the turns of a spindle, and comes back, as
 
 The tap begins at the index of the spindle. At the depth the spindle is reversed, and the axes follow it
 through the overrun and out again; then it turns as before, and the axes go back to the start. A hold
-takes effect after it. motion.abort reverses the spindle at once, follows it out and stops.",
+takes effect after it. motion.abort reverses the spindle at once, follows it out and stops. A pitch that is too fast for the
+axes, and a tap that is no longer than its lead-in, are refused before they move.",
         args: with_axes![
             &SPINDLE,
             &Arg::float("pitch", "Units per turn of the spindle, above 0.").required(),

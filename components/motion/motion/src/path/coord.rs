@@ -143,6 +143,7 @@ impl State {
             places: self.places(),
             max_override: self.traj.planned_override(),
             exact_tolerance: EXACT_MM * self.traj.units_per_mm,
+            path_velocity: self.traj.max_velocity,
             path_jerk: self.traj.max_jerk,
             ..PathSetup::NONE
         };

@@ -8,7 +8,8 @@ use crate::{
 use crossbeam::queue::ArrayQueue;
 use hal_component::{Plain, Pose};
 use hal_trajectory::{
-    Cell, Curve, Follower, Mode, Path as TrajectoryPath, Reader, Scales, Shape, Track,
+    Cell, Curve, Follower, Limits, Mode, Path as TrajectoryPath, Pursuer, Reader, Scales, Shape,
+    Track,
 };
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
@@ -54,6 +55,8 @@ pub(crate) struct PathMove {
     /// Line of the program.
     pub(crate) line: u32,
     pub(crate) sync: Option<Sync>,
+    /// Turns per second of that spindle as the move was given.
+    pub(crate) turns: f64,
 }
 
 impl PathMove {
@@ -109,8 +112,43 @@ pub(crate) struct Report {
 #[derive(Debug)]
 pub(crate) struct Session {
     pub(crate) generation: u32,
-    pub(crate) follower: Follower,
+    pub(crate) rider: Rider,
     pub(crate) way: Way,
+}
+
+/// What moves along the path of a session.
+#[derive(Debug)]
+pub(crate) enum Rider {
+    /// Moves at the speeds of the path.
+    Follower(Follower),
+    /// Moves as a spindle turns.
+    Pursuer(Pursuer),
+}
+
+impl Session {
+    /// Returns the cell of the motion, and the distance from its start.
+    pub(crate) fn input(&self) -> (u64, f64) {
+        match &self.rider {
+            Rider::Follower(follower) => follower.input(&self.way),
+            Rider::Pursuer(pursuer) => pursuer.input(&self.way),
+        }
+    }
+
+    /// Returns the limits along the path at the motion's place, if it follows a spindle and has a path.
+    pub(crate) fn limits(&mut self) -> Option<Limits> {
+        match &mut self.rider {
+            Rider::Follower(_) => None,
+            Rider::Pursuer(pursuer) => pursuer.limits(&self.way),
+        }
+    }
+
+    /// Returns whether the motion rests at the end of the path.
+    pub(crate) fn is_done(&self) -> bool {
+        match &self.rider {
+            Rider::Follower(follower) => follower.is_done(&self.way),
+            Rider::Pursuer(pursuer) => pursuer.is_done(&self.way),
+        }
+    }
 }
 
 /// Planned path of a session.
@@ -264,6 +302,8 @@ pub(crate) struct PathSetup {
     pub(crate) axis_acceleration: Pose,
     /// Highest jerks of axes.
     pub(crate) axis_jerk: Pose,
+    /// Highest velocity along the path.
+    pub(crate) path_velocity: f64,
     /// Highest jerk along the path.
     pub(crate) path_jerk: f64,
     /// Highest feed override for which the path is planned.
@@ -294,6 +334,7 @@ impl PathSetup {
         axis_velocity: [f64::INFINITY; 9],
         axis_acceleration: [f64::INFINITY; 9],
         axis_jerk: [f64::INFINITY; 9],
+        path_velocity: f64::INFINITY,
         path_jerk: f64::INFINITY,
         max_override: 1.0,
         exact_tolerance: 2e-3,

@@ -230,6 +230,16 @@ impl Path {
         }
     }
 
+    /// Ends the move in progress, which is complete.
+    pub(super) fn end_front(&mut self) {
+        let Some(front) = self.pending.pop_front() else { return };
+        if let Some(ticket) = front.ticket {
+            ticket.done();
+        }
+        self.base = front.end;
+        self.sent = self.sent.saturating_sub(1);
+    }
+
     /// Takes the next output that the motion has reached.
     pub(crate) fn due(&mut self) -> Option<Output> {
         let Item::Output(output) = self.pending.front()?.item else { return None };

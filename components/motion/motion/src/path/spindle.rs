@@ -1,6 +1,6 @@
 //! Realtime. Moves that follow a spindle: threads, and rigid taps with their way back.
 
-use super::{Live, Path, order::Item};
+use super::{Live, Path, lead::Plan, order::Item};
 use crate::{
     commands::command::{Follows, Sync},
     commands::refusal::Refusal,
@@ -8,8 +8,8 @@ use crate::{
     state::State,
 };
 use hal_component::{MotionSource, TicketHandle};
-use hal_trajectory::{Scales, Shape, Step};
-use libm::{copysign, fabs, sqrt};
+use hal_trajectory::{Aim, Limits, Pursuit, Scales, Shape, Step};
+use libm::{copysign, fabs};
 
 /// Turns of a spindle after which its index is late.
 const INDEX_TURNS: f64 = 3.0;
@@ -17,12 +17,17 @@ const INDEX_TURNS: f64 = 3.0;
 /// Turns of a spindle for which a tap may overrun its depth and its start.
 pub(crate) const OVERRUN_TURNS: f64 = 10.0;
 
-/// Fraction of the acceleration that closes a distance to the spindle; the rest follows the spindle's own acceleration.
-const CATCH_UP: f64 = 0.5;
-
 /// Distance at which the axes count as together with the spindle, besides a period's travel.
 const TOGETHER: f64 = 1e-6;
 
+/// Largest number of moves whose lengths count as the rest of a thread.
+const MOST_MOVES: usize = 16;
+
+/// Change of a spindle's turns in a period, against the period before, that no spindle makes.
+const JUMP: f64 = 0.25;
+
+const JUMPED: Refusal =
+    Refusal::new("the turns of the spindle jumped: its encoder has lost the place of its index");
 const NO_INDEX: Refusal = Refusal::new("the spindle turned three times without its index");
 const NO_PLACE: Refusal = Refusal::new("the pin revs of the spindle is not a number");
 const STANDS: Refusal = Refusal::new("a tap needs a spindle that turns");
@@ -57,13 +62,13 @@ impl Course {
 /// Motion for one cycle of a move that follows a spindle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
-    /// Velocity along the path; negative is back.
-    pub(crate) velocity: f64,
+    /// Place along the path.
+    pub(crate) goal: Pursuit,
     /// True if the axes wait for the spindle.
     pub(crate) waits: bool,
 }
 
-const WAITS: Pace = Pace { velocity: 0.0, waits: true };
+const WAITS: Pace = Pace { goal: Pursuit::Rest, waits: true };
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Stage {
@@ -95,9 +100,10 @@ pub(crate) struct Tracker {
     place: f64,
     /// Velocity that belongs to the spindle.
     turn: f64,
-    /// True once the axes have caught up with the spindle.
-    is_together: bool,
-    brakes: bool,
+    /// Way after which the axes must have caught up with the spindle.
+    lead_in: f64,
+    /// True once they have, or must have.
+    is_judged: bool,
     /// Tap: commanded speed of the spindle at the start, and the depth.
     speed: f64,
     depth: f64,
@@ -107,17 +113,19 @@ pub(crate) struct Tracker {
 
 impl Tracker {
     fn error(&self) -> f64 {
-        if self.is_together { self.target - self.place } else { 0.0 }
+        if self.is_judged { self.target - self.place } else { 0.0 }
     }
 
     /// Begins at the index of the spindle.
-    fn begin(&mut self, spindle: &Spindle, pitch: f64, depth: f64) {
+    fn begin(&mut self, spindle: &Spindle, pitch: f64, depth: f64, lead_in: f64) {
         let inputs = spindle.inputs;
         let way = if spindle.speed() == 0.0 { inputs.speed } else { spindle.speed() };
         self.sign = copysign(1.0, way);
         self.revs = inputs.revs;
         self.target = pitch * self.sign * inputs.revs;
-        (self.turn, self.place, self.is_together) = (0.0, 0.0, false);
+        let turn = pitch * self.sign * inputs.speed;
+        self.turn = if turn.is_finite() { turn } else { 0.0 };
+        (self.place, self.lead_in, self.is_judged) = (0.0, lead_in, false);
         (self.speed, self.depth) = (spindle.speed(), depth);
         self.stage = Stage::In;
     }
@@ -128,18 +136,18 @@ impl Tracker {
         if !by.is_finite() {
             return Err(NO_PLACE);
         }
+        if fabs(by - self.turn * dt) > JUMP * pitch {
+            return Err(JUMPED);
+        }
         self.revs = revs;
         self.target += by;
         self.turn = by / dt;
         Ok(())
     }
 
-    /// Returns the velocity that brings the axes to their place, and keeps them there.
-    fn velocity(&self, acceleration: f64, dt: f64) -> f64 {
-        let a = CATCH_UP * acceleration;
-        let by = self.target - self.place - self.turn * dt;
-        let step = a * dt;
-        self.turn + copysign(sqrt(2.0 * a * fabs(by) + step * step) - step, by)
+    /// Returns the place that belongs to the spindle.
+    fn aim(&self) -> Aim {
+        Aim { distance: self.target - self.place, speed: self.turn }
     }
 
     /// Turns the spindle round at the bottom and above the start of a tap.
@@ -190,8 +198,11 @@ impl Path {
             return Ok(WAITS);
         }
         let depth = self.tap_depth();
-        let Some(session) = &self.session else { return Ok(WAITS) };
-        let is_at_end = session.follower.is_done(&session.way);
+        let length = self.length_left(depth);
+        let Some(session) = &mut self.session else { return Ok(WAITS) };
+        let is_at_end = session.is_done();
+        let limits = session.limits().unwrap_or(Limits::NONE);
+        let plan = Plan::new(spindle, sync, limits, length, dt);
         let t = &mut self.tracker;
         t.spindle = sync.spindle;
         let is_tap = matches!(sync.follows, Follows::Tap { .. });
@@ -202,6 +213,7 @@ impl Path {
                     if is_tap && spindle.speed() == 0.0 {
                         return Err(STANDS);
                     }
+                    plan.check_speed()?;
                     t.stage = Stage::Index(inputs.revs);
                 }
                 return Ok(WAITS);
@@ -219,13 +231,21 @@ impl Path {
                 };
             }
             Stage::Index(_) if !inputs.revs.is_finite() => return Err(NO_PLACE),
-            Stage::Index(_) => t.begin(spindle, sync.pitch, depth),
+            Stage::Index(_) => {
+                plan.check_speed()?;
+                plan.check_length()?;
+                t.begin(spindle, sync.pitch, depth, plan.lead_in());
+            }
             Stage::In | Stage::Out | Stage::Above | Stage::Over => {
                 t.turn(inputs.revs, sync.pitch, dt)?;
             }
         }
-        let is_far = fabs(t.error()) > spindle.config.sync_error;
-        if is_far && t.is_together && !t.brakes && t.aborted.is_none() {
+        t.is_judged |= t.target >= t.lead_in;
+        let is_in_cut = match sync.follows {
+            Follows::Tap { .. } => matches!(t.stage, Stage::In | Stage::Out) && t.aborted.is_none(),
+            Follows::Place | Follows::Speed => plan.is_in_cut(fabs(t.turn)),
+        };
+        if is_in_cut && fabs(t.error()) > spindle.config.sync_error {
             return Err(FAR);
         }
         if let Follows::Tap { back } = sync.follows {
@@ -235,12 +255,33 @@ impl Path {
             t.tap(spindle, back, self.last.travel == 0.0);
         }
         if t.stage == Stage::Over {
-            return Ok(Pace { velocity: 0.0, waits: false });
+            return Ok(Pace { goal: Pursuit::Rest, waits: false });
         }
-        let velocity = t.velocity(session.follower.acceleration(&session.way), dt);
         // A thread never goes back.
-        let goes = is_tap || velocity > 0.0;
-        Ok(Pace { velocity: if goes { velocity } else { 0.0 }, waits: false })
+        let goal = if is_tap { Pursuit::Both(t.aim()) } else { Pursuit::Forward(t.aim()) };
+        Ok(Pace { goal, waits: false })
+    }
+
+    /// Returns the length that is left of a tap of this depth, or of the thread: of all its moves that wait.
+    fn length_left(&self, depth: f64) -> f64 {
+        if matches!(self.course, Course::Tap(_)) {
+            return depth;
+        }
+        let mut from = self.last.pose;
+        let moves = self.pending.iter().filter_map(|pending| match &pending.item {
+            Item::Move(order) => Some((pending, order)),
+            Item::Output(_) => None,
+        });
+        let thread = moves
+            .take(MOST_MOVES)
+            .take_while(|(pending, order)| Course::of(pending.id, order.sync) == self.course);
+        let mut length = 0.0;
+        for (pending, _) in thread {
+            let end = hal_trajectory::Pose(pending.end);
+            length += (end - from).norm(hal_trajectory::Group::Xyz);
+            from = end;
+        }
+        length
     }
 
     /// Returns the depth of the tap that is next.
@@ -252,11 +293,10 @@ impl Path {
     }
 
     /// Keeps the place along the path after a cycle, and ends a tap that is over.
-    pub(super) fn keep_pace(&mut self, step: &Step, brakes: bool) {
+    pub(super) fn keep_pace(&mut self, step: &Step) {
         let t = &mut self.tracker;
         t.place += step.travel;
-        t.brakes = brakes;
-        t.is_together |= fabs(t.target - t.place) <= fabs(step.travel) + TOGETHER;
+        t.is_judged |= fabs(t.target - t.place) <= fabs(step.travel) + TOGETHER;
         if t.stage == Stage::Over && !step.moving {
             self.end_tap();
         }

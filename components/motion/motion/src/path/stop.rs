@@ -8,6 +8,12 @@ use super::{
     sweep,
 };
 use crate::commands::{command::Run, refusal::Refusal};
+use hal_component::Pose;
+use hal_trajectory::Scales;
+use libm::fabs;
+
+/// Distance from the end of a move that is rounding, in units and relative to a coordinate.
+const AT_END: f64 = 1e-9;
 
 const ABORTED: Refusal = Refusal::new("aborted");
 const LOWERED: Refusal = Refusal::new("a limit became tighter while the axes followed a spindle");
@@ -16,6 +22,43 @@ const TRIPPED: Refusal = Refusal::new("the probe is tripped already as the probe
 const RELEASED: Refusal = Refusal::new("the probe is not tripped as the probe move begins");
 
 impl Path {
+    /// Refuses a probe move that would begin in this cycle although the probe is already as it would be at its end. Nothing has
+    /// moved for it.
+    pub(super) fn refuse_probe(&mut self, probe: bool, scales: &Scales) {
+        if !self.last.rests || self.stop.is_some() {
+            return;
+        }
+        let mut moves = self.pending.iter().filter_map(|pending| match &pending.item {
+            Item::Move(order) => Some((pending, order)),
+            Item::Output(_) => None,
+        });
+        let Some((front, first)) = moves.next() else { return };
+        let has_begun = front.id == self.last.line && self.travelled != 0.0;
+        let is_over = has_begun && self.rests_at(&front.end);
+        let next = if is_over { moves.next() } else { Some((front, first)) };
+        let Some((id, order)) = next.filter(|_| is_over || !has_begun).map(|(p, o)| (p.id, o))
+        else {
+            return;
+        };
+        let Some(wanted) = order.probe.filter(|_| order.kind.scale(scales) != 0.0) else { return };
+        self.probe_begun = id;
+        if probe == wanted.away {
+            return;
+        }
+        if is_over {
+            self.end_front();
+        }
+        let why = if wanted.away { RELEASED } else { TRIPPED };
+        self.failed.get_or_insert(why);
+        self.abort_with(why);
+    }
+
+    /// Returns whether the motion is at a pose but for rounding.
+    fn rests_at(&self, end: &Pose) -> bool {
+        let is_near = |(a, b): (&f64, &f64)| fabs(a - b) <= AT_END * (1.0 + fabs(*b));
+        end.iter().zip(&self.last.pose.0).all(is_near)
+    }
+
     /// Stops a probe move where the probe changes.
     pub(super) fn watch_probe(&mut self, probe: bool) {
         let Some(front) = self.pending.front().filter(|f| f.id == self.last.line) else { return };

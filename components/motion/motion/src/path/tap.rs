@@ -4,11 +4,11 @@ use crate::{
     commands::refusal::Refusal,
     path::{
         image::Image,
-        order::{PathMove, PathSetup, Session, Way},
+        order::{PathMove, PathSetup, Rider, Session, Way},
         reach, worker,
     },
 };
-use hal_trajectory::{Follower, Group, Mode, Move, Planner, Pose, Shape};
+use hal_trajectory::{Group, Mode, Move, Planner, Pose, Shape};
 
 /// Number of halvings in the search for the longest overrun.
 const HALVINGS: u32 = 12;
@@ -32,15 +32,17 @@ pub(super) fn plan(
     let below = reachable(setup, &image, step, end, overrun);
     let top = start + overrun * -above;
     let refuse = |why| worker::refusal(why).on_line(step.line);
+    let rider =
+        Rider::Pursuer(worker::pursuer(setup, &image, start).begin_at(setup.overrun * above));
     let mut planner = Planner::new(worker::machine(setup), image, top).map_err(refuse)?;
+    planner.limit_jerk(setup.path_jerk);
     let shape = Shape::Line { end: end + overrun * below };
     let whole = Move { shape, feed: f64::INFINITY, rapid: false, mode: Mode::ExactStop, line: id };
     planner.limit_acceleration(step.acceleration);
     planner.push(&whole).map_err(refuse)?;
     planner.finish();
-    let follower = Follower::new(setup.period, start).begin_at(setup.overrun * above);
     let way = Way::Own(Box::new(planner.track().clone()));
-    Ok(Session { generation: setup.generation, follower, way })
+    Ok(Session { generation: setup.generation, rider, way })
 }
 
 /// Returns the largest part of a way from a pose that keeps all limits.

@@ -4,14 +4,17 @@ use crate::{
     commands::refusal::Refusal,
     path::{
         image::Image,
-        order::{HandOver, Kind, Order, PathMove, PathSetup, Report, Session, Way},
-        reach,
+        order::{HandOver, Kind, Order, PathMove, PathSetup, Report, Rider, Session, Way},
+        pace, reach,
         sweep::Sweep,
         tap,
     },
 };
 use hal_component::{KinematicsRef, SeqReader, Takes, Touch, Work};
-use hal_trajectory::{Error, Follower, Limits, Machine, Move, Planner, Pose, Publisher, share};
+use hal_trajectory::{
+    AXES, Error, Follower, Kinematics, Limits, Machine, Move, Planner, Pose, Publisher, Pursuer,
+    share,
+};
 
 /// Period of the planner in machine time, in nanoseconds.
 pub(crate) const PERIOD_NS: i64 = 2_000_000;
@@ -29,8 +32,9 @@ const AHEAD: usize = 512;
 /// Number of steps without a new move after which the path may end for now.
 const IDLE: u32 = 3;
 
-/// Time that is left before the motion must brake when the path ends for now, in seconds.
+/// Time that is left before the motion must brake when the path ends for now, in seconds, and how much of it is looked for.
 const RESERVE: f64 = 0.05;
+const ENOUGH: f64 = 1.0;
 
 /// Angular tolerance of a path, in degrees.
 const ANGULAR: f64 = 0.05;
@@ -60,6 +64,8 @@ struct Job {
     open: bool,
     /// Steps without a new move.
     idle: u32,
+    /// Time that is left before the motion must brake when the path ends for now, in seconds.
+    reserve: f64,
 }
 
 #[derive(Debug)]
@@ -155,22 +161,24 @@ impl PlannerWorker {
         if setup.overrun > 0.0 {
             // The path of a tap comes with its move.
             let planning = Err(Refusal::new("a tap has a path of its own"));
-            self.job = Some(Job { setup, planning, skips: false, last: 0, open: false, idle: 0 });
+            self.job = Some(Job::new(&setup, planning));
             return;
         }
         let planning = Planner::new(machine(&setup), image.clone(), start).map_err(refusal);
         let planning = planning.map(|mut planner| {
             planner.limit_jerk(setup.path_jerk);
             let (publisher, reader) = share(CELLS, HISTORY);
-            let follower = Follower::new(setup.period, start);
+            let rider = match setup.is_bound {
+                true => Rider::Pursuer(pursuer(&setup, &image, start)),
+                false => Rider::Follower(Follower::new(setup.period, start)),
+            };
             let way = Way::Shared(reader);
-            let session = Box::new(Session { generation, follower, way });
+            let session = Box::new(Session { generation, rider, way });
             // The caller has made sure that there is room.
             drop(self.hand.made.push(session));
             Planning { planner, publisher, image }
         });
-        let job = Job { setup, planning, skips: false, last: 0, open: false, idle: 0 };
-        self.job = Some(job);
+        self.job = Some(Job::new(&setup, planning));
     }
 
     /// Plans a tap as a whole; returns false if there is no room for it yet.
@@ -194,6 +202,11 @@ impl PlannerWorker {
 }
 
 impl Job {
+    fn new(setup: &PathSetup, planning: Result<Planning, Refusal>) -> Self {
+        let reserve = if setup.is_bound { RESERVE + rise(setup) } else { RESERVE };
+        Self { setup: *setup, planning, skips: false, last: 0, open: false, idle: 0, reserve }
+    }
+
     /// Plans the moves so far to their end.
     fn finish(&mut self) {
         if let Ok(planning) = &mut self.planning {
@@ -234,7 +247,7 @@ impl Job {
         if self.open
             && self.idle >= IDLE
             && publisher.is_complete(planner)
-            && publisher.time_ahead(hand.input(), self.setup.period, 1.0) < RESERVE
+            && publisher.time_ahead(hand.input(), self.setup.period, ENOUGH) < self.reserve
         {
             planner.finish();
             publisher.publish(planner);
@@ -251,6 +264,7 @@ impl Planning {
     fn plan(&mut self, setup: &PathSetup, id: u32, step: &PathMove) -> Result<(), Option<Refusal>> {
         let start = *self.planner.position();
         reach::check(setup, &self.image, &start, step).map_err(Some)?;
+        pace::check(setup, &self.image, &start, step).map_err(Some)?;
         if step.probe.is_some() {
             // A probe move begins at rest.
             self.planner.finish();
@@ -275,14 +289,10 @@ impl Planning {
 /// Returns the limits for the planner.
 pub(super) fn machine(setup: &PathSetup) -> Machine {
     let mut machine = Machine::uniform(Limits::NONE);
-    let limits = |velocity: &f64, acceleration: &f64, jerk: &f64| {
-        let mut limits = Limits { velocity: *velocity, acceleration: *acceleration, jerk: *jerk };
-        if setup.is_bound {
-            // A filter would delay the axes against the spindle: the acceleration changes at once.
-            limits.acceleration = limits.acceleration.min(0.5 * limits.jerk * setup.period);
-            limits.jerk = f64::INFINITY;
-        }
-        limits
+    let limits = |velocity: &f64, acceleration: &f64, jerk: &f64| Limits {
+        velocity: *velocity,
+        acceleration: *acceleration,
+        jerk: *jerk,
     };
     let axes = setup.axis_velocity.iter().zip(&setup.axis_acceleration).zip(&setup.axis_jerk);
     for (slot, ((velocity, acceleration), jerk)) in machine.axes.iter_mut().zip(axes) {
@@ -301,6 +311,42 @@ pub(super) fn machine(setup: &PathSetup) -> Machine {
     machine.angular_tolerance = ANGULAR;
     machine.max_override = setup.max_override;
     machine
+}
+
+/// Returns what moves along a path as a spindle turns.
+pub(super) fn pursuer(setup: &PathSetup, image: &Image, start: Pose) -> Pursuer {
+    let jerks = with_joints(setup, image, &setup.axis_jerk, &setup.joint_jerk);
+    Pursuer::new(setup.period, start, jerks, setup.path_jerk)
+}
+
+/// Returns limits of the axes with those of the joints, if each joint follows an axis.
+pub(super) fn with_joints(
+    setup: &PathSetup,
+    image: &Image,
+    axes: &[f64; AXES],
+    joints: &[f64],
+) -> Option<[f64; AXES]> {
+    let axis_of = image.axes_of_joints()?;
+    let mut all = *axes;
+    let joints = joints.iter().zip(&setup.joint_active).zip(axis_of);
+    for ((limit, _), axis) in joints.filter(|((_, active), _)| **active) {
+        if let Some(place) = axis.and_then(|axis| all.get_mut(axis))
+            && limit < place
+        {
+            *place = *limit;
+        }
+    }
+    Some(all)
+}
+
+/// Returns the longest time in which an axis or joint comes from rest to its acceleration, at most as much as is looked for
+/// ahead.
+fn rise(setup: &PathSetup) -> f64 {
+    let axes = setup.axis_acceleration.iter().zip(&setup.axis_jerk);
+    let joints = setup.joint_acceleration.iter().zip(&setup.joint_jerk).zip(&setup.joint_active);
+    let joints = joints.filter(|(_, active)| **active).map(|(limits, _)| limits);
+    let times = axes.chain(joints).map(|(acceleration, jerk)| acceleration / jerk);
+    times.filter(|time| time.is_finite()).fold(0.0, f64::max).min(ENOUGH - RESERVE)
 }
 
 /// Returns the refusal for an error of the planner. The line is replaced by that of the program.

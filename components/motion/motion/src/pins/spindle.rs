@@ -29,7 +29,7 @@ pins! {
         speed_out_rps_abs: Out<f64> = 0.0, "speed-out-rps-abs" was "speed-out-rps-abs";
         /// Speed commanded in turns per second, before override and inhibit.
         speed_cmd_rps: Out<f64> = 0.0, "speed-cmd-rps" was "speed-cmd-rps";
-        /// Distance of the axes from their place at the spindle, in units, once a thread or tap has caught up with it;
+        /// Distance of the axes from their place at the spindle, in units, from the lead-in of a thread or tap to its end;
         /// positive if the axes are behind.
         sync_error: Out<f64> = 0.0, "sync-error";
         /// Angle to turn to, in degrees, 0 to 360.

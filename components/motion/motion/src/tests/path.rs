@@ -5,7 +5,7 @@ use hal_component::MotionStatus;
 use hal_component::abi::TicketState;
 
 impl Rig {
-    fn status(&self) -> MotionStatus {
+    pub(super) fn status(&self) -> MotionStatus {
         self.bench.snapshot("motion.status")
     }
 
@@ -448,7 +448,9 @@ fn probe_moves_of_all_four_kinds() {
         // It begins where the probe is already.
         let state = if away { "not tripped" } else { "tripped already" };
         let why = format!("the probe is {state} as the probe move begins");
+        let stood = rig.places();
         assert_eq!(rig.failed(&text(60.0)), why);
+        assert_eq!(rig.places(), stood, "it moves nothing");
         // Nothing changes on the way.
         rig.bench.set("motion.probe-input", away);
         let end = rig.wait(&text(70.0));
@@ -456,6 +458,36 @@ fn probe_moves_of_all_four_kinds() {
         assert_eq!(end, if optional { Ok(()) } else { Err(no_contact) });
         assert_eq!(rig.places()[0], 70.0);
         assert!(!rig.status().probe_found);
+    }
+}
+
+/// A probe move whose probe is already as at its end moves nothing, and the move before it ends in its place.
+#[test]
+fn a_probe_that_is_closed_already_moves_nothing() {
+    for jerk in [0.0, 3e5, 3e4] {
+        for away in [false, true] {
+            let mut rig = Rig::homed(&[]);
+            rig.say(&format!("motion.configure joint=0 max-jerk={jerk}"));
+            rig.bench.set("motion.probe-input", !away);
+            rig.say("motion.move x=7 velocity=20 mode=blend tolerance=0.1");
+            let state = if away { "not tripped" } else { "tripped already" };
+            let why = format!("the probe is {state} as the probe move begins");
+            assert_eq!(rig.failed(&format!("motion.probe x=60 velocity=20 away={away}")), why);
+            assert_eq!(rig.places(), [7.0, 0.0, 0.0]);
+            let states = rig.bench.tickets();
+            let [.., before, _] = states.as_slice() else { panic!("{states:?}") };
+            assert_eq!(*before, TicketState::Done);
+            rig.cycles(100);
+            assert_eq!(rig.places(), [7.0, 0.0, 0.0]);
+            // A probe that changes on the way is none that was closed before.
+            rig.bench.set("motion.probe-input", away);
+            rig.say(&format!("motion.probe x=60 velocity=20 away={away}"));
+            while rig.places()[0] == 7.0 {
+                rig.cycle();
+            }
+            rig.bench.set("motion.probe-input", !away);
+            assert_eq!(rig.end(), Ok(()));
+        }
     }
 }
 

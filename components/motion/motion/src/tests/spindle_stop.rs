@@ -120,7 +120,7 @@ fn each_wait_of_motion_is_in_its_status() {
     assert_eq!(wait(&rig).0, Wait::SpindleSpeed);
     rig.bench.set("spindle.0.speed-in", 10.0);
     rig.cycles(1000);
-    rig.bench.command("motion.move", &["z=-5", "pitch=1"]).unwrap();
+    rig.bench.command("motion.move", &["x=8", "pitch=1"]).unwrap();
     rig.cycles(100);
     assert_eq!(wait(&rig).0, Wait::Index);
     rig.bench.command("motion.pause", &[]).unwrap();

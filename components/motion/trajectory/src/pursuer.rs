@@ -1,0 +1,314 @@
+//! Realtime. The pursuer: moves along a track after a place that a spindle gives, without delay.
+//!
+//! A filter would delay the axes against the spindle. The pursuer has none: in each period it chooses an acceleration that the
+//! limits of velocity, acceleration and jerk allow ([`Chaser`]), and from which it can still come to rest at the end of the
+//! track and be slow enough for the cells ahead.
+
+use crate::{
+    chaser::{Aim, Chaser, Motion},
+    curve::Curve,
+    follower::Step,
+    machine::Limits,
+    pose::{AXES, Pose},
+    track::{Cell, Path},
+};
+use libm::fabs;
+
+/// Largest number of cells ahead whose limits count.
+const AHEAD: u32 = 64;
+
+/// A way that is rounding: nothing moves for it.
+const NO_WAY: f64 = 1e-13;
+
+/// Part of the limits of jerk in use, so that rounding is no violation.
+const SHARE: f64 = 1.0 - 1e-6;
+
+/// Part of the acceleration at rest that is left at any speed, so that a motion can always brake.
+const LEAST: f64 = 0.02;
+
+/// Moves along a track after a place, one servo period at a time.
+#[derive(Clone, Debug)]
+pub struct Pursuer {
+    period: f64,
+    /// Highest jerks of the axes along straight lines; `None` if the cells alone know them.
+    jerks: Option<[f64; AXES]>,
+    path_jerk: f64,
+    cell: u64,
+    /// Distance to the end of the cell.
+    to_go: f64,
+    begun: bool,
+    skip: f64,
+    /// Highest speed along the path, whatever was planned.
+    top: f64,
+    now: Motion,
+    position: Pose,
+    shown: Option<Cell>,
+    /// Curve at the place, with its number and its jerk along the path.
+    curve: Option<(u64, Curve, f64)>,
+}
+
+/// Goal of a pursuit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pursuit {
+    /// Come to rest as soon as possible.
+    Rest,
+    /// Be at a place, forward only.
+    Forward(Aim),
+    /// Be at a place, forward or back.
+    Both(Aim),
+}
+
+impl Pursuer {
+    /// Pursuer at rest at the start of a track, at this pose, with a period in seconds. `jerks` are the highest jerks of the
+    /// axes, if straight lines need no others; `path_jerk` is the one along the path.
+    pub const fn new(period: f64, start: Pose, jerks: Option<[f64; AXES]>, path_jerk: f64) -> Self {
+        Self {
+            period,
+            jerks,
+            path_jerk,
+            cell: 0,
+            to_go: 0.0,
+            begun: false,
+            skip: 0.0,
+            top: f64::INFINITY,
+            now: Motion { velocity: 0.0, acceleration: 0.0 },
+            position: start,
+            shown: None,
+            curve: None,
+        }
+    }
+
+    /// Begins at this distance from the start of the track instead. The pose there is the one given to [`Self::new`].
+    #[must_use]
+    pub const fn begin_at(mut self, distance: f64) -> Self {
+        self.skip = if distance > 0.0 { distance } else { 0.0 };
+        self
+    }
+
+    /// Limits the speed along the path from now on, in units per second. A motion that is faster brakes.
+    pub const fn limit(&mut self, top: f64) {
+        self.top = if top > 0.0 { top } else { 0.0 };
+    }
+
+    /// Advances by one period.
+    pub fn step(&mut self, track: &impl Path, goal: Pursuit) -> Step {
+        let mut travel = 0.0;
+        if let Some(cell) = self.enter(track) {
+            let a = self.acceleration(track, &cell, goal);
+            let h = self.period;
+            let velocity = self.now.velocity + a * h;
+            let velocity = if fabs(velocity) * h <= NO_WAY { 0.0 } else { velocity };
+            self.now = Motion { velocity, acceleration: a };
+            travel = self.advance(track, &cell, velocity * h);
+        }
+        track.release(self.cell);
+        let rests = self.now.velocity == 0.0;
+        Step {
+            pose: self.position,
+            line: self.shown.map_or(0, |c| c.line),
+            travel,
+            feed: self.shown.map_or(0.0, |c| c.programmed()),
+            highest: self.shown.map_or(0.0, |c| c.speed),
+            moving: !rests || fabs(self.now.acceleration) > 0.0,
+            rests,
+        }
+    }
+
+    /// Returns true if the pursuer rests at the end of the track.
+    pub fn is_done(&self, track: &impl Path) -> bool {
+        self.now.velocity == 0.0
+            && self.now.acceleration == 0.0
+            && !track.has(self.cell + 1)
+            && (self.begun && self.to_go <= 0.0 || track.cell(self.cell).is_none())
+    }
+
+    /// Returns the cell, and the distance from its start.
+    pub fn input(&self, track: &impl Path) -> (u64, f64) {
+        let gone = track.cell(self.cell).filter(|_| self.begun);
+        (self.cell, gone.map_or(0.0, |cell| cell.length - self.to_go))
+    }
+
+    /// Returns the limits along the path at the place; `None` if there is no path yet.
+    pub fn limits(&mut self, track: &impl Path) -> Option<Limits> {
+        let cell = track.cell(self.cell)?;
+        Some(self.limits_of(track, &cell, 0.0))
+    }
+
+    /// Returns the cell of the place, which is the next one if the motion rests at the end of a cell.
+    fn enter(&mut self, track: &impl Path) -> Option<Cell> {
+        let mut cell = track.cell(self.cell)?;
+        if !self.begun {
+            self.begun = true;
+            while self.skip > cell.length
+                && let Some(next) = track.cell(self.cell + 1)
+            {
+                self.skip -= cell.length;
+                self.cell += 1;
+                cell = next;
+            }
+            self.to_go = cell.length - self.skip;
+        }
+        if self.to_go <= 0.0
+            && self.now.velocity == 0.0
+            && let Some(next) = track.cell(self.cell + 1)
+        {
+            self.cell += 1;
+            self.to_go = next.length;
+            cell = next;
+        }
+        Some(cell)
+    }
+
+    /// Returns the acceleration of this period.
+    fn acceleration(&mut self, track: &impl Path, cell: &Cell, goal: Pursuit) -> f64 {
+        let now = self.now;
+        let limits = self.limits_of(track, cell, now.velocity);
+        let chaser = Chaser { limits, period: self.period };
+        let wanted = match goal {
+            Pursuit::Rest => chaser.at_velocity(now, 0.0),
+            Pursuit::Forward(aim) | Pursuit::Both(aim) => chaser.toward(now, aim),
+        };
+        let highest = self.highest(track, cell, limits);
+        let lowest = match goal {
+            Pursuit::Both(_) => self.lowest(track, cell, limits),
+            Pursuit::Rest if now.velocity < 0.0 => self.lowest(track, cell, limits),
+            Pursuit::Rest | Pursuit::Forward(_) => chaser.at_velocity(now, 0.0),
+        };
+        let a = if wanted < highest { wanted } else { highest };
+        if a < lowest { lowest } else { a }
+    }
+
+    /// Returns the highest acceleration that the rest of the track allows.
+    fn highest(&mut self, track: &impl Path, cell: &Cell, mut limits: Limits) -> f64 {
+        let (mut cell, mut number, mut distance) = (*cell, self.cell, self.to_go);
+        let (mut highest, mut slowest) = (f64::INFINITY, cell.speed);
+        for _ in 0..AHEAD {
+            let chaser = Chaser { limits, period: self.period };
+            let next = if cell.stop { None } else { track.cell(number + 1) };
+            let Some(next) = next else {
+                let end = chaser.toward(self.now, Aim { distance, speed: 0.0 });
+                return if end < highest { end } else { highest };
+            };
+            if next.speed < slowest {
+                slowest = next.speed;
+                let a = chaser.before(self.now, distance, slowest);
+                highest = if a < highest { a } else { highest };
+            }
+            if chaser.farthest(self.now) < distance {
+                break;
+            }
+            limits = lower(limits, self.limits_of(track, &next, self.now.velocity));
+            distance += next.length;
+            (cell, number) = (next, number + 1);
+        }
+        highest
+    }
+
+    /// Returns the lowest acceleration that the track behind allows to a motion that goes back.
+    fn lowest(&mut self, track: &impl Path, cell: &Cell, mut limits: Limits) -> f64 {
+        let back = Motion { velocity: -self.now.velocity, acceleration: -self.now.acceleration };
+        let (mut number, mut distance) = (self.cell, cell.length - self.to_go);
+        let (mut highest, mut slowest) = (f64::INFINITY, cell.speed);
+        for _ in 0..AHEAD {
+            let chaser = Chaser { limits, period: self.period };
+            let before = number.checked_sub(1).and_then(|n| track.cell(n)).filter(|c| !c.stop);
+            let Some(before) = before else {
+                let end = chaser.toward(back, Aim { distance, speed: 0.0 });
+                return -if end < highest { end } else { highest };
+            };
+            if before.speed < slowest {
+                slowest = before.speed;
+                let a = chaser.before(back, distance, slowest);
+                highest = if a < highest { a } else { highest };
+            }
+            if chaser.farthest(back) < distance {
+                break;
+            }
+            limits = lower(limits, self.limits_of(track, &before, self.now.velocity));
+            distance += before.length;
+            number -= 1;
+        }
+        -highest
+    }
+
+    /// Returns the limits along the path in a cell, at this velocity.
+    fn limits_of(&mut self, track: &impl Path, cell: &Cell, velocity: f64) -> Limits {
+        let fade = cell.fade * velocity * velocity;
+        let least = LEAST * cell.rest;
+        let acceleration = if cell.rest - fade > least { cell.rest - fade } else { least };
+        let jerk = if cell.samples > 1 {
+            let filtered = cell.rest / (f64::from(cell.samples) * self.period);
+            let own = self.jerk_of(track, cell.curve);
+            if own > filtered { own } else { filtered }
+        } else {
+            f64::INFINITY
+        };
+        let velocity = if self.top < cell.speed { self.top } else { cell.speed };
+        Limits { velocity, acceleration, jerk }
+    }
+
+    /// Returns the highest jerk along a curve, if it is a straight line whose axes alone count; else 0.
+    fn jerk_of(&mut self, track: &impl Path, number: u64) -> f64 {
+        if let Some((_, _, jerk)) = self.curve.as_ref().filter(|(known, ..)| *known == number) {
+            return *jerk;
+        }
+        let Some(curve) = track.curve(number) else { return 0.0 };
+        self.jerk_along(&curve)
+    }
+
+    fn jerk_along(&self, curve: &Curve) -> f64 {
+        let (Some(jerks), Curve::Line { slope, .. }) = (&self.jerks, curve) else { return 0.0 };
+        let axes = jerks.iter().zip(&slope.0).filter(|(_, slope)| **slope != 0.0);
+        axes.map(|(jerk, slope)| jerk / fabs(*slope)).fold(self.path_jerk, f64::min) * SHARE
+    }
+
+    /// Moves along the track. Returns the travel.
+    fn advance(&mut self, track: &impl Path, cell: &Cell, travel: f64) -> f64 {
+        let mut cell = *cell;
+        self.to_go -= travel;
+        for _ in 0..AHEAD {
+            // A way that is rounding does not leave the cell.
+            if fabs(self.to_go) <= NO_WAY * (1.0 + cell.length) {
+                self.to_go = 0.0;
+            }
+            if self.to_go < 0.0 {
+                let next = if cell.stop { None } else { track.cell(self.cell + 1) };
+                let Some(next) = next else { break };
+                self.cell += 1;
+                self.to_go += next.length;
+                cell = next;
+            } else if self.to_go > cell.length {
+                let before = self.cell.checked_sub(1);
+                let Some((n, before)) = before.and_then(|n| Some((n, track.cell(n)?))) else {
+                    break;
+                };
+                self.to_go -= cell.length;
+                self.cell = n;
+                cell = before;
+            } else {
+                break;
+            }
+        }
+        self.show(track, &cell);
+        travel
+    }
+
+    /// Finds the pose of the place, which is in this cell.
+    fn show(&mut self, track: &impl Path, cell: &Cell) {
+        if self.curve.as_ref().is_none_or(|(number, ..)| *number != cell.curve) {
+            let Some(curve) = track.curve(cell.curve) else { return };
+            self.curve = Some((cell.curve, curve, self.jerk_along(&curve)));
+        }
+        let Some((_, curve, _)) = &self.curve else { return };
+        self.position = curve.pose(cell.from + (cell.length - self.to_go));
+        self.shown = Some(*cell);
+    }
+}
+
+const fn lower(a: Limits, b: Limits) -> Limits {
+    Limits {
+        velocity: a.velocity.min(b.velocity),
+        acceleration: a.acceleration.min(b.acceleration),
+        jerk: a.jerk.min(b.jerk),
+    }
+}
