@@ -26,7 +26,7 @@ struct Stage {
     printer: Printer,
     session: Session,
     socket: Socket,
-    /// What the attacks did that they must not.
+    /// Attacks that had success, with what they did.
     breaches: Vec<String>,
     tried: usize,
 }
