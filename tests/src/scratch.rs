@@ -9,6 +9,7 @@ use rustix::{
 use std::{
     collections::BTreeMap,
     fs::{self, File},
+    os::unix::fs::PermissionsExt as _,
     path::{Path, PathBuf},
     process::{Child, Command, ExitStatus, Stdio},
     sync::atomic::{AtomicU32, Ordering},
@@ -74,6 +75,14 @@ impl Scratch {
     /// Writes a file.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
         fs::write(self.path.join(name), bytes).unwrap();
+    }
+
+    /// Returns the name of a file in a folder that nobody else reaches, which is made if necessary.
+    pub fn private(&self, name: &str) -> String {
+        let folder = self.path.join(".private");
+        fs::create_dir_all(&folder).unwrap();
+        fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).unwrap();
+        format!(".private/{name}")
     }
 
     /// Reads a file.

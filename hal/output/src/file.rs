@@ -199,8 +199,16 @@ impl Growing {
     pub fn finish(mut self) -> io::Result<()> {
         let file = self.file.take().ok_or_else(ended)?;
         self.target.settle(&file)?;
-        nix::unistd::close(file).map_err(Error::from)
+        close_file(file)
     }
+}
+
+/// Closes a file that was written. Network file systems report here what they could not store.
+///
+/// # Errors
+/// The system has not stored everything.
+pub fn close_file(file: File) -> io::Result<()> {
+    nix::unistd::close(file).map_err(Error::from)
 }
 
 fn ended() -> Error {

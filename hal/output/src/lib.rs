@@ -8,7 +8,7 @@ mod stdout;
 mod target;
 mod terminal;
 
-pub use file::{Growing, Whole, install, write};
+pub use file::{Growing, Whole, close_file, install, write};
 pub use program::program;
 pub use stdout::{Unwritten, lose_reader, print, reader_is_gone};
 pub use terminal::{is_coloured, is_person, state_file};

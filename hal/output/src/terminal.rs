@@ -1,6 +1,13 @@
 //! Terminals: a person at one, colours, and the files of what programs remember for the person.
 
-use std::{env, fs, os::fd::AsFd, os::unix::fs::DirBuilderExt as _, path::PathBuf};
+use std::{
+    env, fs,
+    os::{
+        fd::AsFd,
+        unix::fs::{DirBuilderExt as _, PermissionsExt as _},
+    },
+    path::PathBuf,
+};
 
 /// Returns whether a person types and reads at a terminal that can move its cursor.
 #[must_use]
@@ -20,7 +27,8 @@ fn is_able() -> bool {
     env::var("TERM").is_ok_and(|term| !matches!(term.as_str(), "" | "dumb"))
 }
 
-/// Returns `ferrule/NAME` in the user's state folder, which it creates if necessary. Returns `None` without a home folder.
+/// Returns `ferrule/NAME` in the user's state folder, which it creates if necessary, for this user alone. Returns `None`
+/// without a home folder.
 #[must_use]
 pub fn state_file(name: &str) -> Option<PathBuf> {
     let absolute = |name: &str| env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
@@ -28,5 +36,10 @@ pub fn state_file(name: &str) -> Option<PathBuf> {
         absolute("XDG_STATE_HOME").or_else(|| Some(absolute("HOME")?.join(".local/state")))?;
     let folder = state.join("ferrule");
     fs::DirBuilder::new().recursive(true).mode(0o700).create(&folder).ok()?;
+    let is_open = fs::metadata(&folder).is_ok_and(|about| about.permissions().mode() & 0o077 != 0);
+    if is_open {
+        // Another user's folder stays as it is; who needs a private one looks at it.
+        fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).unwrap_or_default();
+    }
     Some(folder.join(name))
 }

@@ -24,6 +24,12 @@ use std::{
 const ROOT: u32 = 0;
 /// Mode bits that let the group or others write.
 const OTHERS_WRITE: u32 = 0o022;
+/// Mode bits of the group and of others.
+const OTHERS_USE: u32 = 0o077;
+/// Bits of the folder of a system service, for the service's group.
+const SERVICE_GROUP: u32 = 0o050;
+/// First user id of a person; below it are root and the users of system services.
+const FIRST_PERSON: u32 = 1000;
 /// The number of times that a lock is tried again, and the nanoseconds between: half a second.
 const LOCK_TRIES: u32 = 100;
 const LOCK_WAIT_NS: i64 = 5_000_000;
@@ -126,7 +132,8 @@ impl Folder {
         Self::checked(place.folder(), |owner| if any_user { owner } else { me })
     }
 
-    /// Opens the folder of this user's instances and creates it if needed.
+    /// Opens the folder of this user's instances and creates it if needed. Nobody else reaches what is in it: bits of
+    /// others are taken away, but for those of a system service's group (mode 0750).
     ///
     /// # Errors
     /// As [`Self::open`], or the folder cannot be created.
@@ -138,7 +145,24 @@ impl Folder {
             (Err(FolderError::Missing { .. }), Err(e)) => {
                 Err(FolderError::System { path: path.into(), why: reason(&e) })
             }
-            (opened, _) => opened,
+            (opened, _) => {
+                let opened = opened?;
+                opened.close_to_others();
+                Ok(opened)
+            }
+        }
+    }
+
+    /// Takes the bits of others away from the mode of the folder.
+    fn close_to_others(&self) {
+        let Ok(stat) = rustix::fs::fstat(&self.fd) else { return };
+        let mode = stat.st_mode & 0o7777;
+        let is_of_service = mode & OTHERS_USE == SERVICE_GROUP && is_service(self.owner);
+        if mode & OTHERS_USE != 0 && !is_of_service {
+            let own = Mode::from_raw_mode(mode & !OTHERS_USE);
+            // Through the open folder, whatever has its name now. Some file systems have no permissions.
+            let path = Path::new("/proc/self/fd").join(self.fd.as_raw_fd().to_string());
+            rustix::fs::chmod(&path, own).unwrap_or_default();
         }
     }
 
@@ -327,6 +351,10 @@ impl Folder {
     }
 }
 
+const fn is_service(user: u32) -> bool {
+    user != ROOT && user < FIRST_PERSON
+}
+
 /// Returns the user id of the process at the other end of a connection, as the kernel recorded it
 /// when that process connected or began to listen.
 ///
@@ -363,6 +391,23 @@ mod tests {
         io::Write,
         os::unix::fs::{MetadataExt, chown, symlink},
     };
+
+    #[test]
+    fn a_folder_of_sockets_is_closed_to_others() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let path = std::env::temp_dir().join(format!("hal-closed-{}", std::process::id()));
+        let place = Place::at(&path, "default").unwrap();
+        for mode in [0o755, 0o711, 0o750, 0o700] {
+            fs::create_dir_all(&path).unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            drop(Folder::make(&place).unwrap());
+            let (now, owner) =
+                (fs::metadata(&path).unwrap().mode(), fs::metadata(&path).unwrap().uid());
+            let wanted = if mode == 0o750 && super::is_service(owner) { 0o750 } else { 0o700 };
+            assert_eq!(now & 0o7777, wanted, "{mode:o}");
+        }
+        fs::remove_dir_all(&path).unwrap();
+    }
 
     #[test]
     fn a_log_is_a_file_of_the_user_and_not_long() {

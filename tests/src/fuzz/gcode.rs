@@ -79,8 +79,8 @@ impl Environment for World {
         (key == "a").then_some(1.5)
     }
 
-    fn user_code(&self, code: u16) -> bool {
-        code == 101
+    fn user_code(&self, code: u16) -> Result<bool, Box<str>> {
+        Ok(code == 101)
     }
 
     fn function(&self, name: &str) -> bool {

@@ -51,6 +51,7 @@ fn arrows_point_only_downward() {
         ("hal-bench", &["hal-component"]),
         ("hal-golden", &[]),
         ("hal-protocol", &["hal-abi"]),
+        ("hal-beneath", &[]),
         ("hal-ini", &[]),
         ("hal-output", &[]),
         ("hal-trace", &["hal-output", "hal-protocol"]),
@@ -80,6 +81,7 @@ fn arrows_point_only_downward() {
             "halpanel",
             &[
                 "hal-align",
+                "hal-beneath",
                 "hal-gcode",
                 "hal-ini",
                 "hal-job",
@@ -103,8 +105,19 @@ fn arrows_point_only_downward() {
         ("ferrule-client", &["hal-protocol"]),
         ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol", "hal-remap"]),
         ("hal-remap", &["hal-gcode", "hal-ini", "hal-output"]),
-        ("hal-job", &["hal-gcode", "hal-ini", "hal-output", "hal-remap"]),
-        ("task", &["hal-component", "hal-gcode", "hal-ini", "hal-job", "hal-output", "hal-remap"]),
+        ("hal-job", &["hal-beneath", "hal-gcode", "hal-ini", "hal-output", "hal-remap"]),
+        (
+            "task",
+            &[
+                "hal-beneath",
+                "hal-component",
+                "hal-gcode",
+                "hal-ini",
+                "hal-job",
+                "hal-output",
+                "hal-remap",
+            ],
+        ),
         ("hal-safety", &[]),
         ("motion", &["hal-component", "hal-safety", "hal-trajectory", "hal-watchman"]),
         ("remote", &["hal-component", "hal-safety"]),
@@ -359,6 +372,7 @@ fn orderings_name_their_partners() {
 
 /// Places in `hal/` that know the operating system's interface, with the word for it. Each must be used.
 const SYSTEM: &[(&str, &str)] = &[
+    ("hal/beneath/src/", "rustix"),
     ("hal/engine/src/ends/", "libc"),
     ("hal/engine/src/ends/", "rustix"),
     ("hal/engine/src/load/code.rs", "libloading"),
@@ -521,10 +535,6 @@ fn output_goes_through_one_crate() {
             "a folder that is renamed when it is whole",
         ),
         ("components/foreign/halcompile/src/program.rs", scratch),
-        (
-            "components/motion/task/src/worker/files.rs",
-            "a program's log that only grows, line by line",
-        ),
         ("components/remote/panel/src/audit.rs", "a log that only grows, line by line"),
         (
             "components/accessory/accessory/src/sim_medium.rs",

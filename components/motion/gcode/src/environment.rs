@@ -57,7 +57,10 @@ pub trait Environment {
     }
 
     /// Tells whether the user's program `M100` to `M199` exists.
-    fn user_code(&self, _code: u16) -> bool {
-        false
+    ///
+    /// # Errors
+    /// The program exists and is not run; the reason.
+    fn user_code(&self, _code: u16) -> Result<bool, Box<str>> {
+        Ok(false)
     }
 }

@@ -3,6 +3,7 @@
 //! | module | subject |
 //! |---|---|
 //! | [`machine`] | the machine: INI file, tool table, parameter file |
+//! | [`places`], [`user_programs`] | the folders of programs, uploads and output; the programs M100 to M199 |
 //! | [`number`] | numbers of an INI file, and their errors |
 //! | [`travel`] | the travel of the axes, and places beyond it |
 //! | [`way`] | the way of the tool in machine coordinates |
@@ -28,12 +29,14 @@ pub mod estimate;
 pub mod journal;
 pub mod machine;
 pub mod number;
+pub mod places;
 pub mod refusal;
 pub mod run;
 pub mod simulation;
 pub mod spindle;
 pub mod threads;
 pub mod travel;
+pub mod user_programs;
 pub mod way;
 pub mod world;
 

@@ -1,12 +1,14 @@
 //! The machine that a program is for: its INI file, tool table and parameter file.
 
 use crate::number::{self, count, is_one, number};
+use crate::places::Places;
 use crate::spindle::{self, Spindle};
-use crate::travel::coordinates;
+use crate::travel::{coordinates, mask};
+use crate::user_programs::UserPrograms;
 use crate::world::{Version, version};
 use hal_gcode::{
     Dialect, Numbered, Settings,
-    axis::{Axis, AxisMask},
+    axis::Axis,
     canon::Unit,
     function::Hook,
     parameters::file::{Finding, ParameterFile},
@@ -49,7 +51,9 @@ pub struct Machine {
     /// The folders of subroutines, in the order of the search.
     pub folders: Vec<PathBuf>,
     /// The folders of user programs M100 to M199.
-    pub codes: Vec<PathBuf>,
+    pub codes: UserPrograms,
+    /// The folders of programs, uploads and output; `None` without an INI file.
+    pub places: Option<Places>,
     /// The axes in the order of their joints.
     pub(crate) letters: Vec<Axis>,
     /// The ends of travel.
@@ -109,7 +113,8 @@ impl Machine {
             numbered: Numbered::default(),
             parameters: None,
             folders: vec![here.clone()],
-            codes: vec![here.clone()],
+            codes: UserPrograms::new(vec![here.clone()], None),
+            places: None,
             letters: Vec::new(),
             limits: [(None, None); 9],
             rates: [[None; 3]; 9],
@@ -181,13 +186,11 @@ impl Machine {
             self.axis(ini, axis, &letters)?;
         }
         self.speeds(ini, &letters)?;
-        let folder = |name: &str| self.folder.join(name);
-        let list = |value: &str| value.split(':').map(folder).collect::<Vec<_>>();
-        let prefix = ini.get("DISPLAY", "PROGRAM_PREFIX").unwrap_or("nc_files");
-        self.folders = vec![folder(prefix)];
-        self.codes = vec![folder(prefix)];
-        self.folders.extend(ini.get("RS274NGC", "SUBROUTINE_PATH").map(list).unwrap_or_default());
-        self.codes.extend(ini.get("RS274NGC", "USER_M_PATH").map(list).unwrap_or_default());
+        let places = Places::read(ini, &self.folder)?;
+        self.folders = places.searched(ini, "SUBROUTINE_PATH", &self.folder);
+        let codes = places.searched(ini, "USER_M_PATH", &self.folder);
+        self.codes = UserPrograms::new(codes, Some(places.clone()));
+        self.places = Some(places);
         self.startup = ini.get("RS274NGC", "RS274NGC_STARTUP_CODE").map(str::to_owned);
         self.settings.random_changer = is_one(ini, "EMCIO", "RANDOM_TOOLCHANGER");
         self.language(ini)?;
@@ -393,8 +396,4 @@ fn text(path: &Path) -> Result<String, String> {
     let bytes = hal_ini::file::whole(path);
     let bytes = bytes.map_err(|e| format!("{}: {}", path.display(), hal_output::reason(&e)))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-fn mask(axes: &[Axis]) -> AxisMask {
-    AxisMask(axes.iter().fold(0, |mask, a| mask | 1 << a.index()))
 }

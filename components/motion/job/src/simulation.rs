@@ -63,7 +63,7 @@ impl Environment for Asked<'_> {
     fn function(&self, name: &str) -> bool {
         self.world.function(name)
     }
-    fn user_code(&self, code: u16) -> bool {
+    fn user_code(&self, code: u16) -> Result<bool, Box<str>> {
         self.world.user_code(code)
     }
 }

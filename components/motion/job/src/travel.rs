@@ -2,7 +2,7 @@
 
 use crate::{machine::Machine, number::number};
 use hal_gcode::{
-    axis::{Axis, Position},
+    axis::{Axis, AxisMask, Position},
     canon::Unit,
 };
 use hal_ini::Ini;
@@ -88,6 +88,11 @@ impl Machine {
         }
         sections
     }
+}
+
+/// Returns the set of these axes.
+pub(crate) fn mask(axes: &[Axis]) -> AxisMask {
+    AxisMask(axes.iter().fold(0, |mask, a| mask | 1 << a.index()))
 }
 
 /// Returns the axes in the order of their joints; `letters` are those of a machine whose INI file states none.

@@ -1,13 +1,14 @@
 //! The files, tools and values that a program sees.
 
 use crate::machine::Machine;
+use hal_beneath::{Beneath, FileName};
 use hal_gcode::{Environment, Source, Text, tool::Tool};
 use hal_remap::Functions;
 use std::{
     cell::RefCell,
     collections::BTreeMap,
     fs::{File, Metadata},
-    os::unix::fs::{FileExt, MetadataExt, PermissionsExt},
+    os::unix::fs::{FileExt, MetadataExt},
     path::Path,
     sync::Arc,
 };
@@ -54,8 +55,31 @@ pub fn program(path: &Path) -> Result<Text, String> {
         let bytes = bytes.ok_or_else(|| format!("{}: it is larger than 1 GiB", path.display()))?;
         return Ok(Arc::new(bytes));
     }
-    let file = File::open(path).map_err(|e| wrong(&e))?;
-    let version = version_of(&file).map_err(|e| wrong(&e))?;
+    text_of(File::open(path).map_err(|e| wrong(&e))?).map_err(|e| wrong(&e))
+}
+
+/// Opens a program of a machine. Of the folder of uploads, only the file itself is opened, and no link to another.
+///
+/// # Errors
+/// The file cannot be opened.
+pub fn program_of(machine: &Machine, path: &Path) -> Result<Text, String> {
+    let uploads = machine.places.as_ref().map(|places| &places.uploads);
+    let whole = |path: &Path| std::path::absolute(path).ok();
+    let uploads = uploads.filter(|uploads| path.parent().and_then(whole) == whole(uploads));
+    let Some(uploads) = uploads else { return program(path) };
+    let wrong = |why: &dyn core::fmt::Display| format!("{}: {why}", path.display());
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let name = FileName::parse(name).map_err(|why| wrong(&why))?;
+    let file = Beneath::open(uploads).and_then(|folder| folder.read_sole(&name.into()));
+    text_of(file.map_err(|why| why.to_string())?).map_err(|e| wrong(&hal_output::reason(&e)))
+}
+
+/// Returns the text of a file that is open, which is read in parts.
+///
+/// # Errors
+/// The system refuses.
+pub fn text_of(file: File) -> std::io::Result<Text> {
+    let version = version_of(&file)?;
     Ok(Arc::new(Opened { file, version }))
 }
 
@@ -94,15 +118,16 @@ impl Environment for World {
         if name.ends_with(".ngc") || name.contains('/') {
             let as_given = Path::new(name);
             if as_given.is_file() {
-                return program(as_given).ok();
+                return program_of(&self.machine, as_given).ok();
             }
         }
-        // Names of subroutines name no folder.
-        let file = Path::new(name).file_name().filter(|f| *f == name)?;
-        let mut file = file.to_owned();
-        file.push(".ngc");
-        let paths = self.machine.folders.iter().map(|f| f.join(&file));
-        paths.filter(|p| p.is_file()).find_map(|p| program(&p).ok())
+        // Names of subroutines name no folder, and their files are no links.
+        let file = FileName::parse(&format!("{name}.ngc")).ok()?.into();
+        self.machine.folders.iter().find_map(|folder| {
+            // The folder of a file in the working folder has no name.
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            text_of(Beneath::open(folder).ok()?.read(&file).ok()?).ok()
+        })
     }
 
     fn tool(&self, number: i32) -> Option<Tool> {
@@ -125,12 +150,7 @@ impl Environment for World {
         self.machine.words.contains(name)
     }
 
-    fn user_code(&self, code: u16) -> bool {
-        let name = format!("M{code}");
-        let runs = |folder: &std::path::PathBuf| {
-            let file = std::fs::metadata(folder.join(&name));
-            file.is_ok_and(|m| m.is_file() && m.permissions().mode() & 0o111 != 0)
-        };
-        self.machine.codes.iter().any(runs)
+    fn user_code(&self, code: u16) -> Result<bool, Box<str>> {
+        self.machine.codes.find(code).map(|found| found.is_some())
     }
 }

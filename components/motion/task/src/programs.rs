@@ -1,10 +1,10 @@
 //! Programs of users: M100 to M199.
 
 use crate::outside::Progress;
+use hal_job::user_programs::UserPrograms;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::{
     os::unix::process::CommandExt,
-    path::PathBuf,
     process::{Child, Command, Stdio},
 };
 
@@ -18,15 +18,14 @@ impl UserProgram {
     /// Begins the program of a code, with its P and Q words.
     pub(crate) fn begin(
         &mut self,
-        folders: &[PathBuf],
+        programs: &UserPrograms,
         code: u16,
         p: f64,
         q: f64,
     ) -> Result<(), String> {
         let name = format!("M{code}");
-        let path = folders.iter().map(|f| f.join(&name)).find(|f| f.is_file());
+        let path = programs.find(code).map_err(|why| format!("{name} is not run: {why}"))?;
         let path = path.ok_or_else(|| format!("there is no program {name}"))?;
-        let path = std::path::absolute(&path).unwrap_or(path);
         let child = Command::new(path)
             .args([format!("{p:.6}"), format!("{q:.6}")])
             .stdin(Stdio::null())
@@ -84,7 +83,8 @@ mod tests {
         fs::write(&code, text).unwrap();
         fs::set_permissions(&code, fs::Permissions::from_mode(0o755)).unwrap();
         let mut program = UserProgram::default();
-        program.begin(core::slice::from_ref(&folder), 101, 0.0, 0.0).unwrap();
+        let programs = UserPrograms::new(vec![folder.clone()], None);
+        program.begin(&programs, 101, 0.0, 0.0).unwrap();
         // The pipe opens when the second program does, and ends when nobody has it open.
         let mut pipe = fs::File::open(&fifo).unwrap();
         assert_eq!(program.progress(), Progress::Pending);

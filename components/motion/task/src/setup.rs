@@ -66,12 +66,12 @@ pub(crate) fn read(
     machine.settings.task = true;
     let functions = machine.start_functions(is_virtual);
     let files = Files {
-        ini: ini.clone(),
         parameters: machine.parameters.clone(),
         table: machine.table.clone(),
         spindle: machine.spindle_file.clone(),
         journal,
         codes: machine.codes.clone(),
+        output: machine.places.as_ref().map(|places| places.output.clone()),
         named: named(&machine),
         letters: Letters::from(machine.settings.axes.0),
         functions,

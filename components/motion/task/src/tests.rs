@@ -29,7 +29,9 @@ use crate::{
 };
 use hal_component::{Estop, IoRequest, IoState, StopEpoch};
 use hal_gcode::{Numbered, tool::ToolTable};
-use hal_job::{Files, Machine, World, journal::Record, spindle::Spindle};
+use hal_job::{
+    Files, Machine, World, journal::Record, spindle::Spindle, user_programs::UserPrograms,
+};
 use std::{
     collections::{BTreeMap, VecDeque},
     path::{Path, PathBuf},
@@ -191,7 +193,7 @@ impl Rig {
         std::fs::create_dir_all(&folder).unwrap();
         let mut machine = Machine::read(&Files::default()).unwrap();
         machine.folders = vec![folder.clone()];
-        machine.codes = vec![folder.clone()];
+        machine.codes = UserPrograms::new(vec![folder.clone()], None);
         machine.tools = ToolTable::parse(TOOLS).0;
         let mut rules = Rules {
             needs_homing: true,

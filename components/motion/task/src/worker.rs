@@ -15,6 +15,7 @@ use hal_component::{
     TicketHandle, Touch, Uses, Work,
 };
 use hal_gcode::parameters::file::ParameterFile;
+use hal_job::{places::Output, user_programs::UserPrograms};
 use hal_remap::Functions;
 use machine::Machine;
 use std::{
@@ -36,13 +37,14 @@ pub(crate) struct SharedState {
 /// The files of a machine that the task writes or guards, and the folders of user programs.
 #[derive(Debug, Default)]
 pub(crate) struct Files {
-    pub(crate) ini: Option<PathBuf>,
     pub(crate) parameters: Option<(PathBuf, ParameterFile)>,
     pub(crate) table: Option<PathBuf>,
     /// The record of the tool in the spindle.
     pub(crate) spindle: Option<PathBuf>,
     pub(crate) journal: Option<PathBuf>,
-    pub(crate) codes: Vec<PathBuf>,
+    pub(crate) codes: UserPrograms,
+    /// The folder of the files that programs write.
+    pub(crate) output: Option<Output>,
     /// Files that the INI file consists of or names.
     pub(crate) named: Vec<PathBuf>,
     pub(crate) letters: Letters,

@@ -4,12 +4,11 @@ mod cutter;
 
 pub(crate) use cutter::{Cut, is_cutter};
 
-use hal_gcode::{Call, Interpreter, axis::Position, canon::Unit};
+use hal_gcode::{Call, Interpreter, Text, axis::Position, canon::Unit};
 use hal_job::{
     Files, Machine, World,
     run::{Answers, start, step},
     way::{Kind, Way},
-    world,
 };
 use std::path::Path;
 use tokio::time::{Duration, Instant};
@@ -58,11 +57,16 @@ pub(crate) struct Geometry {
     pub(crate) error: Option<(u32, String)>,
 }
 
-/// Reads a program as the task would.
+/// Reads the text of a program as the task would.
 ///
 /// # Errors
-/// A file of the machine or the program cannot be read.
-pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Geometry, String> {
+/// A file of the machine cannot be read.
+pub(crate) fn read(
+    ini: Option<&Path>,
+    file: &Path,
+    text: Text,
+    tolerance: f64,
+) -> Result<Geometry, String> {
     let machine = Machine::read(&Files { ini, ..Files::default() })?;
     let scale = Unit::Millimetre.to(machine.settings.unit);
     let machine_unit = machine.settings.unit;
@@ -70,7 +74,7 @@ pub(crate) fn read(ini: Option<&Path>, file: &Path, tolerance: f64) -> Result<Ge
     // Functions in Python have effects, and a look at a path has none.
     let world = World { machine, hal: std::collections::BTreeMap::new(), functions: None };
     start(&mut it, &world)?;
-    it.load(&file.display().to_string(), world::program(file)?);
+    it.load(&file.display().to_string(), text);
     let mut way = Way::new(it.state.frame, it.state.position);
     let place = |p: Position| [p.x, p.y, p.z].map(|v| v * scale);
     let mut geometry = Geometry { tolerance, ..Geometry::default() };

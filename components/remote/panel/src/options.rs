@@ -29,7 +29,8 @@ pub struct Options {
     /// File for the address with the one-time token; without it, `panel-INSTANCE.url` beside the instance's socket.
     #[arg(long)]
     pub address_file: Option<PathBuf>,
-    /// File for the log of what has been done; without it, `panel-INSTANCE.audit` beside the instance's socket.
+    /// File for the log of what has been done; without it, `panel-INSTANCE.audit` beside the instance's socket. Like the two
+    /// below, it lies in a folder of mode 0700; a name alone is a file in the user's state folder.
     #[arg(long)]
     pub audit: Option<PathBuf>,
     /// File with the accounts of who signs in with a password.

@@ -1,16 +1,21 @@
 //! The page's files: those in the program, or those of a folder.
 
-use crate::error::{Code, Error};
+use crate::{
+    error::{Code, Error},
+    folders::whole,
+};
 use axum::{
     body::Body,
     http::{HeaderMap, HeaderValue, header},
     response::{IntoResponse as _, Response},
 };
 use flate2::read::GzDecoder;
-use std::{
-    io::Read as _,
-    path::{Component, Path},
-};
+use hal_beneath::{Beneath, RelativeName};
+use std::{io::Read as _, path::Path};
+use tokio::task::block_in_place;
+
+/// Largest file of a folder in bytes.
+const MAX_BYTES: u64 = 16 << 20;
 
 /// Names and gzipped contents of the files in the program.
 const FILES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
@@ -41,13 +46,9 @@ pub(crate) async fn file(folder: Option<&Path>, path: &str, asked: &HeaderMap) -
     let Some((_, kind)) = kind else { return missing().into_response() };
     let mut gzipped = false;
     let body = if let Some(folder) = folder {
-        let plain = Path::new(name).components().all(|c| matches!(c, Component::Normal(_)));
-        if !plain {
-            return missing().into_response();
-        }
-        match tokio::fs::read(folder.join(name)).await {
-            Ok(bytes) => Body::from(bytes),
-            Err(_) => return missing().into_response(),
+        match block_in_place(|| of_folder(folder, name)) {
+            Some(bytes) => Body::from(bytes),
+            None => return missing().into_response(),
         }
     } else {
         let Some((_, bytes)) = FILES.iter().find(|(n, _)| *n == name) else {
@@ -74,4 +75,10 @@ pub(crate) async fn file(folder: Option<&Path>, path: &str, asked: &HeaderMap) -
         headers.insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
     }
     response
+}
+
+/// Reads a file of a folder with the page.
+fn of_folder(folder: &Path, name: &str) -> Option<Vec<u8>> {
+    let file = Beneath::open(folder).ok()?.read(&RelativeName::parse(name).ok()?).ok()?;
+    whole(file, MAX_BYTES).ok()
 }

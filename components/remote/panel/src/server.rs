@@ -8,12 +8,13 @@ use crate::{
     commands::LOSSES,
     engine::Engine,
     epoch::Epochs,
+    folders::Folders,
     heart::{self, Heart},
     http::{self, pictures::Pictures},
     info,
     lease::Clients,
     options::Options,
-    scope,
+    private, scope,
     security::Security,
     session::{Sessions, secret},
     status,
@@ -92,8 +93,8 @@ pub(crate) struct Panel {
     pub(crate) heart: Arc<Heart>,
     /// Log of what has been done.
     pub(crate) audit: Audit,
-    /// Folder of programs.
-    pub(crate) programs: Option<PathBuf>,
+    /// Folders of programs, uploads and output.
+    pub(crate) folders: Folders,
     /// Kept while a program's geometry is read or the wiring is drawn: one after the other.
     pub(crate) reading: Mutex<()>,
     /// Places of scopes.
@@ -136,11 +137,13 @@ impl Panel {
 /// # Errors
 /// An instance, a file or the address is missing or unusable.
 pub fn run(options: &Options) -> Result<(), String> {
+    let ini = options.ini_file.as_deref().map(read_ini).transpose()?;
+    let folders = Folders::find(options, ini.as_ref())?;
+    let options = &private::placed(options, &folders)?;
     if let (Some(account), Some(file)) = (&options.add_account, &options.accounts) {
         return accounts::add(file, account, &mut std::io::stdin().lock());
     }
     let security = Security::open(options)?;
-    let ini = options.ini_file.as_deref().map(read_ini).transpose()?;
     let settings = teleop::Settings::read(options, ini.as_ref())?;
     let teleop = settings.address;
     Security::check_needs(teleop.unwrap_or(teleop::ADDRESS), options)?;
@@ -156,10 +159,6 @@ pub fn run(options: &Options) -> Result<(), String> {
         let address = listener.local_addr().map_err(|e| hal_output::reason(&e))?;
         let beside = |kind: &str| place.folder().join(format!("panel-{}.{kind}", place.name()));
         let audit = options.audit.clone().unwrap_or_else(|| beside("audit"));
-        let programs = options.programs.clone().or_else(|| programs(options, ini.as_ref()));
-        // The engine's folder is another.
-        let programs = programs.map(std::path::absolute).transpose();
-        let programs = programs.map_err(|e| hal_output::reason(&e))?;
         let audit = Audit::open(&audit)?;
         let teleop_port = teleop.unwrap_or(teleop::ADDRESS).port();
         hal_lease::load(&place, ini.as_ref(), "halpanel")?;
@@ -179,7 +178,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             clients: Clients::default(),
             heart: heart::start(&place, (teleop.is_some(), teleop_port))?,
             audit,
-            programs,
+            folders,
             reading: Mutex::default(),
             scopes: Arc::new(Semaphore::new(scope::MAX_SCOPES)),
             pressing: Mutex::default(),
@@ -227,13 +226,6 @@ fn loss_of(lines: &[String]) -> Option<usize> {
     let words = lines.iter().flat_map(|line| line.split(' '));
     let said = words.filter_map(|word| word.strip_prefix("on-loss=")).next();
     LOSSES.iter().position(|loss| Some(*loss) == said)
-}
-
-/// Returns the folder of programs that the INI file names.
-fn programs(options: &Options, ini: Option<&Ini>) -> Option<PathBuf> {
-    let prefix = Path::new(ini?.get("DISPLAY", "PROGRAM_PREFIX")?);
-    // A name without a folder is one in the folder of the INI file.
-    Some(options.ini_file.as_deref()?.parent()?.join(prefix))
 }
 
 fn read_ini(path: &Path) -> Result<Ini, String> {

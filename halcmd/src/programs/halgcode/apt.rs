@@ -5,7 +5,7 @@ mod path;
 mod report;
 mod write;
 
-pub use path::{ArmPath, ArmStep, Cutter, path};
+pub use path::{ArmPath, ArmStep, Cutter, path, path_of};
 
 use super::views::Views;
 use crate::{

@@ -44,6 +44,9 @@ fn filtered(path: &Path, words: &[String], machine: &Machine) -> Result<Text, St
     let shown = |reason: &str| format!("[FILTER] {program} {}: {reason}", path.display());
     // A program of the machine's own folder needs no path.
     let beside = machine.folder.join(program);
+    if machine.places.as_ref().is_some_and(|places| places.is_open_to_others(&beside)) {
+        return Err(shown("in a folder of uploads or output, where nothing is run"));
+    }
     let mut child =
         Command::new(if beside.is_file() { beside.as_os_str() } else { program.as_ref() })
             .args(arguments)

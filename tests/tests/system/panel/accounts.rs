@@ -7,12 +7,12 @@ use std::{
     os::unix::fs::PermissionsExt as _,
 };
 
-/// Adds an account to the file `people`.
+/// Adds an account to the file `people`, which nobody else reaches.
 fn add(printer: &Printer, account: &str, password: &str) {
     let scratch = &printer.scratch;
     scratch.write("password", format!("{password}\n"));
     let mut command = scratch.command(&[], "halpanel");
-    command.args(["--accounts", "people", "--add-account", account]);
+    command.args(["--accounts", &scratch.private("people"), "--add-account", account]);
     command.stdin(File::open(scratch.path().join("password")).unwrap());
     let output = scratch.run(&mut command);
     assert_eq!((output.status, &*output.stderr), (Some(0), ""), "{account}");
@@ -23,9 +23,9 @@ fn a_person_signs_in_with_a_password_and_has_the_role_of_the_account() {
     let mut printer = Printer::start("viewer");
     add(&printer, "ana=operator", "correct horse");
     add(&printer, "eva=integrator", "battery staple");
-    let people = printer.scratch.read("people");
+    let people = printer.scratch.read(".private/people");
     assert!(!people.contains("horse") && people.lines().count() == 2, "{people}");
-    printer.restart("viewer", &["--accounts", "people"]);
+    printer.restart("viewer", &["--accounts", ".private/people"]);
     let sign_in = |user: &str, password: &str| {
         let body = json!({ "user": user, "password": password }).to_string();
         printer.request("POST", "/api/v1/session", &printer.host(), body.as_bytes())
@@ -46,7 +46,7 @@ fn a_person_signs_in_with_a_password_and_has_the_role_of_the_account() {
     let by_token = printer.sign_in();
     let who = printer.request("GET", "/api/v1/session", &by_token.headers(), b"");
     assert_eq!(who.json(), json!({ "role": "viewer", "user": "local" }));
-    let audit = printer.scratch.read("audit");
+    let audit = printer.scratch.read(".private/audit");
     assert!(audit.contains(r#""user":"ana""#) && audit.contains("wrong-login"), "{audit}");
     assert!(!audit.contains("horse"), "{audit}");
 }
@@ -56,27 +56,37 @@ fn what_does_not_fit_is_refused_before_anything_listens() {
     let mut printer = Printer::start("viewer");
     add(&printer, "ana=operator", "correct horse");
     let scratch = &printer.scratch;
-    scratch.write("damaged", "ana operator\n");
-    scratch.write("open", scratch.read("people"));
-    scratch.write("bad.pem", "no certificate\n");
+    scratch.write(".private/damaged", "ana operator\n");
+    scratch.write(".private/open", scratch.read(".private/people"));
+    scratch.write(".private/bad.pem", "no certificate\n");
+    scratch.write("people", scratch.read(".private/people"));
     let mode = |name: &str, mode| {
         fs::set_permissions(scratch.path().join(name), fs::Permissions::from_mode(mode)).unwrap();
     };
-    mode("damaged", 0o600);
-    mode("open", 0o644);
-    mode("bad.pem", 0o600);
+    mode(".private/damaged", 0o600);
+    mode(".private/open", 0o644);
+    mode(".private/bad.pem", 0o600);
+    mode("people", 0o600);
     let taken = format!("--listen 127.0.0.1:{}", printer.port);
     for (options, why) in [
         (&*taken, "in use"),
         ("--listen 192.0.2.1:7776", "is a network address: it needs --accounts and --certificate"),
-        ("--listen 0.0.0.0:0 --accounts people --certificate new.pem", "--name states"),
-        ("--accounts damaged", "damaged:1: this is no account, must be NAME ROLE HASH"),
-        ("--accounts open", "open: others than its owner may use it: chmod 600"),
-        ("--accounts nothing", "nothing: "),
-        ("--certificate bad.pem", "bad.pem: it has no certificate"),
+        (
+            "--listen 0.0.0.0:0 --accounts .private/people --certificate .private/new.pem",
+            "--name states",
+        ),
+        ("--accounts .private/damaged", "damaged:1: this is no account, must be NAME ROLE HASH"),
+        ("--accounts .private/open", "open: others than its owner may use it: chmod 600"),
+        ("--accounts .private/nothing", "nothing: "),
+        ("--certificate .private/bad.pem", "bad.pem: it has no certificate"),
         ("--instance nobody", "nobody"),
         ("--ini-file nothing.ini", "nothing.ini"),
-        ("--add-account ana=king --accounts people", "the role is 'king'"),
+        ("--add-account ana=king --accounts .private/people", "the role is 'king'"),
+        // A file that lies beside the machine's is neither used nor moved: who has written it?
+        ("--accounts ./people --ini-file machine.ini", "people: the file of accounts lies beside"),
+        ("--accounts people", "people: the file of accounts lies beside"),
+        ("--audit ./audit --ini-file machine.ini", "audit: the audit log lies beside"),
+        ("--certificate programs/a.pem", "others can reach the folder of the file with the key"),
     ] {
         let mut command = scratch.command(&[], "halpanel");
         let output = scratch.run(command.args(options.split(' ')));
@@ -86,10 +96,10 @@ fn what_does_not_fit_is_refused_before_anything_listens() {
     // The panel that listens goes on.
     assert_eq!(printer.sign_in().socket().command("abort", &json!({})), "");
     // With a certificate it speaks TLS alone, and says which one.
-    printer.restart("viewer", &["--certificate", "own.pem"]);
+    printer.restart("viewer", &["--certificate", ".private/own.pem"]);
     assert!(printer.address().starts_with("https://127.0.0.1:"), "{}", printer.address());
     assert_eq!(printer.request("GET", "/", &printer.host(), b"").status, 0);
     assert!(printer.said().contains("SHA-256 fingerprint"), "{}", printer.said());
-    let pem = fs::metadata(printer.scratch.path().join("own.pem")).unwrap();
+    let pem = fs::metadata(printer.scratch.path().join(".private/own.pem")).unwrap();
     assert_eq!(pem.permissions().mode() & 0o777, 0o600);
 }

@@ -127,7 +127,7 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
     // The program is rewritten, stored and opened.
     b.click("#rewrite");
     b.until("document.querySelector('.file').textContent === 'aligned-part.ngc'");
-    let text = fixture.printer.scratch.read("programs/aligned-part.ngc");
+    let text = fixture.printer.scratch.read("programs/uploads/aligned-part.ngc");
     assert!(text.contains("(aligned: turn 10.0") && text.contains("source part.ngc"), "{text}");
     assert!(b.text("#rewritten").contains("arcs became lines"));
     b.run("document.querySelector('#rewrite-arcs').value = 'refuse'");
@@ -249,5 +249,7 @@ fn pictures_come_through_the_panel_alone_and_by_rights() {
             assert_eq!(document.check(document.schema("Rewritten"), &answer.json()), Ok(()));
         }
     }
-    assert!(printer.scratch.read("programs/aligned-a.ngc").contains("G1 X3.1000 Y2.0000 F100"));
+    assert!(
+        printer.scratch.read("programs/uploads/aligned-a.ngc").contains("G1 X3.1000 Y2.0000 F100")
+    );
 }

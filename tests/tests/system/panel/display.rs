@@ -10,8 +10,10 @@ use std::fs;
 #[test]
 fn the_panel_is_the_display_of_a_machine() {
     let scratch = Scratch::copy_of(&root().join("configs/printer"));
+    scratch.private("audit");
     let ini = scratch.read("printer.ini");
-    let display = "DISPLAY = halpanel --listen 127.0.0.1:0 --address-file address --audit audit";
+    let display =
+        "DISPLAY = halpanel --listen 127.0.0.1:0 --address-file address --audit .private/audit";
     assert!(ini.contains("DISPLAY = axis"));
     scratch.write("printer.ini", ini.replace("DISPLAY = axis", display));
     let mut command = scratch.command(&[], "halrun");

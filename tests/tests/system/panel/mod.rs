@@ -11,6 +11,7 @@
 mod accounts;
 mod align;
 mod arm;
+mod attacks;
 mod cuts;
 mod display;
 mod figures;
@@ -22,6 +23,7 @@ mod integrator;
 mod load;
 mod looks;
 mod loss;
+mod names;
 mod openapi;
 mod operator;
 mod pair;

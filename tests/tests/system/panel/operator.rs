@@ -25,9 +25,9 @@ pub(super) fn open(fixture: &Fixture, name: &str, text: &str) {
     let b = &fixture.browser;
     fixture.printer.scratch.write(name, text);
     b.fill("#upload", fixture.printer.scratch.path().join(name).to_str().unwrap());
-    choose(fixture, name);
-    assert_eq!(fixture.printer.scratch.read(&format!("programs/{name}")), text);
-    b.until(&format!("document.querySelector('.file').textContent === '{name}'"));
+    choose(fixture, &format!("uploads/{name}"));
+    assert_eq!(fixture.printer.scratch.read(&format!("programs/uploads/{name}")), text);
+    b.until(&format!("document.querySelector('.file').textContent === 'uploads/{name}'"));
 }
 
 /// Presses a name in the list of programs as soon as it is there.
@@ -178,7 +178,7 @@ fn a_start_in_the_middle_is_shown_and_confirmed() {
 fn a_program_is_written_and_edited_in_the_page() {
     let Some(fixture) = Fixture::start(DESKTOP) else { return };
     let b = &fixture.browser;
-    let file = || fixture.printer.scratch.read("programs/own.ngc");
+    let file = || fixture.printer.scratch.read("programs/uploads/own.ngc");
     b.click("#program-new");
     b.fill("#editor-name", "own.ngc");
     b.fill("#editor-text", "G21 G90\nG1 X5 F600\nM2\n");
@@ -196,7 +196,7 @@ fn a_program_is_written_and_edited_in_the_page() {
     b.until("!document.querySelector('dialog')");
     assert_eq!(file(), "G21 G90\nG1 X5 F600\nM2\n");
     // A wrong name is refused in words; ends of lines stay.
-    fixture.printer.scratch.write("programs/own.ngc", "G21\r\nM2\r\n");
+    fixture.printer.scratch.write("programs/uploads/own.ngc", "G21\r\nM2\r\n");
     b.click(".files .edit");
     b.until("document.querySelector('#editor-text')?.value === 'G21\\nM2\\n'");
     b.run("document.querySelector('#editor-name').value = '../own'");
@@ -206,6 +206,23 @@ fn a_program_is_written_and_edited_in_the_page() {
     b.click("#editor-save");
     b.until("!document.querySelector('dialog')");
     assert_eq!(file(), "G20\r\nM2\r\n");
+    // The machine's own program stays: what is edited of it is an upload.
+    fixture.printer.scratch.write("programs/mine.ngc", "G21\nM2\n");
+    b.run("[...document.querySelectorAll('#programs button')].at(-1).click()");
+    b.until("document.querySelectorAll('.files .edit').length === 2");
+    b.run("document.querySelector('.files .edit').click()");
+    b.until("document.querySelector('#editor-text')?.value === 'G21\\nM2\\n'");
+    b.fill("#editor-text", "G20\nM2\n");
+    b.click("#editor-save");
+    b.until("!document.querySelector('dialog')");
+    let read = |name: &str| fixture.printer.scratch.read(&format!("programs/{name}"));
+    assert_eq!((&*read("mine.ngc"), &*read("uploads/mine.ngc")), ("G21\nM2\n", "G20\nM2\n"));
+    // What programs have written is listed, and stored on this computer by a press.
+    std::fs::create_dir_all(fixture.printer.scratch.path().join("output/probes")).unwrap();
+    fixture.printer.scratch.write("output/probes/a.txt", "1 2 3\n");
+    b.click("#output-open");
+    b.until("document.querySelector('#output .plain')?.textContent === 'probes/a.txt'");
+    b.click("#output .plain");
     assert_eq!(b.errors(), Vec::<String>::new());
 }
 

@@ -30,7 +30,8 @@ pub(super) fn machine(scratch: &Scratch, words: &[&str], answers: &str) -> Runni
 pub(super) fn panel(scratch: &Scratch, role: &str, options: &[&str]) -> Running {
     let mut command = scratch.command(&[], "halpanel");
     command.args(["--listen", "127.0.0.1:0", "--role", role]);
-    command.args(["--address-file", "address", "--audit", "audit"]).args(options);
+    command.args(["--address-file", "address", "--audit", &scratch.private("audit")]);
+    command.args(options);
     scratch.start(&mut command).lasting("the panel")
 }
 

@@ -96,6 +96,21 @@ impl Printer {
         Self::listening(machine, panel_of(&scratch, role, &[]), scratch)
     }
 
+    /// Starts the printer with another INI file and further files on a clock, and a panel whose sessions have this role.
+    pub(super) fn edited(
+        role: &str,
+        clock: &[&str],
+        edit: impl Fn(&str) -> String,
+        prepare: impl Fn(&Scratch),
+    ) -> Self {
+        let scratch = Scratch::copy_of(&root().join("configs/printer"));
+        let ini = edit(&scratch.read("printer.ini"));
+        scratch.write(INI, format!("{ini}\n[REMOTE]\nLEASE_TIMEOUT = 60\n"));
+        prepare(&scratch);
+        let machine = of_ini(&scratch, clock);
+        Self::listening(machine, panel_of(&scratch, role, &[]), scratch)
+    }
+
     fn listening(machine: Running, panel: Running, scratch: Scratch) -> Self {
         let mut printer = Self { pair: Pair { machine, panel }, scratch, port: 0 };
         printer.port = printer.listens();

@@ -165,7 +165,7 @@ fn a_program_is_stored_as_a_whole_or_not_at_all() {
         format!("PUT {path} HTTP/1.1\r\nConnection: close\r\n{good}Content-Length: 900\r\n\r\nM30");
     web::cut(printer.port, head.as_bytes());
     assert_eq!(printer.request("GET", path, &good, b"").body, b"G0 X1\nM2\n");
-    let names = fs::read_dir(printer.scratch.path().join("programs")).unwrap();
+    let names = fs::read_dir(printer.scratch.path().join("programs/uploads")).unwrap();
     let names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(names, ["a.ngc"]);
     assert_eq!(printer.request("DELETE", path, &good, b"").status, 200);

@@ -68,7 +68,7 @@ fn every_command_has_the_role_and_the_lease_of_the_document() {
         assert_eq!(put.status, if n == 0 { 403 } else { 200 }, "{role}");
     }
     // The log names who did what, and how it ended.
-    let audit = printer.scratch.read("audit");
+    let audit = printer.scratch.read(&printer.scratch.private("audit"));
     let has = |text: &str| audit.lines().any(|line| line.contains(text));
     assert!(has(r#""end":"ok""#) && has(r#""command":"abort""#) && has(r#""end":"role""#));
     assert!(!audit.contains(&printer.token()));

@@ -29,7 +29,7 @@ fn another_user_of_the_computer_reaches_neither_the_machine_nor_a_session() {
         assert_eq!(error, Some(ErrorKind::PermissionDenied), "{what}");
     };
     as_user(NOBODY, || {
-        for file in ["address", "audit"] {
+        for file in ["address", ".private/audit"] {
             denied(file, fs::read(folder.join(file)).err().map(|e| e.kind()));
             denied(file, fs::write(folder.join(file), "x").err().map(|e| e.kind()));
         }

@@ -49,7 +49,7 @@ fn a_full_disk_keeps_the_program_as_it_was() {
     let answer = printer.request("PUT", path, &good, long().as_bytes());
     assert_eq!((answer.status, answer.code()), (507, "disk".to_owned()), "{answer:?}");
     assert_eq!(printer.request("GET", path, &good, b"").body, b"G0 X1\nM2\n");
-    let left = fs::read_dir(&folder).unwrap().count();
+    let left = fs::read_dir(folder.join("uploads")).unwrap().count();
     assert_eq!(left, 1, "the part that was written is left");
     drop(disk);
 }
@@ -64,9 +64,9 @@ fn what_is_no_program_is_told_and_moves_nothing() {
         printer.request("PUT", &format!("/api/v1/programs/{name}"), &good, bytes)
     };
     // A file is stored as it is; the reason why it is no program is reported with the line.
-    assert_eq!(put("picture.png", &picture).status, 200);
+    assert_eq!(put("picture.nc", &picture).status, 200);
     assert_eq!(put("half.ngc", b"G21\nG1 X1\nG1 X[\n").status, 200);
-    for (name, line) in [("picture.png", ""), ("half.ngc", "2 ")] {
+    for (name, line) in [("picture.nc", ""), ("half.ngc", "2 ")] {
         let path = format!("/api/v1/programs/{name}/path");
         let answer = printer.request("GET", &path, &good, b"");
         let told = answer.header("x-ferrule-error").unwrap_or_default().to_owned();
@@ -77,7 +77,7 @@ fn what_is_no_program_is_told_and_moves_nothing() {
         let answer = put(&web::encoded(name), b"M2\n");
         assert!([400, 404, 405].contains(&answer.status), "{name}: {answer:?}");
     }
-    let files = fs::read_dir(printer.scratch.path().join("programs")).unwrap().count();
+    let files = fs::read_dir(printer.scratch.path().join("programs/uploads")).unwrap().count();
     assert_eq!(files, 2);
     assert_eq!(printer.number("getp joint.0.pos-cmd"), 0.0);
 }

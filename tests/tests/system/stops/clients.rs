@@ -150,7 +150,7 @@ impl Panel {
         drop(fs::remove_file(scratch.path().join("address")));
         let mut command = scratch.command(&[], "halpanel");
         command.args(["--listen", "127.0.0.1:0", "--role", "operator", "--programs", "programs"]);
-        command.args(["--address-file", "address", "--audit", "audit"]);
+        command.args(["--address-file", "address", "--audit", &scratch.private("audit")]);
         if is_ini {
             command.args(["--ini-file", "machine.ini"]);
         }

@@ -44,7 +44,7 @@ impl Environment for Preview {
         self.0.function(name)
     }
 
-    fn user_code(&self, _code: u16) -> bool {
-        true
+    fn user_code(&self, _code: u16) -> Result<bool, Box<str>> {
+        Ok(true)
     }
 }

@@ -139,6 +139,7 @@ problems! {
     ProbeFailed { reason: Box<str> }: "probe failed: {reason}", "";
     HalFailed { reason: Box<str> }: "HAL: {reason}", "";
     InputFailed { reason: Box<str> }: "input failed: {reason}", "";
+    UserCodeRefused { code: u16, reason: Box<str> }: "M{code} is not run: {reason}", "";
     UserCodeFailed { code: u16, reason: Box<str> }: "M{code} failed: {reason}", "";
 
     // Offsets and coordinate systems.

@@ -136,7 +136,7 @@ fn is_understood(letter: u8, tenfold: u32, remaps: &[Remap], env: &dyn Environme
     });
     let built_in = match letter {
         b'g' => g_group(code).is_some(),
-        _ => m_code(number).is_ok_and(|(m, _)| m < 100 || env.user_code(m)),
+        _ => m_code(number).is_ok_and(|(m, _)| m < 100 || env.user_code(m) != Ok(false)),
     };
     remapped || built_in
 }

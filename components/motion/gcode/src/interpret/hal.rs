@@ -102,7 +102,7 @@ impl Environment for Asking<'_> {
     fn tool_slot(&self, number: i32) -> Option<i32> {
         self.env.tool_slot(number)
     }
-    fn user_code(&self, code: u16) -> bool {
+    fn user_code(&self, code: u16) -> Result<bool, Box<str>> {
         self.env.user_code(code)
     }
 }

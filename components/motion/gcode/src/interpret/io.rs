@@ -72,8 +72,10 @@ impl Run<'_> {
 
     pub(super) fn user_code(&mut self, b: &mut Block) -> Result<Option<Request>, Problem> {
         let Some(code) = b.m(MGroup::User) else { return Ok(None) };
-        if !self.env.user_code(code) {
-            return Err(Problem::UnknownM { code: i32::from(code) });
+        match self.env.user_code(code) {
+            Ok(true) => {}
+            Ok(false) => return Err(Problem::UnknownM { code: i32::from(code) }),
+            Err(reason) => return Err(Problem::UserCodeRefused { code, reason }),
         }
         let (p, q) = (b.get(b'p').unwrap_or(-1.0), b.get(b'q').unwrap_or(-1.0));
         // Behind a compensated move whose end the next one decides, the program runs in its turn, unanswered.

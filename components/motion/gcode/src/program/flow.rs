@@ -386,7 +386,9 @@ impl Interpreter {
                 return Ok((file, start));
             }
         }
-        if let Some(start) = self.sources.find(label, wanted, longest, env)? {
+        // A label is no path: the writer of a program chooses no files of other folders.
+        let is_name = !label.contains('/') && !label.ends_with(".ngc");
+        if is_name && let Some(start) = self.sources.find(label, wanted, longest, env)? {
             return Ok((label.into(), start));
         }
         Err(Problem::LabelMissing { label: label.into() }.into())

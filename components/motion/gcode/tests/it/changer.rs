@@ -29,8 +29,8 @@ impl Environment for Changer {
         Some(1.0)
     }
 
-    fn user_code(&self, code: u16) -> bool {
-        code == 110
+    fn user_code(&self, code: u16) -> Result<bool, Box<str>> {
+        Ok(code == 110)
     }
 }
 

@@ -36,8 +36,8 @@ impl Environment for Machine {
         (name == "motion.a-b").then_some(1.5)
     }
 
-    fn user_code(&self, code: u16) -> bool {
-        code == 101
+    fn user_code(&self, code: u16) -> Result<bool, Box<str>> {
+        Ok(code == 101)
     }
 }
 

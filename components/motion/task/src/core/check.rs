@@ -42,7 +42,7 @@ impl Core {
         stepping: bool,
         out: &mut impl Outside,
     ) -> Result<(), String> {
-        let text = world::program(&path)?;
+        let text = world::program_of(&self.world.machine, &path)?;
         self.forget_dry_run("another job has begun", out);
         self.take_over(out);
         let mut interpreter = Interpreter::from_state(self.interpreter.state.clone());
@@ -111,7 +111,7 @@ impl Core {
     ) -> Result<Box<Check>, String> {
         // A job that goes on may have been opened under another name for the same path.
         let name = interpreter.state.levels.first().map(|level| level.file.clone());
-        let text = world::program(path)?;
+        let text = world::program_of(&self.world.machine, path)?;
         interpreter.supply(&name.unwrap_or_default(), text.clone());
         let mut check = Box::new(Check::new(interpreter, self.given()));
         check.advance(&self.world, LINES_BEFORE);

@@ -98,7 +98,7 @@ impl Core {
         };
         self.keeping.is_on = true;
         self.keep(&Record::Begin(Box::new(begin)), out);
-        if let Ok(text) = world::program(path) {
+        if let Ok(text) = world::program_of(&self.world.machine, path) {
             self.keeping.files.insert(name.as_str().into());
             self.keeping.hashing.push(Hashing::new(&name, text));
         }

@@ -43,7 +43,7 @@ impl Core {
         }
         let begin = &journal.begin;
         let path = begin.path.clone();
-        let text = world::program(&path)?;
+        let text = world::program_of(&self.world.machine, &path)?;
         let version = world::version(&path)?;
         let is_hashed = journal.files.iter().any(|(name, _)| *name == begin.name);
         if version.0 != begin.file.0 || !is_hashed && version != begin.file {
@@ -100,7 +100,7 @@ impl Core {
     ) -> Result<Box<DryRun>, String> {
         let begin = &journal.begin;
         let mut interpreter = Interpreter::from_state(begin.state.clone());
-        interpreter.supply(&begin.name, world::program(&begin.path)?);
+        interpreter.supply(&begin.name, world::program_of(&self.world.machine, &begin.path)?);
         let mut given = self.given();
         given.answers = journal.answers.iter().cloned().collect();
         given.outputs = begin.outputs.clone();

@@ -85,7 +85,7 @@ impl Core {
         self.needs_no_search()?;
         let why = "no program is open: task.open file=… comes first";
         let path = self.program.clone().ok_or(why)?;
-        let text = world::program(&path)?;
+        let text = world::program_of(&self.world.machine, &path)?;
         let version = world::version(&path)?;
         self.take_over(out);
         let mut interpreter = Interpreter::from_state(self.interpreter.state.clone());

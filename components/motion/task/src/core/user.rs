@@ -298,7 +298,7 @@ impl Core {
     fn open(&mut self, path: PathBuf) -> Result<Report, String> {
         self.needs_no_job("no program can be opened")?;
         // A file that cannot be read is refused here, not when it runs.
-        world::program(&path)?;
+        world::program_of(&self.world.machine, &path)?;
         self.program = Some(path);
         Ok(Report::Now)
     }

@@ -364,8 +364,8 @@ impl Outside for Machine {
 
     fn file(&mut self, action: &FileAction, program: Option<&Path>) -> Result<(), String> {
         let own = self.files.of_the_machine();
-        self.program_files
-            .act(action, Bounds { ini: self.files.ini.as_deref(), program, own: &own })
+        let output = self.files.output.as_ref();
+        self.program_files.act(action, Bounds { output, program, own: &own })
     }
 
     fn save_tools(&mut self, tools: &ToolTable) -> Result<(), String> {

@@ -82,8 +82,23 @@ export function listPath(kind, patterns = []) {
   return `/${kind}${query ? `?${query}` : ""}`;
 }
 
+/** Begin of the names of programs that were sent. */
+export const UPLOADS = "uploads/";
+
 /** Returns the path of a program. */
 export const programPath = (name, tail = "") => `/programs/${encodeURIComponent(name)}${tail}`;
+
+/** Stores a program, and resolves to its name: whatever its text comes from, it is an upload. */
+export async function storeProgram(name, body) {
+  const plain = name.startsWith(UPLOADS) ? name.slice(UPLOADS.length) : name;
+  return (await answerOf(await request("PUT", programPath(UPLOADS + plain), { body }))).name;
+}
+
+/** Returns the name of a program whose path the task has. */
+export function programName(path) {
+  const [folder, file] = (path ?? "").split("/").slice(-2);
+  return `${folder}/` === UPLOADS && file ? UPLOADS + file : file ?? folder;
+}
 
 /** Opens a session with the token of the address, or with a user and a password. */
 export async function signIn(how) {

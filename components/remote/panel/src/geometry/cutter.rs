@@ -42,11 +42,16 @@ impl Cut {
     ///
     /// # Errors
     /// There is no cell, a file is wrong, or the arm cannot run the path.
-    pub(crate) fn read(cell: Option<&Path>, file: &Path, is_inch: bool) -> Result<Self, String> {
+    pub(crate) fn read(
+        cell: Option<&Path>,
+        file: &Path,
+        text: &[u8],
+        is_inch: bool,
+    ) -> Result<Self, String> {
         let cell = cell.ok_or(
             "a cutter-location file is shown in the cell of its arm: halpanel --cell FILE",
         )?;
-        let found = apt::path(cell, file)?;
+        let found = apt::path_of(cell, file, text)?;
         let unit = if is_inch { 1.0 / INCH } else { 1.0 };
         let placed = |[x, y, z, a, b, c]: [f64; 6]| [x * unit, y * unit, z * unit, a, b, c];
         // The arm turns the tool, and the file says how: A B C move.

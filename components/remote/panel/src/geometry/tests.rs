@@ -1,6 +1,7 @@
 //! Geometry of small programs.
 
 use super::{Cut, Geometry, distance, is_cutter, read};
+use hal_job::world;
 use std::path::Path;
 
 /// Returns the geometry of a program.
@@ -9,7 +10,7 @@ fn of(name: &str, text: &str, tolerance: f64) -> Geometry {
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join(name);
     std::fs::write(&file, text).unwrap();
-    let geometry = read(None, &file, tolerance);
+    let geometry = read(None, &file, world::program(&file).unwrap(), tolerance);
     std::fs::remove_file(&file).unwrap();
     geometry.unwrap()
 }
@@ -128,7 +129,7 @@ fn a_cutter_location_file_has_the_joints_of_its_arm() {
     assert!(is_cutter("a.APT") && is_cutter("b.c.cl") && !is_cutter("a.ngc") && !is_cutter("apt"));
     let [none, cut, inch] = in_cell("cutter", text, |cell, file| {
         [(None, false), (Some(cell), false), (Some(cell), true)]
-            .map(|(cell, is_inch)| Cut::read(cell, file, is_inch))
+            .map(|(cell, is_inch)| Cut::read(cell, file, &std::fs::read(file).unwrap(), is_inch))
     });
     assert!(none.unwrap_err().contains("--cell"));
     let (cut, inch) = (cut.unwrap(), inch.unwrap());
@@ -160,7 +161,10 @@ fn a_cutter_location_file_has_the_joints_of_its_arm() {
 fn a_step_that_only_turns_the_tool_is_no_rapid_move() {
     let text = "FROM/0,0,100\nMULTAX/ON\nFEDRAT/600,MMPM\nGOTO/20,20,0,0,0,1\n\
                 GOTO/20,20,0,0.3,0,0.95\nFINI\n";
-    let cut = in_cell("turn", text, |cell, file| Cut::read(Some(cell), file, false)).unwrap();
+    let cut = in_cell("turn", text, |cell, file| {
+        Cut::read(Some(cell), file, &std::fs::read(file).unwrap(), false)
+    })
+    .unwrap();
     let turns: Vec<_> = cut.geometry.points.iter().filter(|p| p.line == 5 && p.kind != 1).collect();
     let stands = turns.windows(2).filter(|pair| pair[0].at == pair[1].at);
     assert!(stands.clone().count() > 1, "{turns:?}");

@@ -3,10 +3,11 @@
 use super::{
     machine::encoded,
     pictures::{LOOK, View},
-    programs::{MAX_BYTES, disk, whole},
+    programs::{MAX_BYTES, disk},
 };
 use crate::{
     error::{Code, Error},
+    folders::{refused as unopened, whole},
     server::Panel,
     session::{Role, Session},
 };
@@ -21,7 +22,7 @@ use hal_align::{
     rewrite::{Arcs, Refusal, Rules, rewrite as rewritten},
 };
 use serde_json::{Value, json};
-use std::{path::PathBuf, sync::Arc, time::Duration};
+use std::{io::Write as _, path::PathBuf, sync::Arc, time::Duration};
 use tokio::{
     task::block_in_place,
     time::{Instant, sleep},
@@ -113,16 +114,18 @@ pub(crate) async fn rewrite(
             return Err(Error::new(Code::Malformed, format!("arcs is {other}: lines or refuse")));
         }
     };
-    let source = panel.program(&name)?;
-    let new = format!("{ALIGNED}{name}");
-    let target = panel.program(&new)?;
+    let source = panel.folders.program(&name)?;
+    let target = panel.folders.upload(&format!("uploads/{ALIGNED}{}", source.plain()))?;
+    let new = target.name();
     let transform = place(&panel.pictures.known(&panel.engine).await?)?;
-    panel.check_idle(&target)?;
+    panel.check_idle(&target.path())?;
     let rules = Rules { arcs, header: Some(name), inches: panel.is_inch, ..Rules::default() };
     let done = block_in_place(|| {
-        let text = whole(&source, MAX_BYTES).map_err(|e| disk(&e))?;
+        let text = whole(source.open()?, MAX_BYTES).map_err(|e| disk(&e))?;
         let done = rewritten(&text, &transform, &rules).map_err(|all| refused(&all))?;
-        hal_output::write(&target, &done.text).map_err(|e| disk(&e))?;
+        let mut file = target.create()?;
+        file.write_all(&done.text).map_err(|e| disk(&e))?;
+        file.finish().map_err(unopened)?;
         Ok::<_, Error>(done)
     })?;
     panel.audit.note(&session.user, 0, &json!({ "align": new }), Ok(()));
@@ -162,6 +165,7 @@ mod tests {
     use super::{Arc, Code, Json, Panel, Path, State, json, place, rewrite};
     use crate::{
         engine::Engine,
+        folders::Folders,
         lease::tests::{run, session},
     };
     use hal_protocol::{Answer, Reply, Request};
@@ -200,13 +204,13 @@ mod tests {
             let mut panel = Panel::that(engine, &format!("align-{is_inch}-{}", text.len()));
             let folder = panel.place.folder().to_owned();
             panel.is_inch = is_inch;
-            panel.programs = Some(folder.clone());
+            panel.folders = Folders::of(folder.clone());
             fs::write(folder.join("a.ngc"), text).unwrap();
             let (name, asked) = (Path("a.ngc".to_owned()), Json(json!({})));
             let panel = State(Arc::new(panel));
             run(async { tokio::spawn(rewrite(panel, session("ana"), name, asked)).await.unwrap() })
                 .unwrap();
-            let done = fs::read_to_string(folder.join("aligned-a.ngc")).unwrap();
+            let done = fs::read_to_string(folder.join("uploads/aligned-a.ngc")).unwrap();
             fs::remove_dir_all(&folder).unwrap();
             assert!(done.contains(wanted), "inch {is_inch}, {text}: {done}");
         }

@@ -1,7 +1,9 @@
 //! The machine's files: tools, offsets, and the paths of programs.
 
+use super::programs::MAX_BYTES;
 use crate::{
     error::{Code, Error},
+    folders::whole,
     geometry,
     server::Panel,
     session::Session,
@@ -13,7 +15,7 @@ use axum::{
     response::{IntoResponse as _, Response},
 };
 use hal_gcode::{axis::Axis, parameters::number};
-use hal_job::{Files, Machine};
+use hal_job::{Files, Machine, world::text_of};
 use serde_json::{Value as Json_, json};
 use std::sync::Arc;
 use tokio::task::block_in_place;
@@ -87,10 +89,7 @@ pub(crate) async fn path(
     Path(name): Path<String>,
     RawQuery(query): RawQuery,
 ) -> Result<Response, Error> {
-    let file = panel.shown_program(&name)?;
-    if !file.is_file() {
-        return Err(Error::new(Code::NotFound, format!("there is no program '{name}'")));
-    }
+    let (path, file) = panel.shown_program(&name)?;
     let tolerance = match query.as_deref() {
         None | Some("") => 0.0,
         Some(query) => {
@@ -103,10 +102,13 @@ pub(crate) async fn path(
     let reading = panel.reading.lock().await;
     let read = block_in_place(|| {
         if geometry::is_cutter(&name) {
-            let cut = geometry::Cut::read(panel.options.cell.as_deref(), &file, panel.is_inch)?;
+            let text = whole(file, MAX_BYTES).map_err(|e| hal_output::reason(&e))?;
+            let cell = panel.options.cell.as_deref();
+            let cut = geometry::Cut::read(cell, &path, &text, panel.is_inch)?;
             return Ok((cut.geometry.bytes(), None, Some(cut)));
         }
-        let read = geometry::read(panel.options.ini_file.as_deref(), &file, tolerance);
+        let text = text_of(file).map_err(|e| hal_output::reason(&e))?;
+        let read = geometry::read(panel.options.ini_file.as_deref(), &path, text, tolerance);
         read.map(|geometry| (geometry.bytes(), geometry.error, None))
     });
     drop(reading);

@@ -5,6 +5,7 @@ mod graph;
 mod guard;
 mod lists;
 mod machine;
+mod output;
 pub(crate) mod pictures;
 mod programs;
 mod sign_in;
@@ -58,6 +59,8 @@ pub(crate) fn router(panel: &Arc<Panel>) -> Router {
         .route("/programs/{name}/path", get(machine::path))
         .route("/programs", get(programs::list))
         .route("/programs/{name}", program)
+        .route("/output", get(output::list))
+        .route("/output/{name}", get(output::file))
         .route("/socket", any(socket::open))
         .route("/{kind}", get(lists::list))
         .fallback(async || Error::new(Code::NotFound, "there is no such path").into_response());

@@ -1,7 +1,8 @@
-//! Programs: files of one folder.
+//! Programs: those of the machine, and those that are sent.
 
 use crate::{
     error::{Code, Error},
+    folders::{refused as unopened, whole},
     server::Panel,
     session::{Role, Session},
 };
@@ -13,63 +14,41 @@ use axum::{
     response::{IntoResponse as _, Response},
 };
 use core::{future::poll_fn, pin::Pin};
-use hal_output::Whole;
-use serde_json::json;
+use hal_beneath::Found;
+use serde_json::{Value, json};
 use std::{
-    fs,
+    fs::File,
     io::{self, ErrorKind, Write as _},
     path::PathBuf,
     sync::Arc,
-    time::UNIX_EPOCH,
 };
 use tokio::task::block_in_place;
 
-/// Number of programs that are listed.
-const MAX_LISTED: usize = 10_000;
-/// Longest name of a program in bytes.
-const MAX_NAME: usize = 200;
 /// Largest program in bytes.
 pub(super) const MAX_BYTES: u64 = 256 << 20;
 
 impl Panel {
-    /// Returns the path of a program.
-    pub(crate) fn program(&self, name: &str) -> Result<PathBuf, Error> {
-        let folder = self.programs.as_ref().ok_or_else(|| {
-            let text = "there is no folder for programs: [DISPLAY]PROGRAM_PREFIX, or --programs";
-            Error::new(Code::NotFound, text)
-        })?;
-        let usual = |c: char| c.is_alphanumeric() || "._- ".contains(c);
-        if name.is_empty()
-            || name.len() > MAX_NAME
-            || name.starts_with('.')
-            || !name.chars().all(usual)
-        {
-            let text =
-                format!("'{name}' is no name of a program: letters, digits, '.', '_', '-', blanks");
-            return Err(Error::new(Code::Malformed, text));
-        }
-        Ok(folder.join(name))
-    }
-
     /// Returns the file of the program of a teleoperated job. It is none of the user's: its name begins with a dot.
     pub(crate) fn teleop_file(&self) -> PathBuf {
         self.place.folder().join(format!(".teleop-{}.ngc", self.place.name()))
     }
 
-    /// Returns the path of a program that is only read: one of the folder, or that of a teleoperated job.
-    pub(crate) fn shown_program(&self, name: &str) -> Result<PathBuf, Error> {
+    /// Opens a program that is only read: one of the folders, or that of a teleoperated job. Returns its path, too.
+    pub(crate) fn shown_program(&self, name: &str) -> Result<(PathBuf, File), Error> {
         let teleop = self.teleop_file();
         if teleop.file_name().is_some_and(|file| file == name) {
-            return Ok(teleop);
+            let file = File::open(&teleop).map_err(|e| disk(&e))?;
+            return Ok((teleop, file));
         }
-        self.program(name)
+        let program = self.folders.program(name)?;
+        Ok((program.path(), program.open()?))
     }
 
     /// Refuses to change a file while a program runs: it may be one of its subroutines.
     pub(crate) fn check_idle(&self, path: &std::path::Path) -> Result<(), Error> {
         let machine = self.machine.borrow();
         let Some(task) = &machine.task else { return Ok(()) };
-        let runs = task.get("interpreter").and_then(serde_json::Value::as_u64) != Some(0);
+        let runs = task.get("interpreter").and_then(Value::as_u64) != Some(0);
         if runs && path.exists() {
             let text = "a program runs, and this may be a part of it: it can be changed at its end";
             return Err(Error::new(Code::Conflict, text));
@@ -83,36 +62,15 @@ pub(super) fn disk(error: &io::Error) -> Error {
     Error::new(code, hal_output::reason(error))
 }
 
-/// Reads a file of at most this many bytes.
-pub(super) fn whole(path: &std::path::Path, most: u64) -> io::Result<Vec<u8>> {
-    let about = fs::metadata(path)?;
-    let readable = about.is_file() && about.len() <= most;
-    if readable { fs::read(path) } else { Err(ErrorKind::FileTooLarge.into()) }
-}
-
 /// Lists the programs.
 pub(crate) async fn list(State(panel): State<Arc<Panel>>, _: Session) -> Result<Response, Error> {
-    let Some(folder) = &panel.programs else { return Ok(Json(json!([])).into_response()) };
-    let entries = block_in_place(|| -> io::Result<Vec<_>> {
-        let mut list = Vec::new();
-        for entry in fs::read_dir(folder)?.take(MAX_LISTED) {
-            let entry = entry?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let Ok(about) = fs::metadata(entry.path()) else { continue };
-            if about.is_file() && panel.program(&name).is_ok() {
-                let since = about.modified().ok().and_then(|t| t.duration_since(UNIX_EPOCH).ok());
-                let modified = since.unwrap_or_default().as_secs_f64();
-                list.push((name, about.len(), modified));
-            }
-        }
-        list.sort_by(|a, b| a.0.cmp(&b.0));
-        Ok(list)
-    });
-    let entries = entries.map_err(|e| disk(&e))?.into_iter();
-    let entries = entries.map(
-        |(name, bytes, modified)| json!({ "name": name, "bytes": bytes, "modified": modified }),
-    );
-    Ok(Json(entries.collect::<Vec<_>>()).into_response())
+    let list = block_in_place(|| panel.folders.programs())?;
+    Ok(Json(list.iter().map(listed).collect::<Vec<_>>()).into_response())
+}
+
+/// Returns the entry of a file in a list.
+pub(super) fn listed(found: &Found) -> Value {
+    json!({ "name": found.name, "bytes": found.bytes, "modified": found.modified })
 }
 
 /// Returns the text of a program.
@@ -121,8 +79,10 @@ pub(crate) async fn text(
     _: Session,
     Path(name): Path<String>,
 ) -> Result<Response, Error> {
-    let path = panel.shown_program(&name)?;
-    let text = block_in_place(|| whole(&path, MAX_BYTES)).map_err(|e| disk(&e))?;
+    let text = block_in_place(|| -> Result<_, Error> {
+        let (_, file) = panel.shown_program(&name)?;
+        whole(file, MAX_BYTES).map_err(|e| disk(&e))
+    })?;
     Ok(([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
 }
 
@@ -134,9 +94,10 @@ pub(crate) async fn store(
     mut body: Body,
 ) -> Result<Response, Error> {
     session.needs(Role::Operator)?;
-    let path = panel.program(&name)?;
+    let program = panel.folders.upload(&name)?;
+    let (name, path) = (program.name(), program.path());
     panel.check_idle(&path)?;
-    let mut file = block_in_place(|| Whole::create(&path)).map_err(|e| disk(&e))?;
+    let mut file = block_in_place(|| program.create())?;
     let mut bytes = 0_u64;
     while let Some(frame) = poll_fn(|cx| Pin::new(&mut body).poll_frame(cx)).await {
         let broken =
@@ -151,7 +112,7 @@ pub(crate) async fn store(
         block_in_place(|| file.write_all(&data)).map_err(|e| disk(&e))?;
     }
     panel.check_idle(&path)?;
-    block_in_place(|| file.finish()).map_err(|e| disk(&e))?;
+    block_in_place(|| file.finish()).map_err(unopened)?;
     panel.audit.note(&session.user, 0, &json!({ "store": name, "bytes": bytes }), Ok(()));
     Ok(Json(json!({ "name": name, "bytes": bytes })).into_response())
 }
@@ -163,9 +124,10 @@ pub(crate) async fn remove(
     Path(name): Path<String>,
 ) -> Result<Response, Error> {
     session.needs(Role::Operator)?;
-    let path = panel.program(&name)?;
-    panel.check_idle(&path)?;
-    block_in_place(|| fs::remove_file(&path)).map_err(|e| disk(&e))?;
+    let program = panel.folders.upload(&name)?;
+    let name = program.name();
+    panel.check_idle(&program.path())?;
+    block_in_place(|| program.remove())?;
     panel.audit.note(&session.user, 0, &json!({ "remove": name }), Ok(()));
     Ok(Json(json!({})).into_response())
 }

@@ -28,7 +28,7 @@ impl Panel {
             clients: Clients::default(),
             heart: Arc::default(),
             audit: Audit::open(&folder.join("audit")).unwrap(),
-            programs: None,
+            folders: super::Folders::default(),
             reading: Mutex::default(),
             scopes: Arc::new(Semaphore::new(1)),
             pressing: Mutex::default(),

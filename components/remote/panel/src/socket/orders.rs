@@ -171,8 +171,10 @@ impl Order {
             Action::Engine(requests) => requests(&given)?,
             Action::Jog => given.jog(lease)?,
             Action::Open(command) => {
-                let path = self.panel.program(&given.program()?)?;
-                let file = format!("file={}", path.display());
+                let program = self.panel.folders.program(&given.program()?)?;
+                // What is no file is refused here by name, and a link leads nowhere.
+                drop(program.open()?);
+                let file = format!("file={}", program.path().display());
                 orders.request(command, vec![file])?.into_iter().collect()
             }
             Action::ToolChanged => return self.tool_changed(lease).await,

@@ -54,10 +54,18 @@ pub struct Cutter {
 /// # Errors
 /// A file cannot be read or is wrong, or the arm cannot run the path: the text that `halgcode apt` prints.
 pub fn path(ini: &Path, part: &Path) -> Result<ArmPath, String> {
-    let name = part.display().to_string();
     let text = hal_ini::file::whole(part);
-    let text = text.map_err(|e| format!("{name}: {}", hal_output::reason(&e)))?;
-    let part = Part::parse(&text).map_err(|e| format!("{name}:{e}"))?;
+    let text = text.map_err(|e| format!("{}: {}", part.display(), hal_output::reason(&e)))?;
+    path_of(ini, part, &text)
+}
+
+/// Plans the path of a text, as [`path`] does; `part` is its file in messages.
+///
+/// # Errors
+/// The text is wrong, or the arm cannot run the path.
+pub fn path_of(ini: &Path, part: &Path, text: &[u8]) -> Result<ArmPath, String> {
+    let name = part.display().to_string();
+    let part = Part::parse(text).map_err(|e| format!("{name}:{e}"))?;
     let cell = cell::read(ini)?;
     let targets = targets(&part.points, &cell.frame, cell.approach, cell.feed);
     let plan = cell.cell.plan(&targets);

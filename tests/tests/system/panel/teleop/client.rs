@@ -128,7 +128,8 @@ fn a_network_address_needs_tls_accounts_and_the_right_fingerprint() {
     for (account, password) in [("ana=operator", "correct horse"), ("mia=viewer", "only looks on")]
     {
         let mut command = mill.scratch.command(&[], "halpanel");
-        command.args(["--accounts", "people", "--add-account", account]).stdin(Stdio::piped());
+        let people = mill.scratch.private("people");
+        command.args(["--accounts", &people, "--add-account", account]).stdin(Stdio::piped());
         let mut child = command.spawn().unwrap();
         child.stdin.take().unwrap().write_all(password.as_bytes()).unwrap();
         assert!(child.wait().unwrap().success());
@@ -138,11 +139,13 @@ fn a_network_address_needs_tls_accounts_and_the_right_fingerprint() {
     // Without accounts or without a certificate it does not start.
     let mut command = mill.scratch.command(&[], "halpanel");
     command.args(["--ini-file", "teleop.ini", "--listen", "127.0.0.1:0"]);
-    let output = mill.scratch.run(command.args(["--teleop", "0.0.0.0:0", "--accounts", "people"]));
+    let output =
+        mill.scratch.run(command.args(["--teleop", "0.0.0.0:0", "--accounts", ".private/people"]));
     let why = "halpanel: 0.0.0.0:0 is a network address: it needs --accounts and --certificate\n";
     assert_eq!((output.status, &*output.stderr), (Some(1), why));
 
-    let options = ["--teleop", "0.0.0.0:0", "--accounts", "people", "--certificate", "mill.pem"];
+    let (people, pem) = (".private/people", ".private/mill.pem");
+    let options = ["--teleop", "0.0.0.0:0", "--accounts", people, "--certificate", pem];
     mill.restart(Signal::TERM, &options);
     let mode = fs::metadata(mill.scratch.path().join("mill.pem")).unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
@@ -182,7 +185,7 @@ fn a_network_address_needs_tls_accounts_and_the_right_fingerprint() {
     }
     let output = run(&mill, &["--secret-file", "ana", "--fingerprint", &other, "progress"]);
     assert!(output.stderr.contains(&format!("another fingerprint, {fingerprint}")), "{output:?}");
-    let audit = mill.scratch.read("audit");
+    let audit = mill.scratch.read(&mill.scratch.private("audit"));
     assert!(audit.contains("\"teleop sign-in\"") && audit.contains("\"user\":\"ana\""), "{audit}");
     assert!(!audit.contains("correct horse"), "{audit}");
 }

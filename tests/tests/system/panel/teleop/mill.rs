@@ -157,7 +157,7 @@ impl Mill {
 impl Drop for Mill {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            report(&self.scratch.read("audit"));
+            report(&self.scratch.read(&self.scratch.private("audit")));
         }
     }
 }

@@ -148,7 +148,7 @@ export function cameraCard(ctx) {
 
   const howLaid = () => {
     if (laid.value !== "auto") return laid.value;
-    return (store.get("program").name ?? "").startsWith(ALIGNED) ? "machine" : "placed";
+    return (store.get("program").name ?? "").split("/").at(-1).startsWith(ALIGNED) ? "machine" : "placed";
   };
 
   let loaded = 0;

@@ -1,7 +1,7 @@
 // A program as text that a person edits: a new one, or one that is stored.
 
 import { el, field, setText } from "../dom.js";
-import { programPath, request } from "../http.js";
+import { programPath, request, storeProgram } from "../http.js";
 
 /** Longest program that is edited here, in bytes. */
 const MAX_BYTES = 1_000_000;
@@ -49,8 +49,7 @@ export async function editProgram(ctx, file) {
       event.preventDefault();
       save.disabled = true;
       try {
-        await request("PUT", programPath(name.value.trim()), { body: area.value.replaceAll("\n", end) });
-        close(name.value.trim());
+        close(await storeProgram(name.value.trim(), area.value.replaceAll("\n", end)));
       } catch (error) {
         setText(note, error.message);
       }

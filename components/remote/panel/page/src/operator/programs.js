@@ -1,8 +1,8 @@
-// The list of programs, uploads, and the program that is open.
+// The list of programs, uploads, what programs have written, and the program that is open.
 
 import { ask, card, el, enable, setText } from "../dom.js";
 import { bytes } from "../format.js";
-import { getJson, programPath, request } from "../http.js";
+import { UPLOADS, getJson, programName, programPath, request, storeProgram } from "../http.js";
 import { editProgram } from "./editor.js";
 import { Listing, Program } from "./listing.js";
 
@@ -24,6 +24,8 @@ export function programsCard(ctx) {
   });
   const fresh = el("button", { type: "button", id: "program-new", onclick: () => edit(null) }, t("program.new"));
   const files = el("details", { open: true }, el("summary", {}, t("programs")), list);
+  const written = el("ul", { class: "files", id: "output", "aria-label": t("output") });
+  const output = el("details", { ontoggle: () => { if (output.open) refreshOutput(); } }, el("summary", { id: "output-open" }, t("output")), written);
   let loading = null;
   // A page that was built again reads it again.
   let opened;
@@ -43,7 +45,35 @@ export function programsCard(ctx) {
     const button = el("button", { type: "button", class: "plain", onclick: () => open(file.name) }, file.name);
     const remove = el("button", { type: "button", class: "small", "aria-label": `${t("program.delete")} ${file.name}`, onclick: () => removeFile(file.name) }, "✕");
     const change = el("button", { type: "button", class: "small edit", "aria-label": `${t("program.edit")} ${file.name}`, onclick: () => edit(file.name), disabled: ctx.role() === "viewer" }, "✎");
-    return el("li", { class: "row spread" }, button, el("span", { class: "note" }, bytes(file.bytes)), change, remove);
+    // The machine's own programs stay: an edited one is stored as an upload.
+    const isOwn = !file.name.startsWith(UPLOADS);
+    return el("li", { class: "row spread" }, button, el("span", { class: "note" }, bytes(file.bytes)), change, isOwn ? null : remove);
+  }
+
+  async function refreshOutput() {
+    try {
+      const all = await getJson("/output", { signal });
+      written.replaceChildren(...(all.length > 0 ? all.map(writtenItem) : [el("li", { class: "note" }, t("output.empty"))]));
+    } catch (error) {
+      ctx.fail(error);
+    }
+  }
+
+  function writtenItem(file) {
+    const button = el("button", { type: "button", class: "plain", "aria-label": `${t("output.get")} ${file.name}`, onclick: () => download(file.name) }, file.name);
+    return el("li", { class: "row spread" }, button, el("span", { class: "note" }, bytes(file.bytes)));
+  }
+
+  /** Stores a file that a program has written on this computer. */
+  async function download(file) {
+    try {
+      const answer = await request("GET", `/output/${encodeURIComponent(file)}`, { signal });
+      const link = URL.createObjectURL(await answer.blob());
+      el("a", { href: link, download: file.split("/").at(-1) }).click();
+      URL.revokeObjectURL(link);
+    } catch (error) {
+      ctx.fail(error);
+    }
   }
 
   /** Opens a program in the task; a cutter-location file is shown, and played over the stock. */
@@ -58,7 +88,7 @@ export function programsCard(ctx) {
     load(file);
   }
 
-  const inTask = () => (store.get("task").file ?? "").split("/").at(-1) || null;
+  const inTask = () => programName(store.get("task").file) || null;
 
   async function edit(file) {
     const name = await editProgram(ctx, file);
@@ -87,8 +117,7 @@ export function programsCard(ctx) {
     for (const file of chosen) {
       setText(note, t("program.uploading", file.name));
       try {
-        await request("PUT", programPath(file.name), { body: file });
-        stored(file.name);
+        stored(await storeProgram(file.name, file));
       } catch (error) {
         setText(note, "");
         ctx.fail(error);
@@ -134,9 +163,9 @@ export function programsCard(ctx) {
   refresh();
 
   const box = card(
-    "programs", t("program"), name, note, listing.node, files,
+    "programs", t("program"), name, note, listing.node, files, output,
     el("div", { class: "row" }, el("label", { class: "button", for: "upload" }, t("program.upload")), input, fresh,
-      el("button", { type: "button", onclick: refresh }, t("refresh"))),
+      el("button", { type: "button", onclick: () => { refresh(); if (output.open) refreshOutput(); } }, t("refresh"))),
   );
   box.addEventListener("dragover", (event) => event.preventDefault());
   box.addEventListener("drop", (event) => {

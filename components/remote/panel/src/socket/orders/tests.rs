@@ -54,7 +54,7 @@ impl Stage {
             })
         });
         let mut panel = Panel::that(engine, name);
-        panel.programs = Some(panel.place.folder().to_owned());
+        panel.folders = crate::folders::Folders::of(panel.place.folder().to_owned());
         std::fs::write(panel.place.folder().join("a.ngc"), "M2\n").unwrap();
         let (session, _) = panel.sessions.begin("ana", Role::Integrator).unwrap();
         let client = panel.clients.enter(&session);
