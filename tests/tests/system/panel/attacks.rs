@@ -243,9 +243,11 @@ fn attacks_on_the_machines_files_have_no_success() {
         s.note(attack, false, &said, why);
     }
     // The owner's own program runs.
-    assert_eq!(s.mdi(&["M101"]), "");
-    assert!(s.has_run());
-    fs::remove_file(s.at("ran.txt")).unwrap();
+    let said = s.mdi(&["M101"]);
+    if !said.is_empty() || !s.has_run() {
+        s.breaches.push(format!("the owner's own M101 does not run: {said}"));
+    }
+    drop(fs::remove_file(s.at("ran.txt")));
 
     // Another user of the computer, with the rights of a user.
     if is_root() {

@@ -26,8 +26,8 @@ enum Door {
     Command(&'static str),
     /// A line of G-code, before and behind the name.
     Code(&'static str, &'static str),
-    /// An entry of the INI file, with the name as its value.
-    Entry(&'static str, &'static str),
+    /// An entry of the section RS274NGC of the INI file, with the name as its value.
+    Entry(&'static str),
 }
 
 /// The doors: what they are called in the table, and what a good name is there.
@@ -44,9 +44,9 @@ const DOORS: &[(&str, Door, &str)] = &[
     ("`(LOGAPPEND,NAME)`", Door::Code("(LOGAPPEND,", ")"), "good.ngc"),
     ("`(PROBEOPEN NAME)`", Door::Code("(PROBEOPEN ", ")"), "good.ngc"),
     ("`o<NAME> call`", Door::Code("o<", "> call"), "good"),
-    ("`[RS274NGC]OUTPUT_DIR`", Door::Entry("RS274NGC", "OUTPUT_DIR"), "good"),
-    ("`[RS274NGC]SUBROUTINE_PATH`", Door::Entry("RS274NGC", "SUBROUTINE_PATH"), "good"),
-    ("`[RS274NGC]USER_M_PATH`", Door::Entry("RS274NGC", "USER_M_PATH"), "good"),
+    ("`[RS274NGC]OUTPUT_DIR`", Door::Entry("OUTPUT_DIR"), "good"),
+    ("`[RS274NGC]SUBROUTINE_PATH`", Door::Entry("SUBROUTINE_PATH"), "good"),
+    ("`[RS274NGC]USER_M_PATH`", Door::Entry("USER_M_PATH"), "good"),
 ];
 
 /// The attacks: what they are called in the table, and the name.
@@ -176,7 +176,7 @@ impl Stage {
                 self.order("mdi", &json!({ "text": "(LOGCLOSE)" }));
                 said
             }
-            Door::Entry(..) => unreachable!("another test"),
+            Door::Entry(_) => unreachable!("another test"),
         };
         let scratch = &self.printer.scratch;
         let kept = ["secret.ngc", "programs/uploads/run.ngc", "output/run.ngc"];
@@ -223,7 +223,7 @@ Without the components `align` and `robot`, what the name does not refuse is `re
         .unwrap();
     let mut entries = Vec::new();
     for (title, door, good) in DOORS {
-        if let Door::Entry(..) = door {
+        if let Door::Entry(_) = door {
             entries.push((title, door));
             continue;
         }
@@ -254,7 +254,7 @@ Without the components `align` and `robot`, what the name does not refuse is `re
     )
     .unwrap();
     for (title, door) in entries {
-        let Door::Entry(_, entry) = door else { continue };
+        let Door::Entry(entry) = door else { continue };
         let row = places.map(|(_, place)| start(&scratch, &ini, &format!("{entry} = {place}")));
         writeln!(table, "| {title} | {} |", row.join(" | ")).unwrap();
     }

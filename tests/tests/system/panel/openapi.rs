@@ -118,7 +118,7 @@ fn answers_are_those_of_the_document() {
     let document = document();
     let good = printer.sign_in().headers();
     printer.scratch.write("programs/a.ngc", "G21\nG1 X1 F100\nM2\n");
-    std::fs::create_dir(printer.scratch.path().join("output")).unwrap();
+    fs::create_dir(printer.scratch.path().join("output")).unwrap();
     printer.scratch.write("output/a.ngc", "1 2 3\n");
     for (path, methods) in paths(&document) {
         let real = path.replace("{name}", "a.ngc");
