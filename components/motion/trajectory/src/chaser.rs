@@ -50,6 +50,13 @@ struct Way {
     is_forward: bool,
 }
 
+impl Way {
+    /// Returns the way beyond a distance at which the speed is reached; below 0 if the velocity does not exceed it.
+    fn beyond(&self, distance: f64, speed: f64) -> f64 {
+        if self.is_forward { self.length + speed * self.time - distance } else { -1.0 }
+    }
+}
+
 /// Limits and the length of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chaser {
@@ -97,12 +104,12 @@ impl Chaser {
 
     /// Returns the highest acceleration of the coming period with which the coordinate can be as slow as `speed` at a distance.
     pub fn before(&self, now: Motion, distance: f64, speed: f64) -> f64 {
-        let reach = self.reach(now);
-        let beyond = |way: Way| match way.is_forward {
-            true => way.length + speed * way.time - distance,
-            false => -1.0,
-        };
-        self.search(now, beyond, speed, reach)
+        self.search(now, |way| way.beyond(distance, speed), speed, self.reach(now))
+    }
+
+    /// Returns whether an acceleration of the coming period leaves the coordinate a way to be as slow as `speed` at a distance.
+    pub fn allows(&self, now: Motion, a: f64, distance: f64, speed: f64) -> bool {
+        self.settled(now, a, speed).beyond(distance, speed) <= 0.0
     }
 
     /// Returns the longest way on which the coordinate can come to rest, whatever it does in the coming period.
@@ -147,9 +154,16 @@ impl Chaser {
         }
     }
 
+    /// Returns the largest change of the acceleration in a period. It counts also where both limits of acceleration are nearer to each
+    /// other: a limit may have been lowered.
+    fn change(&self) -> f64 {
+        let jerk = self.jerk();
+        (if jerk < self.limits.jerk { jerk } else { self.limits.jerk }) * self.period
+    }
+
     /// Returns the lowest and the highest acceleration of the coming period.
     pub fn reach(&self, now: Motion) -> [f64; 2] {
-        let (most, by) = (self.limits.acceleration, self.jerk() * self.period);
+        let (most, by) = (self.limits.acceleration, self.change());
         let (least, top) = (now.acceleration - by, now.acceleration + by);
         // An acceleration beyond its limit comes back as fast as it may.
         [between(-most, least, top), between(most, least, top)]
@@ -168,7 +182,7 @@ impl Chaser {
     /// Returns the acceleration that ends the chase: the coordinate is at the place as the period ends, and can stay there.
     fn arrival(&self, now: Motion, aim: Aim) -> Option<f64> {
         let h = self.period;
-        let (most, step) = (self.limits.acceleration * h * h, self.jerk() * h * h * h);
+        let (most, step) = (self.limits.acceleration * h * h, self.change() * h * h);
         let way = aim.distance - aim.speed * h;
         let (before, by) = ((now.velocity - aim.speed) * h, now.acceleration * h * h);
         let is_in_reach = fabs(way - before) <= most
