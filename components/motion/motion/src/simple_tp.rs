@@ -1,6 +1,6 @@
 //! Realtime. Planner of one coordinate that moves to a target, within a velocity, an acceleration and a jerk limit.
 
-use hal_trajectory::{Aim, Chaser, Limits, Motion};
+use hal_trajectory::{Aim, Chaser, Limits, Rates};
 use libm::{copysign, fabs, sqrt};
 
 /// A way that is rounding: nothing moves for it.
@@ -91,7 +91,7 @@ impl SimpleTp {
             Limits { velocity: self.max_vel, acceleration: self.max_acc, jerk: self.max_jerk };
         let chaser = Chaser { limits, period: dt };
         let acceleration = (self.vel - self.before) / dt;
-        let now = Motion { velocity: self.vel, acceleration };
+        let now = Rates { velocity: self.vel, acceleration };
         let distance = self.target - self.pos;
         let a = if self.enable && distance.is_finite() {
             chaser.toward(now, Aim { distance, speed: 0.0 })

@@ -23,9 +23,9 @@ const SHORT: f64 = 0.45;
 /// Number of halvings in the search for an acceleration.
 const HALVINGS: u32 = 26;
 
-/// Motion of a coordinate in a period.
+/// Velocity and acceleration of a coordinate in a period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
+pub struct Rates {
     /// Travel by the length of the period.
     pub velocity: f64,
     /// Change of the velocity since the period before, by the length of the period.
@@ -90,7 +90,7 @@ impl Limits {
 
 impl Chaser {
     /// Returns the acceleration of the coming period on the way to a place that moves evenly.
-    pub fn toward(&self, now: Motion, aim: Aim) -> f64 {
+    pub fn toward(&self, now: Rates, aim: Aim) -> f64 {
         let [low, high] = self.reach(now);
         let a = match self.arrival(now, aim) {
             Some(a) => return a,
@@ -103,24 +103,24 @@ impl Chaser {
     }
 
     /// Returns the highest acceleration of the coming period with which the coordinate can be as slow as `speed` at a distance.
-    pub fn before(&self, now: Motion, distance: f64, speed: f64) -> f64 {
+    pub fn before(&self, now: Rates, distance: f64, speed: f64) -> f64 {
         self.search(now, |way| way.beyond(distance, speed), speed, self.reach(now))
     }
 
     /// Returns whether an acceleration of the coming period leaves the coordinate a way to be as slow as `speed` at a distance.
-    pub fn allows(&self, now: Motion, a: f64, distance: f64, speed: f64) -> bool {
+    pub fn allows(&self, now: Rates, a: f64, distance: f64, speed: f64) -> bool {
         self.settled(now, a, speed).beyond(distance, speed) <= 0.0
     }
 
     /// Returns the longest way on which the coordinate can come to rest, whatever it does in the coming period.
-    pub fn farthest(&self, now: Motion) -> f64 {
+    pub fn farthest(&self, now: Rates) -> f64 {
         let [_, high] = self.reach(now);
         let way = self.settled(now, high, 0.0);
         way.length + (fabs(now.velocity) + high * self.period) * self.period
     }
 
     /// Returns the acceleration of the coming period on the way to a velocity.
-    pub fn at_velocity(&self, now: Motion, velocity: f64) -> f64 {
+    pub fn at_velocity(&self, now: Rates, velocity: f64) -> f64 {
         let h = self.period;
         let by = velocity - now.velocity;
         let wanted = if self.is_free() {
@@ -162,7 +162,7 @@ impl Chaser {
     }
 
     /// Returns the lowest and the highest acceleration of the coming period.
-    pub fn reach(&self, now: Motion) -> [f64; 2] {
+    pub fn reach(&self, now: Rates) -> [f64; 2] {
         let (most, by) = (self.limits.acceleration, self.change());
         let (least, top) = (now.acceleration - by, now.acceleration + by);
         // An acceleration beyond its limit comes back as fast as it may.
@@ -170,7 +170,7 @@ impl Chaser {
     }
 
     /// Returns an acceleration that keeps the velocity within its limit from now on.
-    fn within_velocity(&self, now: Motion, a: f64) -> f64 {
+    fn within_velocity(&self, now: Rates, a: f64) -> f64 {
         let top = self.limits.velocity;
         if top == f64::INFINITY {
             return a;
@@ -180,7 +180,7 @@ impl Chaser {
     }
 
     /// Returns the acceleration that ends the chase: the coordinate is at the place as the period ends, and can stay there.
-    fn arrival(&self, now: Motion, aim: Aim) -> Option<f64> {
+    fn arrival(&self, now: Rates, aim: Aim) -> Option<f64> {
         let h = self.period;
         let (most, step) = (self.limits.acceleration * h * h, self.change() * h * h);
         let way = aim.distance - aim.speed * h;
@@ -208,7 +208,7 @@ impl Chaser {
     /// rest relative to a speed.
     fn search(
         &self,
-        now: Motion,
+        now: Rates,
         beyond: impl Fn(Way) -> f64,
         speed: f64,
         [mut low, mut high]: [f64; 2],
@@ -229,7 +229,7 @@ impl Chaser {
 
     /// Returns the way from the start of the coming period, and the time from its end, to rest relative to a speed, with an
     /// acceleration in that period.
-    fn settled(&self, now: Motion, a: f64, speed: f64) -> Way {
+    fn settled(&self, now: Rates, a: f64, speed: f64) -> Way {
         let h = self.period;
         let [acceleration, jerk] = EXPECTED;
         let expected = Limits {
@@ -288,14 +288,14 @@ mod tests {
     /// A coordinate that asserts its limits.
     struct Mover {
         chaser: Chaser,
-        now: Motion,
+        now: Rates,
         at: f64,
     }
 
     impl Mover {
         fn new([velocity, acceleration, jerk]: [f64; 3]) -> Self {
             let limits = Limits { velocity, acceleration, jerk };
-            Self { chaser: Chaser { limits, period: H }, now: Motion::default(), at: 0.0 }
+            Self { chaser: Chaser { limits, period: H }, now: Rates::default(), at: 0.0 }
         }
 
         fn go(&mut self, acceleration: f64) {
@@ -306,7 +306,7 @@ mod tests {
             assert!(acceleration.abs() <= a * (1.0 + 1e-12), "acceleration {acceleration} of {a}");
             assert!(change.abs() <= j * H * (1.0 + 1e-12), "jerk {} of {j}", change / H);
             self.at += velocity * H;
-            self.now = Motion { velocity, acceleration };
+            self.now = Rates { velocity, acceleration };
         }
 
         fn rests(&self) -> bool {

@@ -63,7 +63,7 @@ mod track;
 pub use axis::{Axis, Goal};
 pub use bounds::Bounds;
 pub use certificate::{Rejection, Rule};
-pub use chaser::{Aim, Chaser, Motion};
+pub use chaser::{Aim, Chaser, Rates};
 pub use curve::{Curve, Derivatives};
 pub use error::{Error, SplineFault};
 pub use follower::{Follower, Step};

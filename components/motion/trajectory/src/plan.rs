@@ -23,7 +23,6 @@ pub(crate) mod spline;
 mod window;
 
 use cells::Span;
-pub(crate) use rounding::Stretch;
 use window::Window;
 
 /// Number of cells that a track holds; further moves are refused until the follower has advanced.

@@ -5,7 +5,7 @@
 //! track and be slow enough for the cells ahead.
 
 use crate::{
-    chaser::{Aim, Chaser, Motion},
+    chaser::{Aim, Chaser, Rates},
     curve::Curve,
     follower::Step,
     machine::Limits,
@@ -55,7 +55,7 @@ pub struct Pursuer {
     skip: f64,
     /// Highest speed along the path, whatever was planned.
     top: f64,
-    now: Motion,
+    now: Rates,
     /// Periods since the place was on a curve.
     since_curve: u32,
     /// Periods of rest at the end of a cell.
@@ -92,7 +92,7 @@ impl Pursuer {
             begun: false,
             skip: 0.0,
             top: f64::INFINITY,
-            now: Motion { velocity: 0.0, acceleration: 0.0 },
+            now: Rates { velocity: 0.0, acceleration: 0.0 },
             since_curve: u32::MAX,
             at_rest: 0,
             is_low: false,
@@ -122,7 +122,7 @@ impl Pursuer {
             let h = self.period;
             let velocity = self.now.velocity + a * h;
             let velocity = if fabs(velocity) * h <= NO_WAY { 0.0 } else { velocity };
-            self.now = Motion { velocity, acceleration: a };
+            self.now = Rates { velocity, acceleration: a };
             travel = self.advance(track, &cell, velocity * h);
         }
         track.release(self.cell);
@@ -290,7 +290,7 @@ impl Pursuer {
 
     /// Returns the highest acceleration backwards that the track behind allows to a motion that goes back and wants this one.
     fn highest_back(&self, track: &impl Path, cell: &Cell, mut limits: Limits, wanted: f64) -> f64 {
-        let back = Motion { velocity: -self.now.velocity, acceleration: -self.now.acceleration };
+        let back = Rates { velocity: -self.now.velocity, acceleration: -self.now.acceleration };
         let (mut number, mut distance) = (self.cell, cell.length - self.to_go);
         let (mut highest, mut slowest) = (f64::INFINITY, cell.speed);
         for _ in 0..AHEAD {

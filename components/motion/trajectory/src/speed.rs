@@ -17,13 +17,14 @@
 use crate::{
     bounds::Bounds,
     machine::{JOINTS, Limits, Machine},
-    plan::Stretch,
     pose::{AXES, Group, Pose},
 };
 
 mod rows;
+mod stretch;
 
 use rows::Rows;
+pub(crate) use stretch::Stretch;
 
 /// Shares of the limits that stay unused, so that rounding is no violation.
 const RESERVE: [f64; 3] = [1.0 - 1e-9, 1.0 - 1e-8, 1.0 - 1e-6];

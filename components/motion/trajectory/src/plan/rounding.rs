@@ -16,7 +16,7 @@ use crate::{
     kinematics::{Kinematics, joint_bounds},
     pose::{Group, Pose},
     segment::{Segment, Tolerances},
-    speed::Shares,
+    speed::{Shares, Stretch},
 };
 
 /// Shortest half that is chosen, so that the derivatives of a blend are still numbers.
@@ -51,39 +51,6 @@ const PER_PERIOD: f64 = 0.625;
 
 /// Deviation of a blend between two lines as a part of its half and of the difference of their directions.
 const DEVIATION: f64 = 3.0 / 16.0;
-
-/// Factor by which a blend would have to be longer to carry its speed.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stretch {
-    /// For the limits of acceleration.
-    pub(crate) acceleration: f64,
-    /// For the limits of jerk; 0 without one.
-    pub(crate) jerk: f64,
-}
-
-impl Stretch {
-    /// Fits everything.
-    pub(crate) const NONE: Self = Self { acceleration: 0.0, jerk: 0.0 };
-
-    /// Returns the larger factors of two pieces.
-    pub(crate) const fn max(self, other: Self) -> Self {
-        Self {
-            acceleration: self.acceleration.max(other.acceleration),
-            jerk: self.jerk.max(other.jerk),
-        }
-    }
-
-    /// Returns the factor for both kinds of limits.
-    const fn factor(self) -> f64 {
-        self.acceleration.max(self.jerk)
-    }
-
-    /// Returns the part of its speed that the blend carries, if it is below 1.
-    fn carried(self) -> f64 {
-        let one = 1.0 / self.acceleration.sqrt();
-        one.min(1.0 / libm::cbrt(self.jerk * self.jerk))
-    }
-}
 
 impl<K: Kinematics> Planner<K> {
     /// Returns the joint between two segments: smooth, the shortest blend that carries the feed, or a stop.
