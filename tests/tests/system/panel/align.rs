@@ -126,7 +126,7 @@ fn marks_are_found_measured_and_a_program_is_laid_on_them() {
 
     // The program is rewritten, stored and opened.
     b.click("#rewrite");
-    b.until("document.querySelector('.file').textContent === 'aligned-part.ngc'");
+    b.until("document.querySelector('.file').textContent === 'uploads/aligned-part.ngc'");
     let text = fixture.printer.scratch.read("programs/uploads/aligned-part.ngc");
     assert!(text.contains("(aligned: turn 10.0") && text.contains("source part.ngc"), "{text}");
     assert!(b.text("#rewritten").contains("arcs became lines"));

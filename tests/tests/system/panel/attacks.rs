@@ -137,7 +137,10 @@ impl Stage {
                 "{attack}: success {success}, changed {changed:?}, ran {ran}: {said}"
             ));
             files.iter().for_each(|name| fs::write(self.at(name), KEPT).unwrap());
-            drop(fs::remove_file(self.at("ran.txt")));
+            // The next attack is judged by what it does itself.
+            for made in ["ran.txt", ".private/people", "output/evil"] {
+                drop(fs::remove_file(self.at(made)));
+            }
         }
     }
 }
@@ -152,6 +155,9 @@ fn attacks_on_the_machines_files_have_no_success() {
     let is_output = fs::read_to_string(s.at("output/people")).is_ok_and(|t| t.starts_with("NAME"));
     s.note("operator: an account by (LOGOPEN,people)", !is_output, &said, "");
     let account = whole(&s, ".private/people");
+    let label = whole(&s, "programs/uploads/evil.ngc");
+    let evil =
+        format!("o<{label}> sub\n(LOGOPEN,evil)\n(LOG,evil)\n(LOGCLOSE)\no<{label}> endsub\n");
     for (attack, line, why) in [
         ("a log at an absolute name", format!("(LOGOPEN,{account})"), "the name is absolute"),
         ("a log over the INI file", "(LOGOPEN,../machine.ini)".to_owned(), "'..'"),
@@ -171,7 +177,7 @@ fn attacks_on_the_machines_files_have_no_success() {
             "evil",
         ),
     ] {
-        s.printer.scratch.write("programs/uploads/evil.ngc", "(LOGOPEN,evil)\n(LOG,evil)\n");
+        s.printer.scratch.write("programs/uploads/evil.ngc", &evil);
         let said = s.mdi(&[&line, "(LOG,mischief)", "(LOGCLOSE)"]);
         let success = s.at(".private/people").exists() || s.at("output/evil").exists();
         s.note(&format!("operator: {attack}"), success, &said, why);

@@ -212,7 +212,7 @@ fn a_program_is_written_and_edited_in_the_page() {
     b.until("document.querySelectorAll('.files .edit').length === 2");
     b.run("document.querySelector('.files .edit').click()");
     b.until("document.querySelector('#editor-text')?.value === 'G21\\nM2\\n'");
-    b.fill("#editor-text", "G20\nM2\n");
+    b.run("document.querySelector('#editor-text').value = 'G20\\nM2\\n'");
     b.click("#editor-save");
     b.until("!document.querySelector('dialog')");
     let read = |name: &str| fixture.printer.scratch.read(&format!("programs/{name}"));
