@@ -13,7 +13,7 @@ use hal_trajectory::Limits;
 pub struct Finding {
     /// The line of the first move.
     pub line: u32,
-    /// What is wrong, and what would be right.
+    /// The error, and what would be right.
     pub text: String,
 }
 

@@ -1,6 +1,6 @@
 //! Paths of thousands of lines and arcs at speed, inside limits that hold.
 //!
-//! These parts work together:
+//! Several parts work together:
 //!
 //! - The [`Planner`] turns moves into a [`Track`]: curves with continuous first and second derivatives inside the path
 //!   tolerance, cut into cells with the highest speed and acceleration that every axis and joint allows.

@@ -14,7 +14,7 @@ const SHORT: &str = "the thread is {} long, and at {} turns/min it needs a lead-
 const SHALLOW: &str = "the tap is {} long, and at {} turns/min it needs a lead-in of {}: begin it farther from the hole, or \
                        turn slower";
 
-/// What a thread or tap needs at the speed of its spindle.
+/// Needs of a thread or tap at the speed of its spindle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
     /// Limits along the path, and the length that is left.

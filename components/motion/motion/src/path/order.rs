@@ -116,7 +116,7 @@ pub(crate) struct Session {
     pub(crate) way: Way,
 }
 
-/// What moves along the path of a session.
+/// Mover along the path of a session.
 #[derive(Debug)]
 pub(crate) enum Rider {
     /// Moves at the speeds of the path.

@@ -132,7 +132,7 @@ fn taps_are_as_deep_as_their_spindle_turns() {
     }
 }
 
-/// What happens to a spindle in a pass.
+/// Trouble of a spindle in a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Trouble {
     Slows,
@@ -201,7 +201,7 @@ fn a_spindle_in_trouble_ends_the_pass_or_is_followed() {
     }
 }
 
-/// What the axes cannot follow is refused before it moves them: the speed, and a way that is no longer than lead-in and run-out.
+/// Passes that the axes cannot follow are refused before anything moves: the speed, and a way that is no longer than lead-in and run-out.
 #[test]
 fn what_cannot_be_followed_is_refused_before_it_moves() {
     const FAST: &str =
