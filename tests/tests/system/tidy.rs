@@ -301,7 +301,6 @@ const BEFORE_THREADS: &[(&str, &[&str])] = &[
     ("components/foreign/compat/src/trap.rs", &["watch"]),
     ("components/motion/kinematics/src/switch.rs", &["make", "usual"]),
     ("components/motion/motion/src/path.rs", &["new"]),
-    ("components/motion/motion/src/smooth.rs", &["new"]),
     ("components/motion/motion/src/state.rs", &["new"]),
     ("components/motion/motion/src/switch.rs", &["make"]),
     ("components/motion/toolchange/src/carousel/magazine.rs", &["new"]),

@@ -1,4 +1,4 @@
-//! How much longer a blend would have to be to carry its speed.
+//! The factor by which a blend would have to be longer to carry its speed.
 
 /// Factor by which a blend would have to be longer to carry its speed.
 #[derive(Clone, Copy, Debug)]

@@ -147,7 +147,7 @@ fn a_network_address_needs_tls_accounts_and_the_right_fingerprint() {
     let (people, pem) = (".private/people", ".private/mill.pem");
     let options = ["--teleop", "0.0.0.0:0", "--accounts", people, "--certificate", pem];
     mill.restart(Signal::TERM, &options);
-    let mode = fs::metadata(mill.scratch.path().join("mill.pem")).unwrap().permissions().mode();
+    let mode = fs::metadata(mill.scratch.path().join(pem)).unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
     let said = mill.pair.panel.said().0;
     let fingerprint = said.split("SHA-256 fingerprint ").nth(1).unwrap().trim();
