@@ -101,7 +101,8 @@ impl Scratch {
         files(&self.path.join(".run/ferrule")).into_keys().collect()
     }
 
-    /// Returns a command that runs a program under test here. `before` is a command line that runs the program.
+    /// Returns a command that runs a program under test here. `before` is a command line that runs the program. A function of
+    /// its threads may take up to 60 s, unless the test removes `HAL_STUCK_TIME`.
     pub fn command(&self, before: &[&str], program: &str) -> Command {
         let own = programs().join(program);
         let own = if own.is_file() { own } else { PathBuf::from(program) };
@@ -121,6 +122,9 @@ impl Scratch {
         let path = std::env::var("PATH").unwrap_or_default();
         command
             .env("HAL_RUNTIME_DIR", self.path.join(".run"))
+            // On a busy computer that is itself a virtual machine, a thread seems to run while another machine has the
+            // processor. That must stop no machine here.
+            .env("HAL_STUCK_TIME", "60s")
             .env("PATH", format!("{}:{path}", programs().display()))
             .current_dir(&self.path)
             .stdin(Stdio::null());

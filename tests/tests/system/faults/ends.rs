@@ -166,6 +166,7 @@ start
     let limit: &[&str] = &["sh", "-c", "ulimit -f 8; exec \"$0\" \"$@\""];
     let before = if matches!(by, Full(_)) { limit } else { &[] };
     let mut command: Command = scratch.command(before, "halrun");
+    command.env_remove("HAL_STUCK_TIME");
     command.env("HAL_RTMOD_DIR", plugins());
     let clock: &[&str] = if virtually { &["--virtual", "--hold"] } else { &["--simulate"] };
     command.args(clock).args(["--record", "out.vcd", "--flight", "file=flight.vcd", "m.hal"]);
@@ -535,7 +536,7 @@ fn outputs_are_safe_after_the_time_of_the_ini_file_and_halrun_u_reports_it() {
     scratch.write("m.hal", lines);
     scratch.write("m.ini", "[HAL]\nSTUCK_TIME = 70ms\n");
     let mut halrun = scratch.command(&[], "halrun");
-    halrun.env("HAL_RTMOD_DIR", plugins());
+    halrun.env("HAL_RTMOD_DIR", plugins()).env_remove("HAL_STUCK_TIME");
     let running = scratch.start(halrun.args(["--simulate", "-i", "m.ini", "m.hal"]));
     until("it is stuck", || running.said().1.contains("failed in thread"));
     let fault = "function 'quits.0' of component 'quits' failed in thread 't': it did not come back \
