@@ -105,7 +105,10 @@ fn arrows_point_only_downward() {
         ("ferrule-client", &["hal-protocol"]),
         ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol", "hal-remap"]),
         ("hal-remap", &["hal-gcode", "hal-ini", "hal-output"]),
-        ("hal-job", &["hal-beneath", "hal-gcode", "hal-ini", "hal-output", "hal-remap"]),
+        (
+            "hal-job",
+            &["hal-beneath", "hal-gcode", "hal-ini", "hal-output", "hal-remap", "hal-trajectory"],
+        ),
         (
             "task",
             &[

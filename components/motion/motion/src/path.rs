@@ -1,6 +1,7 @@
 //! Realtime. The path: a queue of moves, the planner's path that the axes follow, and its stops, pauses and reversals.
 
 mod coord;
+mod drive;
 pub(crate) mod image;
 mod lead;
 pub(crate) mod order;
@@ -14,17 +15,19 @@ mod stop;
 mod stopped_spindle;
 mod sweep;
 mod tap;
+mod tracker;
 pub(crate) mod worker;
 
 use crate::commands::{command::Sync, refusal::Refusal};
+pub(crate) use drive::Drive;
 use hal_component::{Gives, Pose, SeqWriter, TicketHandle};
 use hal_trajectory::{Pursuit, Scales, Step};
 use libm::fabs;
 use order::{HandOver, Item, Kind, Order, PathSetup, Rider, Session};
 use retract::Retract;
-pub(crate) use spindle::Pace;
-use spindle::{Course, OVERRUN_TURNS, Tracker};
+use spindle::{Course, OVERRUN_TURNS};
 use std::collections::VecDeque;
+use tracker::Tracker;
 
 /// Capacity of the move queue.
 pub(crate) const QUEUE_LEN: usize = 2000;
@@ -96,28 +99,6 @@ pub(crate) enum Parked {
     Returns(Pose),
     /// The axes rest at this pose, for a cycle.
     Back(Pose),
-}
-
-/// Inputs of a cycle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Drive {
-    pub(crate) dt: f64,
-    /// Overrides of feeds and of rapid moves; 0 holds.
-    pub(crate) scales: Scales,
-    /// Overrides of a retract during a hold; 0 where the retract holds too.
-    pub(crate) retract: Scales,
-    /// Highest speed of a retract.
-    pub(crate) retract_top: f64,
-    /// True to run backwards.
-    pub(crate) reverse: bool,
-    /// Highest speed along the path.
-    pub(crate) top: f64,
-    /// False while a motion that rests may not begin.
-    pub(crate) may_begin: bool,
-    /// State of the probe.
-    pub(crate) probe: bool,
-    /// Motion of a path that follows a spindle.
-    pub(crate) pace: Option<Pace>,
 }
 
 /// A path of moves, planned by the worker and followed here.

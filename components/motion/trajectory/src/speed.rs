@@ -293,8 +293,15 @@ impl Law {
     }
 
     /// Returns limits that keep the acceleration of the path too: what the curvature `bend` and the motion along it need
-    /// together is at most `most`.
-    pub(crate) fn along(&self, allowed: &Allowed, bend: f64, most: f64, shares: Shares) -> Allowed {
+    /// together is at most `most`. On an arc they are at right angles; elsewhere their amounts are added.
+    pub(crate) fn along(
+        &self,
+        allowed: &Allowed,
+        bend: f64,
+        is_arc: bool,
+        most: f64,
+        shares: Shares,
+    ) -> Allowed {
         if most >= 1e9 {
             return *allowed;
         }
@@ -303,7 +310,10 @@ impl Law {
         if share * speed * speed > 1.0 {
             speed = (1.0 / share).sqrt();
         }
-        let top = allowed.at(speed).min((most - bend * speed * speed).max(0.0));
+        let turns = bend * speed * speed;
+        let left = (most - turns).max(0.0);
+        let left = if is_arc { (left * (most + turns)).sqrt() } else { left };
+        let top = allowed.at(speed).min(left);
         Allowed::between(speed, allowed.rest.min(most).max(top), top)
     }
 

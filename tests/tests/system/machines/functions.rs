@@ -46,7 +46,7 @@ fn a_program_that_calls_functions_gives_the_same_bytes_twice() {
     let Some(first) = run() else { return };
     assert!(first.0.contains("behind: value 6 of True, given 3"), "{}", first.0);
     // The place of X behind the call is the value of the function.
-    assert!(first.0.contains("ended after 1.605 s"), "{}", first.0);
+    assert!(first.0.contains("ended after 1.620 s"), "{}", first.0);
     assert_eq!(run(), Some(first));
 }
 

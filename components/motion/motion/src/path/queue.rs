@@ -4,8 +4,9 @@ use super::{
     AT_REST, KNOWN, Known, Live, Path, Pending, QUEUE_LEN, Stop,
     order::{Item, Kind, Order, PathMove, comes_after},
     retract::Retract,
-    spindle::{Course, Tracker},
+    spindle::Course,
     sweep::Sweep,
+    tracker::Tracker,
 };
 use crate::commands::{
     command::{Follows, Output, Sync},

@@ -1,6 +1,12 @@
 //! Realtime. Moves that follow a spindle: threads, and rigid taps with their way back.
 
-use super::{Live, Path, lead::Plan, order::Item};
+use super::{
+    Live, Path,
+    drive::Pace,
+    lead::Plan,
+    order::Item,
+    tracker::{NO_PLACE, Stage, Tracker},
+};
 use crate::{
     commands::command::{Follows, Sync},
     commands::refusal::Refusal,
@@ -8,8 +14,8 @@ use crate::{
     state::State,
 };
 use hal_component::{MotionSource, TicketHandle};
-use hal_trajectory::{Aim, Limits, Pursuit, Scales, Shape, Step};
-use libm::{copysign, fabs};
+use hal_trajectory::{Limits, Pursuit, Scales, Shape, Step};
+use libm::fabs;
 
 /// Turns of a spindle after which its index is late.
 const INDEX_TURNS: f64 = 3.0;
@@ -23,13 +29,7 @@ const TOGETHER: f64 = 1e-6;
 /// Largest number of moves whose lengths count as the rest of a thread.
 const MOST_MOVES: usize = 16;
 
-/// Change of a spindle's turns in a period, against the period before, that no spindle makes.
-const JUMP: f64 = 0.25;
-
-const JUMPED: Refusal =
-    Refusal::new("the turns of the spindle jumped: its encoder has lost the place of its index");
 const NO_INDEX: Refusal = Refusal::new("the spindle turned three times without its index");
-const NO_PLACE: Refusal = Refusal::new("the pin revs of the spindle is not a number");
 const STANDS: Refusal = Refusal::new("a tap needs a spindle that turns");
 const OVERRUN: Refusal =
     Refusal::new("the spindle still turned ten turns beyond the end of the tap, or at a limit");
@@ -59,118 +59,7 @@ impl Course {
     }
 }
 
-/// Motion for one cycle of a move that follows a spindle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
-    /// Place along the path.
-    pub(crate) goal: Pursuit,
-    /// True if the axes wait for the spindle.
-    pub(crate) waits: bool,
-}
-
 const WAITS: Pace = Pace { goal: Pursuit::Rest, waits: true };
-
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Stage {
-    /// Waits for the planner, for the spindle's speed, and for the end of a hold.
-    #[default]
-    Ready,
-    /// Waits for the index, since this number of turns.
-    Index(f64),
-    /// Follows the spindle.
-    In,
-    /// Tap: follows the reversed spindle out of the hole.
-    Out,
-    /// Tap: follows until the spindle no longer goes back.
-    Above,
-    /// Tap: brakes.
-    Over,
-}
-
-/// Relation of the path to the spindle that it follows.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Tracker {
-    stage: Stage,
-    spindle: usize,
-    /// Turns of the spindle in the last cycle, and the sign of its turns along the path.
-    revs: f64,
-    sign: f64,
-    /// Place that belongs to the spindle, and the place along the path.
-    target: f64,
-    place: f64,
-    /// Velocity that belongs to the spindle.
-    turn: f64,
-    /// Way after which the axes must have caught up with the spindle.
-    lead_in: f64,
-    /// True once they have, or must have.
-    is_judged: bool,
-    /// Tap: commanded speed of the spindle at the start, and the depth.
-    speed: f64,
-    depth: f64,
-    /// Tap: reason for which it ends outside the hole.
-    aborted: Option<Refusal>,
-}
-
-impl Tracker {
-    fn error(&self) -> f64 {
-        if self.is_judged { self.target - self.place } else { 0.0 }
-    }
-
-    /// Begins at the index of the spindle.
-    fn begin(&mut self, spindle: &Spindle, pitch: f64, depth: f64, lead_in: f64) {
-        let inputs = spindle.inputs;
-        let way = if spindle.speed() == 0.0 { inputs.speed } else { spindle.speed() };
-        self.sign = copysign(1.0, way);
-        self.revs = inputs.revs;
-        self.target = pitch * self.sign * inputs.revs;
-        let turn = pitch * self.sign * inputs.speed;
-        self.turn = if turn.is_finite() { turn } else { 0.0 };
-        (self.place, self.lead_in, self.is_judged) = (0.0, lead_in, false);
-        (self.speed, self.depth) = (spindle.speed(), depth);
-        self.stage = Stage::In;
-    }
-
-    /// Follows the turns of the spindle since the last cycle.
-    fn turn(&mut self, revs: f64, pitch: f64, dt: f64) -> Result<(), Refusal> {
-        let by = pitch * self.sign * (revs - self.revs);
-        if !by.is_finite() {
-            return Err(NO_PLACE);
-        }
-        if fabs(by - self.turn * dt) > JUMP * pitch {
-            return Err(JUMPED);
-        }
-        self.revs = revs;
-        self.target += by;
-        self.turn = by / dt;
-        Ok(())
-    }
-
-    /// Returns the place that belongs to the spindle.
-    fn aim(&self) -> Aim {
-        Aim { distance: self.target - self.place, speed: self.turn }
-    }
-
-    /// Turns the spindle round at the bottom and above the start of a tap.
-    fn tap(&mut self, spindle: &mut Spindle, back: f64, rests: bool) {
-        match self.stage {
-            Stage::In if self.depth <= self.place || self.aborted.is_some() => {
-                spindle.turn_round(-self.speed * back);
-                self.stage = Stage::Out;
-            }
-            Stage::Out if self.place <= 0.0 => {
-                if self.aborted.is_some() {
-                    spindle.stop("aborted");
-                } else {
-                    spindle.turn_round(self.speed);
-                }
-                self.stage = Stage::Above;
-            }
-            // At rest above the start, a limit ends the way.
-            Stage::Above if 0.0 <= self.turn || rests => self.stage = Stage::Over,
-            _ => {}
-        }
-    }
-}
 
 impl Path {
     /// Returns the spindle that the path in progress follows.

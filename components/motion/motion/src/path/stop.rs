@@ -1,11 +1,8 @@
 //! Realtime. Pause, single steps and reverse motion; aborts; and a new plan for the rest of a path when limits change.
 
 use super::{
-    AT_REST, Live, Parked, Path, Stop,
-    order::Item,
-    retract::Retract,
-    spindle::{Course, Tracker},
-    sweep,
+    AT_REST, Live, Parked, Path, Stop, order::Item, retract::Retract, spindle::Course, sweep,
+    tracker::Tracker,
 };
 use crate::commands::{command::Run, refusal::Refusal};
 use hal_component::Pose;

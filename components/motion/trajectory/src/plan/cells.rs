@@ -82,7 +82,8 @@ impl<K: Kinematics> Planner<K> {
         };
         let mut allowed =
             self.law.allowed(&bounds, joints.as_ref(), feed * self.machine.max_override, shares);
-        allowed = self.law.along(&allowed, bounds.second.norm(a.lead), self.most(), shares);
+        let (bend, is_arc) = (bounds.second.norm(a.lead), matches!(curve, Curve::Arc { .. }));
+        allowed = self.law.along(&allowed, bend, is_arc, self.most(), shares);
         if !self.direct && joints.is_none() {
             let speed = allowed.speed.min(1e-3);
             let (rest, top) = (allowed.rest.min(1e-3), allowed.at(speed).min(1e-3));

@@ -114,10 +114,14 @@ impl<K: Kinematics> Planner<K> {
         let speed = own.min(rapid) * self.machine.max_override;
         let most = self.law.acceleration(&turn).min(self.acceleration);
         let size = turn.norm(a.main);
-        let lines = matches!((&a.curve, &b.curve), (Curve::Line { .. }, Curve::Line { .. }));
-        let deviation = FREE * free_deviation(0.5 * size, lines) * speed * speed / most;
+        let arcs = [a, b].map(|s| !matches!(s.curve, Curve::Line { .. }));
+        let arcs = u8::from(arcs[0]) + u8::from(arcs[1]);
+        let deviation = FREE * free_deviation(0.5 * size, arcs) * speed * speed / most;
         let half = deviation / (DEVIATION * size);
-        if lines { half } else { half.min(free_share(0.5 * size) * a.length.min(b.length)) }
+        match arcs {
+            0 => half,
+            _ => half.min(free_share(0.5 * size, arcs) * a.length.min(b.length)),
+        }
     }
 
     /// Returns the blend beside a curve that carries the largest part of the feed, up to the longest.
@@ -276,18 +280,25 @@ const fn note(watched: &mut Deviation, distance: f64, line: u32) {
 }
 
 /// Returns the deviation of a corner of LinuxCNC 2.9 that carries its feed, times acceleration and per squared feed; `sin` is
-/// the sine of half of the angle.
+/// the sine of half of the angle, `arcs` the number of segments that are not lines.
 ///
-/// It is an arc of radius v²/(0.87·A) where the angle is large, and a longer one where it is small, less so beside arcs. The
-/// function is below each of the corners that were measured (`components/motion/motion/CORNERS.md`).
-fn free_deviation(sin: f64, lines: bool) -> f64 {
+/// It is an arc of radius v²/(0.87·A) where the angle is large, and a longer one where it is small, less so beside arcs. Between
+/// arcs that lead back it is much shorter. The function is below each of the corners that were measured
+/// (`components/motion/motion/CORNERS.md`).
+fn free_deviation(sin: f64, arcs: u8) -> f64 {
     let cos = (1.0 - sin * sin).max(1e-9).sqrt();
-    let small = if lines { 0.78 } else { 0.45 };
-    1.15 * (1.0 / cos - 1.0) * (small / sin.max(1e-9)).max(1.0)
+    let small = if arcs == 0 { 0.78 } else { 0.45 };
+    let size = if leads_back(sin, arcs) { 0.43 } else { 1.15 };
+    size * (1.0 / cos - 1.0) * (small / sin.max(1e-9)).max(1.0)
 }
 
 /// Returns the longest half beside an arc as a part of the shorter segment, from the same measurements: LinuxCNC keeps more
-/// of its arcs than of its lines, and nearly all of an arc that leads back. `sin` is the sine of half of the angle.
-const fn free_share(sin: f64) -> f64 {
-    if sin < 0.97 { 0.1 } else { 0.017 }
+/// of its arcs than of its lines, and nearly all of an arc that leads back.
+const fn free_share(sin: f64, arcs: u8) -> f64 {
+    if leads_back(sin, arcs) || 0.97 <= sin { 0.017 } else { 0.08 }
+}
+
+/// Returns whether an arc leads back from an arc.
+const fn leads_back(sin: f64, arcs: u8) -> bool {
+    arcs == 2 && 0.9 <= sin
 }

@@ -1,0 +1,34 @@
+//! Realtime. What a path is given in each cycle.
+
+use hal_trajectory::{Pursuit, Scales};
+
+/// Inputs of a cycle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drive {
+    pub(crate) dt: f64,
+    /// Overrides of feeds and of rapid moves; 0 holds.
+    pub(crate) scales: Scales,
+    /// Overrides of a retract during a hold; 0 where the retract holds too.
+    pub(crate) retract: Scales,
+    /// Highest speed of a retract.
+    pub(crate) retract_top: f64,
+    /// True to run backwards.
+    pub(crate) reverse: bool,
+    /// Highest speed along the path.
+    pub(crate) top: f64,
+    /// False while a motion that rests may not begin.
+    pub(crate) may_begin: bool,
+    /// State of the probe.
+    pub(crate) probe: bool,
+    /// Motion of a path that follows a spindle.
+    pub(crate) pace: Option<Pace>,
+}
+
+/// Motion for one cycle of a move that follows a spindle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Place along the path.
+    pub(crate) goal: Pursuit,
+    /// True if the axes wait for the spindle.
+    pub(crate) waits: bool,
+}
