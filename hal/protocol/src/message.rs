@@ -120,6 +120,10 @@ requests! {
             /// The commands, at most [`crate::MAX_AT_END`].
             commands: Vec<CommandLine>,
         },
+        /// Declares that this client speaks for people beyond this computer, for as long as it is connected. The engine then
+        /// refuses it with [`crate::NOT_FROM_AFAR`] what they must not change: the machine's components, functions and threads, and every pin whose value
+        /// leads to a component that takes commands, or to one that drives the machine.
+        SpeakFromAfar,
         /// Maps the page of a snapshot, which this client then reads without further requests. A file
         /// descriptor that can only read comes with the answer [`crate::Reply::SnapshotPage`].
         MapSnapshot {
