@@ -30,7 +30,7 @@ struct Rule {
 
 /// A table in the making.
 #[derive(Debug)]
-pub struct Table {
+pub struct RightsTable {
     file: String,
     columns: Vec<String>,
     /// Requests with their kinds.
@@ -44,7 +44,7 @@ fn words(text: &str, between: char) -> Vec<String> {
     text.split(between).map(str::trim).filter(|w| !w.is_empty()).map(str::to_owned).collect()
 }
 
-impl Table {
+impl RightsTable {
     /// Reads the rules.
     ///
     /// # Panics
@@ -181,13 +181,13 @@ impl Table {
 mod tests {
     //! Rows that differ from their rules.
 
-    use super::Table;
+    use super::RightsTable;
 
     const RULES: &str = "# By hand.\ncolumns: who state\nkind stops = abort, estop\nkind moves = run\n\
         stops | * | * | ok\nmoves | viewer | * | role\nmoves | * | ready | ok\nmoves | * | * | refused\n";
 
     fn wrong(rows: &[(&str, &str, &str, &str)]) -> Vec<String> {
-        let mut table = Table::parse("a.rules".to_owned(), RULES);
+        let mut table = RightsTable::parse("a.rules".to_owned(), RULES);
         for (request, who, state, end) in rows {
             table.row(request, &[who, state], end);
         }
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn the_page_has_every_row() {
-        let mut table = Table::parse("a.rules".to_owned(), RULES);
+        let mut table = RightsTable::parse("a.rules".to_owned(), RULES);
         ROWS.iter().for_each(|(request, who, state, end)| table.row(request, &[who, state], end));
         let page = table.page();
         assert!(
