@@ -7,6 +7,7 @@ mod lists;
 mod machine;
 pub(crate) mod pictures;
 mod programs;
+mod sent;
 mod sign_in;
 
 use crate::{
@@ -81,3 +82,6 @@ async fn file(State(panel): State<Arc<Panel>>, request: Request) -> Response {
     }
     page::file(panel.options.page.as_deref(), &path, request.headers()).await
 }
+
+#[cfg(test)]
+mod tests;

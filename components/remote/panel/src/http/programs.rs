@@ -1,5 +1,6 @@
 //! Programs: files of one folder.
 
+use super::sent;
 use crate::{
     error::{Code, Error},
     server::Panel,
@@ -118,12 +119,16 @@ pub(crate) async fn list(State(panel): State<Arc<Panel>>, _: Session) -> Result<
 /// Returns the text of a program.
 pub(crate) async fn text(
     State(panel): State<Arc<Panel>>,
-    _: Session,
+    session: Session,
     Path(name): Path<String>,
 ) -> Result<Response, Error> {
     let path = panel.shown_program(&name)?;
+    let mut seat = panel.pool.seat(session.seated())?;
+    let bytes = fs::metadata(&path).map_or(0, |about| about.len());
+    seat.take(usize::try_from(bytes).unwrap_or(usize::MAX))?;
     let text = block_in_place(|| whole(&path, MAX_BYTES)).map_err(|e| disk(&e))?;
-    Ok(([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
+    let kind = [(header::CONTENT_TYPE, "text/plain; charset=utf-8")];
+    Ok((kind, sent::body(text, seat)).into_response())
 }
 
 /// Stores a program, as a whole or not at all.
