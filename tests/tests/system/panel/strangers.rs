@@ -71,12 +71,13 @@ fn another_user_of_the_computer_takes_no_connection_of_others() {
         return;
     }
     let printer = Printer::start("viewer");
+    let (host, port) = (printer.host(), printer.port);
     let ended = as_user(NOBODY, || {
-        let connect = || TcpStream::connect(("127.0.0.1", printer.port)).unwrap();
+        let connect = || TcpStream::connect(("127.0.0.1", port)).unwrap();
         let taken: Vec<_> = (0..MAX_OWN).map(|_| connect()).collect();
         // One more is closed without a word, whatever it asks.
         let mut more = connect();
-        let asked = format!("GET / HTTP/1.1\r\n{}\r\n", printer.host());
+        let asked = format!("GET / HTTP/1.1\r\n{host}\r\n");
         more.write_all(asked.as_bytes()).unwrap_or_default();
         let ended = more.read(&mut [0; 1]).unwrap_or(0);
         (taken, ended)
