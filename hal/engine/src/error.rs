@@ -9,6 +9,15 @@ pub(crate) mod watch;
 
 use hal_protocol::Type;
 
+/// The reason why a pin, signal or parameter is not changed by people elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guard {
+    /// The component at the end of its values takes commands.
+    Commands,
+    /// The component at the end of its values drives the machine.
+    Drives,
+}
+
 /// The reason why a request was refused. Messages that users know are worded as in LinuxCNC.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the sentence of each variant is its documentation")]
@@ -227,6 +236,13 @@ pub enum Error {
     NotVirtual,
     NotStarted,
     NotAMember,
+    Guarded {
+        what: &'static str,
+        name: Box<str>,
+        to: Box<str>,
+        guard: Guard,
+    },
+    NotFromAfar,
     NoSocket,
     StreamTaken {
         name: Box<str>,

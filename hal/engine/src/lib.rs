@@ -24,10 +24,10 @@ mod sync;
 
 pub use ends::Ends;
 pub use engine::{Ended, Engine};
-pub use error::Error;
 pub use error::loading::Loading;
 pub use error::plugin::PluginError;
 pub use error::watch::WatchError;
+pub use error::{Error, Guard};
 pub use hal_protocol::Offer;
 
 use hal_protocol::Place;

@@ -11,6 +11,7 @@
     reason = "whatever fails here fails a test, and a skipped test says so"
 )]
 
+pub mod rights;
 pub mod tools;
 
 use std::{fs, path::Path};

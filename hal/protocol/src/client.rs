@@ -40,14 +40,19 @@ const EIO: i32 = -5;
 pub const INTERRUPTED: i32 = -4;
 /// Error code (ECONNREFUSED) of a connection attempt when no such instance runs.
 pub const NOT_RUNNING: i32 = -111;
+/// Error code (EREMOTE) of a request that a client which speaks for people elsewhere may not make.
+pub const NOT_FROM_AFAR: i32 = -66;
 const EMSGSIZE: i32 = -90;
 const EAGAIN: i32 = -11;
 /// Variable with the reason why a program must not connect: its engine waits for it, and would not answer.
 const NO_CLIENTS: &str = "HAL_NO_CLIENTS";
+/// Variable that is set for programs which people start from elsewhere.
+const FROM_AFAR: &str = "HAL_FROM_AFAR";
 
 impl Client {
     /// Connects and registers this process as component `name`. With an empty name the client is
-    /// not listed.
+    /// not listed. Where the variable `HAL_FROM_AFAR` is set, the client speaks for people elsewhere
+    /// ([`Request::SpeakFromAfar`]).
     ///
     /// # Errors
     /// Nothing listens ([`NOT_RUNNING`]); another user could have made the folder or the socket, or
@@ -100,10 +105,23 @@ impl Client {
         match client.call(hello)? {
             Reply::Hello { protocol: LATEST, id, .. } => {
                 client.id = id;
+                if std::env::var_os(FROM_AFAR).is_some() {
+                    client.call(Request::SpeakFromAfar)?;
+                }
                 Ok(client)
             }
             _ => Err(Failure::new(EIO, "the engine speaks another protocol")),
         }
+    }
+
+    /// Connects without a name as a client that speaks for people elsewhere ([`Request::SpeakFromAfar`]).
+    ///
+    /// # Errors
+    /// As [`Self::connect`].
+    pub fn connect_from_afar(place: &Place) -> Result<Self, Failure> {
+        let mut client = Self::connect(place, "")?;
+        client.call(Request::SpeakFromAfar)?;
+        Ok(client)
     }
 
     /// Returns the number of this client's component.

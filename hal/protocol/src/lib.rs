@@ -37,7 +37,7 @@ pub use argument::{ArgInfo, Bounds};
 pub use at::At;
 pub use at_end::{CommandLine, MAX_AT_END};
 
-pub use client::{Client, INTERRUPTED, NOT_RUNNING};
+pub use client::{Client, INTERRUPTED, NOT_FROM_AFAR, NOT_RUNNING};
 pub use code::Code;
 pub use failure::Failure;
 pub use finding::{Finding, Level, Related};

@@ -58,11 +58,9 @@ requests! {
         Unready,
         /// Removes this client's component and its pins. The connection stays.
         Leave,
-        /// Creates the page of shared memory through which this client exchanges the values of its pins
-        /// ([`crate::PinPage`]), in place of an older one. On the real clock, the engine exchanges them
-        /// at the client's poll period and at each request; on the virtual clock, at the client's own
-        /// requests and while it sleeps. The file descriptor comes with the answer
-        /// [`crate::Reply::PinPage`].
+        /// Creates the page of shared memory through which this client exchanges the values of its pins ([`crate::PinPage`]), in place
+        /// of an older one. On the real clock, the engine exchanges them at the client's poll period and at each request; on the virtual
+        /// clock, at the client's own requests and while it sleeps. The file descriptor comes with the answer [`crate::Reply::PinPage`].
         SharePins {
             /// Number of pins that fit, 1 to 32768.
             pins: u32,
@@ -120,8 +118,10 @@ requests! {
             /// The commands, at most [`crate::MAX_AT_END`].
             commands: Vec<CommandLine>,
         },
-        /// Maps the page of a snapshot, which this client then reads without further requests. A file
-        /// descriptor that can only read comes with the answer [`crate::Reply::SnapshotPage`].
+        /// Declares for good that this client speaks for people elsewhere: what they must not change is refused ([`crate::NOT_FROM_AFAR`]).
+        SpeakFromAfar,
+        /// Maps the page of a snapshot, which this client then reads without further requests. A file descriptor that can only read
+        /// comes with the answer [`crate::Reply::SnapshotPage`].
         MapSnapshot {
             /// Name of the snapshot.
             name: String,

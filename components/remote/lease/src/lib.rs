@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod epoch;
+mod user;
 
 use hal_ini::Ini;
 use hal_protocol::{
@@ -10,6 +11,7 @@ use hal_protocol::{
 use std::collections::BTreeSet;
 
 pub use epoch::EpochPage;
+pub use user::{is_own, user_at};
 
 /// Pins of the plugin that stop motion, with the signal and the pin of motion that each must reach.
 const STOPS: &[(&str, &str, &str)] = &[

@@ -1,13 +1,24 @@
 //! Accounts: who may sign in with a password, and with which role.
 
-use crate::session::Role;
+use crate::{
+    limits::{Limits, SignInPlace},
+    session::Role,
+};
 use argon2::{
     Argon2,
     password_hash::{PasswordHash, PasswordHasher as _, PasswordVerifier as _, SaltString},
 };
 use clap::ValueEnum as _;
+use ring::hmac;
 use std::{
-    collections::BTreeMap, fs, io, os::unix::fs::PermissionsExt as _, path::Path, sync::Mutex,
+    collections::BTreeMap,
+    fs, io,
+    os::unix::fs::PermissionsExt as _,
+    path::Path,
+    sync::{
+        Mutex, MutexGuard, OnceLock, PoisonError,
+        atomic::{AtomicUsize, Ordering::Relaxed},
+    },
     time::Duration,
 };
 use tokio::time::Instant;
@@ -18,9 +29,17 @@ const MAX_NAME: usize = 64;
 const MIN_PASSWORD: usize = 10;
 /// Longest password in bytes.
 const MAX_PASSWORD: usize = 1024;
-/// Number of passwords that are tried in each span of time, by all who sign in together.
-const MAX_TRIES: u32 = 10;
-const SPAN: Duration = Duration::from_secs(10);
+/// Number of strangers whose passwords wait for their turn; more are refused at once.
+const MAX_WAITING: usize = 4;
+/// Wait of those that are refused so.
+const FULL_WAIT: Duration = Duration::from_secs(1);
+/// Number of devices that a browser keeps, and characters of one: its number and its mark.
+const MAX_DEVICES: usize = 8;
+const DEVICE: usize = 2 * DEVICE_NUMBER + 64;
+/// Bytes of the number of a device.
+const DEVICE_NUMBER: usize = 8;
+/// Sign between two devices.
+const BETWEEN: char = '~';
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Account {
@@ -35,15 +54,12 @@ pub(crate) struct Accounts {
     list: BTreeMap<String, Account>,
     /// Hash of no password: an unknown user takes as long as a wrong password.
     nobody: String,
+    /// Failures of late.
+    limits: Mutex<Limits>,
     /// Kept while a password is tried: one after the other.
-    tries: Mutex<Tries>,
-}
-
-/// Passwords that were tried since a moment.
-#[derive(Debug, Default)]
-struct Tries {
-    since: Option<Instant>,
-    count: u32,
+    trying: Mutex<()>,
+    /// Number of strangers that wait for it.
+    waiting: AtomicUsize,
 }
 
 /// Refusal of a password.
@@ -51,8 +67,8 @@ struct Tries {
 pub(crate) enum Wrong {
     /// The user is unknown, or the password is not theirs.
     Login,
-    /// Too many passwords have been tried.
-    Haste,
+    /// Too many sign-ins from this place have failed, or too many are tried now: this time is to be waited.
+    Haste(Duration),
 }
 
 impl Accounts {
@@ -69,7 +85,13 @@ impl Accounts {
         if list.is_empty() {
             return Err(format!("{file}: it has no account: halpanel --add-account NAME=ROLE"));
         }
-        Ok(Self { list, nobody: hash("nobody has this password")?, tries: Mutex::default() })
+        Ok(Self {
+            list,
+            nobody: nobody()?,
+            limits: Mutex::default(),
+            trying: Mutex::default(),
+            waiting: AtomicUsize::new(0),
+        })
     }
 
     /// Returns whether there is an account of this name.
@@ -78,30 +100,108 @@ impl Accounts {
     }
 
     /// Returns the role of who signs in. This takes a while.
-    pub(crate) fn check(&self, user: &str, password: &str) -> Result<Role, Wrong> {
-        let mut tries = self.tries.lock().map_err(|_| Wrong::Haste)?;
-        if !tries.permit(Instant::now()) {
-            return Err(Wrong::Haste);
+    pub(crate) fn check(
+        &self,
+        user: &str,
+        password: &str,
+        source: &SignInPlace,
+    ) -> Result<Role, Wrong> {
+        let is_known = matches!(source, SignInPlace::Device(_));
+        let waiting = Waiting::enter(&self.waiting);
+        if !is_known && waiting.before >= MAX_WAITING {
+            return Err(Wrong::Haste(FULL_WAIT));
         }
-        let account = self.list.get(user);
-        let stored = account.map_or(&self.nobody, |account| &account.hash);
+        // Names that no account can have are one: they need no memory.
+        let account = if is_name(user) { user } else { "" };
+        let begun = lock(&self.limits).begin(Instant::now(), source, account);
+        begun.map_err(Wrong::Haste)?;
+        let trying = lock(&self.trying);
+        let found = self.list.get(user);
+        let stored = found.map_or(&self.nobody, |account| &account.hash);
         let stored = PasswordHash::new(stored).map_err(|_| Wrong::Login)?;
         let short = password.len() <= MAX_PASSWORD;
         let fits = short && Argon2::default().verify_password(password.as_bytes(), &stored).is_ok();
-        drop(tries);
-        account.filter(|_| fits).map(|account| account.role).ok_or(Wrong::Login)
+        drop(trying);
+        let role = found.filter(|_| fits).map(|account| account.role).ok_or(Wrong::Login)?;
+        lock(&self.limits).succeed(Instant::now(), source, account);
+        Ok(role)
+    }
+
+    /// Adds a new device of an account to those that a browser keeps. Its mark is made from the account's hash: a new password
+    /// forgets all of its devices.
+    pub(crate) fn with_device(&self, user: &str, kept: &str) -> Option<String> {
+        let key = self.device_key(user)?;
+        let mut number = [0; DEVICE_NUMBER];
+        getrandom::fill(&mut number).ok()?;
+        let number = hex(&number);
+        let mark = hmac::sign(&key, marked(user, &number).as_bytes());
+        let new = format!("{number}{}", hex(mark.as_ref()));
+        let others = kept.split(BETWEEN).filter(|device| {
+            device.len() == DEVICE && device.bytes().all(|b| b.is_ascii_hexdigit())
+        });
+        let others = others.filter(|device| self.number_of(user, device).is_none());
+        let all: Vec<&str> = core::iter::once(&*new).chain(others).take(MAX_DEVICES).collect();
+        Some(all.join(&BETWEEN.to_string()))
+    }
+
+    /// Returns the place of who signs in to an account: the device, if it is one of those that a browser keeps.
+    pub(crate) fn source(&self, user: &str, kept: &str, otherwise: SignInPlace) -> SignInPlace {
+        let mut devices = kept.split(BETWEEN).take(MAX_DEVICES);
+        let number = devices.find_map(|device| self.number_of(user, device));
+        number.map_or(otherwise, |number| SignInPlace::Device(number.to_owned()))
+    }
+
+    /// Returns the number of a device, if it is one of this account.
+    fn number_of<'d>(&self, user: &str, device: &'d str) -> Option<&'d str> {
+        let key = self.device_key(user)?;
+        let (number, mark) = device.split_at_checked(2 * DEVICE_NUMBER)?;
+        let mark = bytes(mark)?;
+        hmac::verify(&key, marked(user, number).as_bytes(), &mark).ok().map(|()| number)
+    }
+
+    fn device_key(&self, user: &str) -> Option<hmac::Key> {
+        let account = self.list.get(user)?;
+        Some(hmac::Key::new(hmac::HMAC_SHA256, account.hash.as_bytes()))
     }
 }
 
-impl Tries {
-    /// Counts a try, and returns whether it is one of those permitted.
-    fn permit(&mut self, now: Instant) -> bool {
-        if self.since.is_none_or(|since| now - since > SPAN) {
-            *self = Self { since: Some(now), count: 0 };
-        }
-        self.count += 1;
-        self.count <= MAX_TRIES
+/// Place in the line of those whose passwords are tried.
+struct Waiting<'a> {
+    count: &'a AtomicUsize,
+    /// Number of those who waited before.
+    before: usize,
+}
+
+impl<'a> Waiting<'a> {
+    fn enter(count: &'a AtomicUsize) -> Self {
+        Self { count, before: count.fetch_add(1, Relaxed) }
     }
+}
+
+impl Drop for Waiting<'_> {
+    fn drop(&mut self) {
+        self.count.fetch_sub(1, Relaxed);
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Returns what the mark of a device stands for.
+fn marked(user: &str, number: &str) -> String {
+    format!("device {number} of {user}")
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Returns the bytes of a text of hexadecimal digits.
+fn bytes(text: &str) -> Option<Vec<u8>> {
+    let digits: Option<Vec<u32>> = text.chars().map(|c| c.to_digit(16)).collect();
+    let digits = digits?;
+    digits.chunks(2).map(|pair| u8::try_from(pair.first()? * 16 + pair.get(1)?).ok()).collect()
 }
 
 /// Returns the accounts of a text, or the line that is none, with the reason.
@@ -145,6 +245,16 @@ fn hash(password: &str) -> Result<String, String> {
     Ok(hash.to_string())
 }
 
+/// Returns a hash of no password of anybody: an unknown user takes as long as a wrong password. It is made once.
+fn nobody() -> Result<String, String> {
+    static NOBODY: OnceLock<String> = OnceLock::new();
+    if let Some(known) = NOBODY.get() {
+        return Ok(known.clone());
+    }
+    let new = hash("nobody has this password")?;
+    Ok(NOBODY.get_or_init(|| new).clone())
+}
+
 /// Adds an account `NAME=ROLE` to the file, or replaces it; the password is the first line of `input`.
 pub(crate) fn add(path: &Path, account: &str, input: &mut impl io::BufRead) -> Result<(), String> {
     let (name, role) = account
@@ -180,7 +290,7 @@ pub(crate) fn add(path: &Path, account: &str, input: &mut impl io::BufRead) -> R
 mod tests {
     //! Files of accounts, and passwords.
 
-    use super::{Accounts, Instant, MAX_TRIES, Role, SPAN, Tries, Wrong, add, hash, parse};
+    use super::{Accounts, MAX_DEVICES, Relaxed, Role, SignInPlace, Wrong, add, hash, parse};
     use std::{fs, os::unix::fs::PermissionsExt as _};
 
     #[test]
@@ -199,13 +309,6 @@ mod tests {
             let (at, said) = parse(text).unwrap_err();
             assert!(at == line && said.starts_with(why), "{text}: {at}: {said}");
         }
-    }
-
-    #[test]
-    fn passwords_are_not_tried_in_haste() {
-        let (mut tries, now) = (Tries::default(), Instant::now());
-        assert!((0..MAX_TRIES).all(|_| tries.permit(now)) && !tries.permit(now + SPAN));
-        assert!(tries.permit(now + SPAN + SPAN) && tries.permit(now + SPAN + SPAN));
     }
 
     #[test]
@@ -233,10 +336,60 @@ mod tests {
             ("ana", "", Err(Wrong::Login)),
             ("nobody", "nobody has this password", Err(Wrong::Login)),
         ] {
-            assert_eq!(accounts.check(user, password), role, "{user} {password}");
+            assert_eq!(
+                accounts.check(user, password, &SignInPlace::User(1)),
+                role,
+                "{user} {password}"
+            );
         }
+        strangers_keep_no_device_out(&accounts);
+        // A new password forgets the devices of its account.
+        let kept = accounts.with_device("ana", "").unwrap();
+        assert_ne!(accounts.source("ana", &kept, SignInPlace::User(2)), SignInPlace::User(2));
+        add(&file, "ana=operator", &mut &b"another password\n"[..]).unwrap();
+        let changed = Accounts::read(&file).unwrap();
+        assert_eq!(changed.source("ana", &kept, SignInPlace::User(2)), SignInPlace::User(2));
         fs::set_permissions(&file, fs::Permissions::from_mode(0o644)).unwrap();
         assert!(Accounts::read(&file).unwrap_err().contains("chmod 600"));
         fs::remove_dir_all(&folder).unwrap();
+    }
+    /// Guesses from one place, and then signs in there with a device that is known.
+    fn strangers_keep_no_device_out(accounts: &Accounts) {
+        let place = SignInPlace::User(65_534);
+        let mut kept = String::new();
+        for user in ["ana", "eva"].repeat(6) {
+            kept = accounts.with_device(user, &kept).unwrap();
+        }
+        assert_eq!(kept.split('~').count(), 2, "one for each account");
+        let guess = || accounts.check("ana", "a wrong password", &place);
+        let wrong = (0..20).take_while(|_| guess() == Err(Wrong::Login)).count();
+        assert_eq!(wrong, 5);
+        assert!(matches!(guess(), Err(Wrong::Haste(_))));
+        assert!(matches!(accounts.check("ana", "correct horse", &place), Err(Wrong::Haste(_))));
+        let known = accounts.source("ana", &kept, place.clone());
+        assert_eq!(accounts.check("ana", "correct horse", &known), Ok(Role::Operator));
+        // While others wait for their turn, too.
+        accounts.waiting.store(100, Relaxed);
+        let fresh = SignInPlace::User(7);
+        assert!(matches!(accounts.check("ana", "correct horse", &fresh), Err(Wrong::Haste(_))));
+        assert_eq!(accounts.check("ana", "correct horse", &known), Ok(Role::Operator));
+        accounts.waiting.store(0, Relaxed);
+        assert_eq!(accounts.check("ana", "correct horse", &fresh), Ok(Role::Operator));
+        // A device is one of its account alone, and nobody makes one.
+        let (number, mark) = kept.split_once('~').unwrap().0.split_at(16);
+        for forged in [
+            format!("{number}{}", mark.chars().rev().collect::<String>()),
+            format!("{}{mark}", "0".repeat(16)),
+            format!("{number}{}", &mark[..62]),
+            "é".repeat(40),
+            "~".repeat(1000),
+            String::new(),
+        ] {
+            assert_eq!(accounts.source("eva", &forged, place.clone()), place, "{forged}");
+        }
+        assert_eq!(accounts.source("nobody", &kept, place.clone()), place);
+        let many = vec![&*kept; 50].join("~");
+        let few = accounts.with_device("ana", &many).unwrap();
+        assert!(few.split('~').count() <= MAX_DEVICES);
     }
 }

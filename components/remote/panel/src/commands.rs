@@ -1,19 +1,18 @@
 //! The table of commands: who may give them, and what the engine is asked for them.
 
-mod guards;
 mod input;
+mod wiring;
 
 use crate::{
     engine::Ending,
     error::{Code, Error},
     session::Role,
 };
-use guards::{linkp, net, setp, sets, unlink};
 use hal_protocol::{Request, Stop};
 use input::{align_go, tool_offset, touch_off};
 use serde_json::{Map, Value as Json};
+use wiring::{linkp, net, setp, sets, unlink};
 
-pub(crate) use guards::{guard_signal, signal_of};
 pub(crate) use input::{Input, LOSSES};
 
 /// Arguments of a command, as a client sends them.

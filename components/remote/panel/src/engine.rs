@@ -106,12 +106,23 @@ impl Drop for Ends {
 }
 
 impl Engine {
-    /// Connects, and starts the thread.
+    /// Connects for those who have signed in, and starts the thread. The engine refuses them what is not changed from afar.
     ///
     /// # Errors
     /// There is no engine, or the machine moves and cannot be stopped.
     pub(crate) fn join(place: &Place) -> Result<Self, String> {
-        let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
+        Self::on(Client::connect_from_afar(place).map_err(|e| e.to_string())?)
+    }
+
+    /// Connects for links that this program makes by itself, and starts the thread.
+    ///
+    /// # Errors
+    /// As [`Self::join`].
+    pub(crate) fn join_for_wiring(place: &Place) -> Result<Self, String> {
+        Self::on(Client::connect(place, "").map_err(|e| e.to_string())?)
+    }
+
+    fn on(mut client: Client) -> Result<Self, String> {
         let mut call = move |request: Request| {
             (!client.is_gone()).then(|| client.call(request).map_err(Error::from))
         };

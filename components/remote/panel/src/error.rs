@@ -5,7 +5,7 @@ use axum::{
     http::StatusCode,
     response::{IntoResponse, Response},
 };
-use hal_protocol::{Failure, Unserved};
+use hal_protocol::{Failure, NOT_FROM_AFAR, Unserved};
 use serde::Serialize;
 
 /// Kind of a refusal.
@@ -62,7 +62,8 @@ impl Error {
 
 impl From<Failure> for Error {
     fn from(failure: Failure) -> Self {
-        Self { code: Code::Refused, text: failure.text, hint: failure.hint }
+        let code = if failure.code == NOT_FROM_AFAR { Code::Remote } else { Code::Refused };
+        Self { code, text: failure.text, hint: failure.hint }
     }
 }
 

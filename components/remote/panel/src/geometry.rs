@@ -4,6 +4,7 @@ mod cutter;
 
 pub(crate) use cutter::{Cut, is_cutter};
 
+use crate::pool::Limit;
 use hal_gcode::{Call, Interpreter, Text, axis::Position, canon::Unit};
 use hal_job::{
     Files, Machine, World,
@@ -11,14 +12,13 @@ use hal_job::{
     way::{Kind, Way},
 };
 use std::path::Path;
-use tokio::time::{Duration, Instant};
 
 /// Number of points of a program; its later ones are left out.
 const MAX_POINTS: usize = 8_000_000;
-/// Longest time for one program.
-const MAX_TIME: Duration = Duration::from_secs(60);
-/// Steps of the program between two looks at the time.
-const LOOK: u32 = 4096;
+/// Steps of the program and points between two looks whether its reading may go on.
+const LOOK: usize = 4096;
+/// Most bytes of a point in an answer.
+const POINT_BYTES: usize = 23 + 24 + 24;
 /// Number of points that may be left out in a row.
 const MAX_LEFT_OUT: usize = 64;
 
@@ -57,7 +57,7 @@ pub(crate) struct Geometry {
     pub(crate) error: Option<(u32, String)>,
 }
 
-/// Reads the text of a program as the task would.
+/// Reads the text of a program as the task would, as long as each `look` at the memory that it takes lets it go on.
 ///
 /// # Errors
 /// A file of the machine cannot be read.
@@ -66,6 +66,7 @@ pub(crate) fn read(
     file: &Path,
     text: Text,
     tolerance: f64,
+    look: &mut dyn FnMut(usize) -> Result<(), Limit>,
 ) -> Result<Geometry, String> {
     let machine = Machine::read(&Files { ini, ..Files::default() })?;
     let scale = Unit::Millimetre.to(machine.settings.unit);
@@ -91,8 +92,9 @@ pub(crate) fn read(
     let offset = geometry.offset(place(way.tool()));
     let further = geometry.further(turned(way.at));
     geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset, further });
-    let (begun, mut out) = (Instant::now(), Vec::new());
-    for n in 0_u32.. {
+    let mut out = Vec::new();
+    let mut next_look = 0;
+    for n in 0_usize.. {
         let answers = Answers { probe_trips: true, functions: None };
         let going = step(&mut it, &world, answers, &mut out);
         for issued in out.drain(..) {
@@ -136,8 +138,9 @@ pub(crate) fn read(
         }
         let stopped = if geometry.points.len() >= MAX_POINTS {
             Some(format!("it has more than {MAX_POINTS} points"))
-        } else if n.is_multiple_of(LOOK) && begun.elapsed() > MAX_TIME {
-            Some(format!("reading it takes more than {} s", MAX_TIME.as_secs()))
+        } else if n + geometry.points.len() >= next_look {
+            next_look = n + geometry.points.len() + LOOK;
+            look(geometry.memory()).err().map(|limit| limit.to_string())
         } else {
             None
         };
@@ -198,6 +201,14 @@ impl Geometry {
             self.pending.clear();
             self.keep(last);
         }
+    }
+
+    /// Returns the memory that it takes, with its bytes, once they are made.
+    pub(crate) fn memory(&self) -> usize {
+        let of_point = size_of::<Point>() + POINT_BYTES;
+        let of_change = size_of::<[f64; 6]>();
+        let changes = self.offsets.capacity() + self.further.capacity() + self.joints.capacity();
+        self.points.capacity() * of_point + changes * of_change
     }
 
     /// Returns the geometry as bytes.

@@ -45,8 +45,8 @@ pub struct Options {
     /// Further name under which browsers reach the server; several are possible.
     #[arg(long)]
     pub name: Vec<String>,
-    /// Role of who opens the address with the token.
-    #[arg(long, value_enum, default_value_t = Role::Integrator)]
+    /// Role of who opens the address with the token; `integrator` may also change settings and wiring.
+    #[arg(long, value_enum, default_value_t = Role::Operator)]
     pub role: Role,
     /// Folder with the page, in place of the one in the program.
     #[arg(long)]

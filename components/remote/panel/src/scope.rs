@@ -1,6 +1,9 @@
 //! The scope: samples of the engine around a trigger, or as a stream, for one client.
 
-use crate::error::{Code, Error};
+use crate::{
+    error::{Code, Error},
+    pool::Seat,
+};
 use hal_protocol::{Client, Place, SampleSpec, Samples, Type, Value};
 use hal_trace::{
     Trace,
@@ -86,7 +89,7 @@ impl Scope {
         id: u64,
         wanted: Wanted,
         answers: mpsc::Sender<Json>,
-        permit: OwnedSemaphorePermit,
+        places: (OwnedSemaphorePermit, Seat),
     ) -> Result<Self, Error> {
         let condition = wanted.check()?;
         let (out, samples) = mpsc::channel(1);
@@ -103,7 +106,7 @@ impl Scope {
             };
             // A client that reads no answers gets none.
             answer.map(|answer| answers.try_send(answer).is_ok());
-            drop(permit);
+            drop(places);
         };
         let begun = thread::Builder::new().name("scope".to_owned()).spawn(sample);
         begun.map_err(|e| Error::new(Code::Refused, hal_output::reason(&e)))?;

@@ -1,5 +1,6 @@
 //! The server: what it needs before it listens, and its connections.
 
+mod places;
 mod wire;
 
 use crate::{
@@ -13,7 +14,9 @@ use crate::{
     http::{self, pictures::Pictures},
     info,
     lease::Clients,
+    limits::Peer,
     options::Options,
+    pool::Pool,
     private, scope,
     security::Security,
     session::{Sessions, secret},
@@ -33,6 +36,7 @@ use hyper_util::{
     rt::{TokioIo, TokioTimer},
     service::TowerToHyperService,
 };
+use places::Places;
 use serde_json::{Map, Value as Json};
 use std::{
     net::SocketAddr,
@@ -77,8 +81,10 @@ pub(crate) struct Panel {
     pub(crate) options: Options,
     /// Instance of the engine.
     pub(crate) place: Place,
-    /// The way to the engine.
+    /// The way to the engine for all who have signed in.
     pub(crate) engine: Engine,
+    /// The way to it for links that this program makes by itself.
+    pub(crate) wiring: Engine,
     /// The stop epoch of motion.
     pub(crate) epochs: Epochs,
     /// Place in [`LOSSES`] of what becomes of the job in progress, or of the next one, when its lease is lost.
@@ -95,8 +101,8 @@ pub(crate) struct Panel {
     pub(crate) audit: Audit,
     /// Folders of programs, uploads and output.
     pub(crate) folders: Folders,
-    /// Kept while a program's geometry is read or the wiring is drawn: one after the other.
-    pub(crate) reading: Mutex<()>,
+    /// Work for those who look.
+    pub(crate) pool: Pool,
     /// Places of scopes.
     pub(crate) scopes: Arc<Semaphore>,
     /// Kept while a tool change is answered: the button is linked for one answer.
@@ -171,6 +177,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             security,
             options: options.clone(),
             engine,
+            wiring: Engine::join_for_wiring(&place)?,
             epochs: Epochs::open(&place),
             on_loss: on_loss.into(),
             machine: status::observe(&place)?,
@@ -179,7 +186,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             heart: heart::start(&place, (teleop.is_some(), teleop_port))?,
             audit,
             folders,
-            reading: Mutex::default(),
+            pool: Pool::default(),
             scopes: Arc::new(Semaphore::new(scope::MAX_SCOPES)),
             pressing: Mutex::default(),
             pictures: Pictures::default(),
@@ -241,26 +248,31 @@ async fn serve(
     let fail = |e: std::io::Error| hal_output::reason(&e);
     let mut end = signal(SignalKind::terminate()).map_err(fail)?;
     let mut interrupt = signal(SignalKind::interrupt()).map_err(fail)?;
-    let room = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let address = listener.local_addr().map_err(fail)?;
+    let (room, places) = (Arc::new(Semaphore::new(MAX_CONNECTIONS)), Places::default());
     loop {
         let Ok(permit) = room.clone().acquire_owned().await else { return Ok(()) };
         tokio::select! {
             accepted = listener.accept() => match accepted {
-                Ok((stream, _)) => {
+                Ok((stream, theirs)) => {
                     let (router, tls) = (router.clone(), tls.cloned());
+                    let ours = stream.local_addr().unwrap_or(address);
+                    let peer = Peer { theirs, ours };
+                    let places = places.clone();
                     tokio::spawn(async move {
+                        let Some(place) = places.take(peer.source()) else { return };
                         // Without it, small messages wait for the answer to the one before.
                         drop(stream.set_nodelay(true));
                         let (wire, send_buffer) = Wire::new(stream);
                         match tls {
-                            None => connection(wire, send_buffer, router).await,
+                            None => connection(wire, send_buffer, peer, router).await,
                             Some(tls) => {
                                 if let Ok(Ok(wire)) = timeout(HEAD_TIME, tls.accept(wire)).await {
-                                    connection(wire, send_buffer, router).await;
+                                    connection(wire, send_buffer, peer, router).await;
                                 }
                             }
                         }
-                        drop(permit);
+                        drop((permit, place));
                     });
                 }
                 // Too many open files, or a client that has gone meanwhile.
@@ -272,13 +284,14 @@ async fn serve(
     }
 }
 
-async fn connection<S>(stream: S, send_buffer: SendBuffer, router: Router)
+async fn connection<S>(stream: S, send_buffer: SendBuffer, peer: Peer, router: Router)
 where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
     let router = TowerToHyperService::new(router);
     let service = service_fn(move |mut request: Request<Incoming>| {
         request.extensions_mut().insert(send_buffer.clone());
+        request.extensions_mut().insert(peer);
         router.call(request)
     });
     let mut http = http1::Builder::new();

@@ -19,8 +19,10 @@ const IDLE: Duration = Duration::from_mins(30);
 const MAX_SESSIONS: usize = 256;
 /// Time within which an attempt to sign in can be repeated.
 const REPEAT: Duration = Duration::from_mins(1);
+/// Name of who opened the address with the one-time token.
+pub(crate) const LOCAL: &str = "local";
 /// Header with the key of a session.
-const KEY: &str = "x-ferrule-key";
+pub(crate) const KEY: &str = "x-ferrule-key";
 
 /// Rights of a person, each with those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, ValueEnum)]
@@ -44,6 +46,12 @@ pub(crate) struct Session {
 }
 
 impl Session {
+    /// Returns the name under which it has seats in the pool: all sessions of an account are one person, and sessions that
+    /// a token has opened are one each.
+    pub(crate) fn seated(&self) -> &str {
+        if self.user == LOCAL { &self.cookie } else { &self.user }
+    }
+
     /// Refuses what needs a higher role.
     pub(crate) fn needs(&self, role: Role) -> Result<(), Error> {
         if self.role >= role {
@@ -174,7 +182,7 @@ impl Sessions {
         is_input: bool,
     ) -> Result<Session, Error> {
         let key = headers.get(KEY).and_then(|key| key.to_str().ok()).unwrap_or_default();
-        let found = self.find(&cookie(headers, port), key);
+        let found = self.find(&cookie(headers, &cookie_name(port)), key);
         if let Some(session) = found.as_ref().filter(|_| is_input) {
             self.note_input(session);
         }
@@ -215,9 +223,13 @@ pub(crate) fn cookie_name(port: u16) -> String {
     format!("ferrule-{port}")
 }
 
-/// Returns the value of the session's cookie, or nothing.
-pub(crate) fn cookie(headers: &HeaderMap, port: u16) -> String {
-    let name = cookie_name(port);
+/// Returns the name of the cookie with the devices of accounts that this browser is.
+pub(crate) fn device_name(port: u16) -> String {
+    format!("ferrule-device-{port}")
+}
+
+/// Returns the value of a cookie, or nothing.
+pub(crate) fn cookie(headers: &HeaderMap, name: &str) -> String {
     let all = headers.get_all(header::COOKIE).iter().filter_map(|value| value.to_str().ok());
     let pairs = all.flat_map(|value| value.split(';')).filter_map(|pair| pair.split_once('='));
     let mut found =

@@ -1,5 +1,7 @@
 //! Sessions with a machine that notes its commands.
 
+mod rights;
+
 use crate::{
     Facts, Jog, JogTarget, Lines, MAX_LINE, Machine, Next, Passwords, Record, Session, Snapshots,
     is_stop, rows::ROWS,

@@ -1,7 +1,7 @@
 //! Companions of an error: its errno, its finding, and a suggested correction.
 
 use crate::Error;
-use hal_protocol::{Code, Failure, Kind};
+use hal_protocol::{Code, Failure, Kind, NOT_FROM_AFAR};
 
 impl Error {
     /// Returns the errno of the error.
@@ -26,6 +26,7 @@ impl Error {
             | Self::StreamTaken { .. } => -16,
             Self::Duplicate { .. } | Self::ModuleExists { .. } | Self::ServiceTaken { .. } => -17,
             Self::OutOfRange { .. } => -34,
+            Self::Guarded { .. } | Self::NotFromAfar => NOT_FROM_AFAR,
             Self::QueueAllocated { .. } => -106,
             Self::InitFailed { code, .. } | Self::CommandFailed { code, .. } => *code,
             Self::Watch(e) => e.errno(),
@@ -53,6 +54,7 @@ impl Error {
             | Self::NoItem { name, .. }
             | Self::NoPin { name, .. }
             | Self::SignalIsPin { name }
+            | Self::Guarded { name, .. }
             | Self::NotWritable { name, .. }
             | Self::QueueAllocated { name }
             | Self::ModuleExists { name, .. }

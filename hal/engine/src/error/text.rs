@@ -1,6 +1,6 @@
 //! The sentence of each error.
 
-use super::{Error, hint};
+use super::{Error, Guard, hint};
 
 impl core::fmt::Display for Error {
     #[expect(clippy::too_many_lines, reason = "one line for each sentence")]
@@ -146,6 +146,17 @@ impl core::fmt::Display for Error {
             }
             Self::NoSocket => f.write_str("pages go to programs: ask for them on the socket"),
             Self::NotAMember => f.write_str("this client has not joined as a component"),
+            Self::Guarded { what, name, to, guard } => {
+                let does = match guard {
+                    Guard::Commands => "takes commands",
+                    Guard::Drives => "drives the machine",
+                };
+                write!(
+                    f,
+                    "{what} '{name}' leads to '{to}', which {does}: it is not changed from afar"
+                )
+            }
+            Self::NotFromAfar => f.write_str("this is done at the machine, and not from afar"),
             Self::StreamTaken { name } => {
                 write!(f, "stream '{name}' is in use by another program")
             }

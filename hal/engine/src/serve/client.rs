@@ -51,6 +51,8 @@ pub(crate) struct Client {
     pub(crate) page: Option<Shared>,
     /// Commands that are executed when the connection ends.
     pub(crate) at_end: Vec<CommandLine>,
+    /// True if the client speaks for people elsewhere, as it has said.
+    pub(crate) speaks_from_afar: bool,
     pub(crate) waits: WaitState,
     pub(crate) advances_clock: bool,
     pub(crate) gone: bool,
@@ -81,6 +83,7 @@ impl Client {
             writes: Vec::new(),
             page: None,
             at_end: Vec::new(),
+            speaks_from_afar: false,
             waits: WaitState::No,
             advances_clock: false,
             gone: false,

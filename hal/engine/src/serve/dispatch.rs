@@ -1,7 +1,9 @@
 //! The dispatcher of requests: each is handled as its class says, for clients and for scripts alike.
 
 use crate::{
-    Engine, Error, os,
+    Engine, Error,
+    analyse::guarded,
+    os,
     realtime::shared::MAX_TIME_NS,
     serve::client::{Client, WaitState},
     serve::session,
@@ -24,6 +26,9 @@ impl Engine {
         request: Request,
         client: Option<&mut Client>,
     ) -> Result<Answer, Error> {
+        if client.as_ref().is_some_and(|c| c.speaks_from_afar) {
+            guarded::permit(self.model.graph(), &request)?;
+        }
         if let Some(reply) = self.dry_run_reply(&request) {
             return reply.map(Answer::Now);
         }

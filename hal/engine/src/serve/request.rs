@@ -117,6 +117,7 @@ impl Engine {
             | OwnRequest::Leave
             | OwnRequest::SharePins { .. }
             | OwnRequest::AtEnd { .. }
+            | OwnRequest::SpeakFromAfar
             | OwnRequest::Sleep { .. }
             | OwnRequest::Poll { .. }
             | OwnRequest::NewStream { .. }

@@ -97,6 +97,10 @@ pub(crate) fn own(
             Reply::Sample(info)
         }
         OwnRequest::AtEnd { commands } => at_end(engine, c, commands)?,
+        OwnRequest::SpeakFromAfar => {
+            c.speaks_from_afar = true;
+            Reply::Done
+        }
         OwnRequest::MapSnapshot { name } => {
             let (info, fd) = engine.snapshots.page(&name)?;
             c.fd = Some(fd);

@@ -1,11 +1,18 @@
 //! Passwords, and what is refused before anything listens.
 
 use super::printer::Printer;
+use hal_tests::{
+    user::{as_user, is_root},
+    web,
+};
 use serde_json::json;
 use std::{
     fs::{self, File},
     os::unix::fs::PermissionsExt as _,
 };
+
+/// A user without rights: `nobody`.
+const NOBODY: u32 = 65_534;
 
 /// Adds an account to the file `people`, which nobody else reaches.
 fn add(printer: &Printer, account: &str, password: &str) {
@@ -102,4 +109,54 @@ fn what_does_not_fit_is_refused_before_anything_listens() {
     assert!(printer.said().contains("SHA-256 fingerprint"), "{}", printer.said());
     let pem = fs::metadata(printer.scratch.path().join(".private/own.pem")).unwrap();
     assert_eq!(pem.permissions().mode() & 0o777, 0o600);
+}
+
+/// Tries to sign in; returns the code of the refusal and the cookies.
+fn tries(printer: &Printer, cookie: &str, user: &str, password: &str) -> (String, Vec<String>) {
+    let headers = format!("{}Cookie: {cookie}\r\n", printer.host());
+    let body = json!({ "user": user, "password": password }).to_string();
+    let answer = printer.request("POST", "/api/v1/session", &headers, body.as_bytes());
+    let cookies = answer.head.lines().filter_map(|line| line.strip_prefix("set-cookie: "));
+    let cookies = cookies.filter_map(|line| line.split_once(';')).map(|(cookie, _)| cookie);
+    (answer.code(), cookies.map(str::to_owned).collect())
+}
+
+#[test]
+fn guesses_of_strangers_keep_no_person_out() {
+    let mut printer = Printer::start("viewer");
+    add(&printer, "ana=operator", "correct horse");
+    add(&printer, "eva=viewer", "battery staple");
+    printer.restart("viewer", &["--accounts", ".private/people"]);
+    let (code, cookies) = tries(&printer, "", "ana", "correct horse");
+    assert_eq!(code, "");
+    let devices = cookies.iter().filter_map(|cookie| cookie.strip_prefix("ferrule-device-"));
+    let (_, device) = devices.last().unwrap().split_once('=').unwrap();
+    // Each start of this panel has another port, which the name of the cookie has.
+    let device = |printer: &Printer| format!("ferrule-device-{}={device}", printer.port);
+    // The same user of this computer guesses: five are tried, and then not even the right password is.
+    let codes: Vec<_> = (0..30).map(|_| tries(&printer, "", "ana", "a guess too few").0).collect();
+    assert!(codes[..5].iter().all(|code| code == "wrong-login"), "{codes:?}");
+    let refused = codes[5..].iter().filter(|code| *code == "too-many").count();
+    assert!(refused >= 15, "{codes:?}");
+    // A browser that has signed in before does not wait, and is known after a restart of the panel.
+    assert_eq!(tries(&printer, &device(&printer), "ana", "correct horse").0, "");
+    printer.restart("viewer", &["--accounts", ".private/people"]);
+    while tries(&printer, "", "ana", "a guess too few").0 != "too-many" {}
+    assert_eq!(tries(&printer, &device(&printer), "ana", "correct horse").0, "");
+    // It is known to its account alone, and its guesses are its own.
+    assert_eq!(tries(&printer, &device(&printer), "eva", "battery staple").0, "too-many");
+    while tries(&printer, &device(&printer), "ana", "a guess too few").0 != "too-many" {}
+    // People who have signed in go on, and the token is for those who may read its file.
+    assert_eq!(printer.sign_in().socket().command("estop", &json!({})), "");
+    if is_root() {
+        // Another user of this computer, whose address is the same, keeps nobody out, and is not kept out.
+        printer.restart("viewer", &["--accounts", ".private/people"]);
+        let (port, host) = (printer.port, printer.host());
+        let ask = |password: &str| {
+            let body = json!({ "user": "ana", "password": password }).to_string();
+            web::request(port, "POST", "/api/v1/session", &host, body.as_bytes()).code()
+        };
+        as_user(NOBODY, || while ask("a guess too few") != "too-many" {});
+        assert_eq!(ask("correct horse"), "");
+    }
 }

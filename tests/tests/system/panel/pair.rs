@@ -28,8 +28,13 @@ pub(super) fn machine(scratch: &Scratch, words: &[&str], answers: &str) -> Runni
 
 /// Starts a panel whose sessions have this role, with further options.
 pub(super) fn panel(scratch: &Scratch, role: &str, options: &[&str]) -> Running {
+    plain_panel(scratch, &[&["--role", role], options].concat())
+}
+
+/// Starts a panel with these options, and the role that it gives by itself where they name none.
+pub(super) fn plain_panel(scratch: &Scratch, options: &[&str]) -> Running {
     let mut command = scratch.command(&[], "halpanel");
-    command.args(["--listen", "127.0.0.1:0", "--role", role]);
+    command.args(["--listen", "127.0.0.1:0"]);
     command.args(["--address-file", "address", "--audit", &scratch.private("audit")]);
     command.args(options);
     scratch.start(&mut command).lasting("the panel")

@@ -1,6 +1,6 @@
 //! A simulated machine with its panel: the printer, unless a test asks for another.
 
-use super::pair::{Pair, machine, panel};
+use super::pair::{Pair, machine, panel, plain_panel};
 use hal_tests::{
     programs::root,
     scratch::{Running, Scratch, until},
@@ -143,6 +143,15 @@ impl Printer {
         before.signal(Signal::TERM);
         assert!(before.ended().is_some_and(|s| s.success()), "{:?}", before.said());
         *before = panel_of(&self.scratch, role, options);
+        self.port = self.listens();
+    }
+
+    /// Ends the panel, and starts one as a person does who names no role.
+    pub(super) fn begin_plain(&mut self) {
+        let before = &mut self.pair.panel;
+        before.signal(Signal::TERM);
+        assert!(before.ended().is_some_and(|s| s.success()), "{:?}", before.said());
+        *before = plain_panel(&self.scratch, &["--programs", "programs", "--ini-file", INI]);
         self.port = self.listens();
     }
 

@@ -6,7 +6,12 @@ use hal_tests::{
     web::{self, Socket},
 };
 use serde_json::json;
-use std::{fs, io::ErrorKind, os::unix::net::UnixStream};
+use std::{
+    fs,
+    io::{ErrorKind, Read as _, Write as _},
+    net::TcpStream,
+    os::unix::net::UnixStream,
+};
 
 /// A user without rights: `nobody`.
 const NOBODY: u32 = 65_534;
@@ -55,4 +60,30 @@ fn another_user_of_the_computer_reaches_neither_the_machine_nor_a_session() {
     assert_eq!(session.socket().command("abort", &json!({})), "");
     let save = |what: &str| printer.halcmd(what);
     assert_eq!(save("getp motion.motion-enabled").trim(), "FALSE");
+}
+
+/// Connections of one user of this computer.
+const MAX_OWN: usize = 512;
+
+#[test]
+fn another_user_of_the_computer_takes_no_connection_of_others() {
+    if !is_root() {
+        return;
+    }
+    let printer = Printer::start("viewer");
+    let (host, port) = (printer.host(), printer.port);
+    let ended = as_user(NOBODY, || {
+        let connect = || TcpStream::connect(("127.0.0.1", port)).unwrap();
+        let taken: Vec<_> = (0..MAX_OWN).map(|_| connect()).collect();
+        // One more is closed without a word, whatever it asks.
+        let mut more = connect();
+        let asked = format!("GET / HTTP/1.1\r\n{host}\r\n");
+        more.write_all(asked.as_bytes()).unwrap_or_default();
+        let ended = more.read(&mut [0; 1]).unwrap_or(0);
+        (taken, ended)
+    });
+    assert_eq!(ended.1, 0);
+    // The person who owns the machine is served meanwhile.
+    assert_eq!(printer.sign_in().socket().command("estop", &json!({})), "");
+    drop(ended);
 }

@@ -442,6 +442,7 @@ const TEXTS = {
   "watch.link.hint": ["An empty name unlinks the pin.", "Un nombre vacío desenlaza el pin."],
   "watch.name": ["Name", "Nombre"],
   "watch.remove": ["Remove", "Quitar"],
+  "watch.role": ["Only an integrator sets and links pins: sign in with such an account, or start halpanel with --role integrator and open its address.", "Solo un integrador fija y enlaza pines: entre con una cuenta así, o inicie halpanel con --role integrator y abra su dirección."],
   "watch.set": ["Set", "Fijar"],
   "watch.signal": ["Signal", "Señal"],
   "watch.value": ["Value", "Valor"],

@@ -67,6 +67,11 @@ impl Engine {
         Self::of(ALL, answer)
     }
 
+    /// Ends it, as the end of the engine does.
+    pub(crate) fn end(&self) {
+        self.line().end();
+    }
+
     /// Returns the way to an engine of a machine with these commands that answers so.
     pub(crate) fn of(
         commands: &[&str],

@@ -1,6 +1,6 @@
 //! Geometry of small programs.
 
-use super::{Cut, Geometry, distance, is_cutter, read};
+use super::{Cut, Geometry, Limit, distance, is_cutter, read};
 use hal_job::world;
 use std::path::Path;
 
@@ -10,7 +10,8 @@ fn of(name: &str, text: &str, tolerance: f64) -> Geometry {
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join(name);
     std::fs::write(&file, text).unwrap();
-    let geometry = read(None, &file, world::program(&file).unwrap(), tolerance);
+    let geometry =
+        read(None, &file, world::program(&file).unwrap(), tolerance, &mut |_| Ok(()));
     std::fs::remove_file(&file).unwrap();
     geometry.unwrap()
 }
@@ -169,4 +170,30 @@ fn a_step_that_only_turns_the_tool_is_no_rapid_move() {
     let stands = turns.windows(2).filter(|pair| pair[0].at == pair[1].at);
     assert!(stands.clone().count() > 1, "{turns:?}");
     assert!(stands.clone().all(|pair| pair[1].kind == 2 && pair[1].feed > 0.0), "{turns:?}");
+}
+
+#[test]
+fn a_program_without_an_end_is_read_as_long_as_it_may_be() {
+    let folder = std::env::temp_dir().join(format!("panel-endless-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, text) in [
+        ("quiet.ngc", "o1 repeat [2000000000]\no1 endrepeat\nM2\n"),
+        ("moves.ngc", "G21 G91\no1 repeat [2000000000]\nG0 X1\nG0 X-1\no1 endrepeat\nM2\n"),
+        ("call.ngc", "o<a> sub\no2 while [1]\nG4 P0\no2 endwhile\no<a> endsub\no<a> call\nM2\n"),
+    ] {
+        let file = folder.join(name);
+        std::fs::write(&file, text).unwrap();
+        let (mut looks, mut most) = (0, 0);
+        let read = read(None, &file, 0.0, &mut |bytes| {
+            looks += 1;
+            most = most.max(bytes);
+            if looks > 20 { Err(Limit::Gone) } else { Ok(()) }
+        });
+        let geometry = read.unwrap();
+        assert!(looks <= 21 && geometry.error.is_some(), "{name}: {looks}");
+        assert!(most < 32 << 20, "{name}: {most} bytes");
+        let kept = geometry.points.len() * size_of::<super::Point>();
+        assert!(geometry.memory() >= kept && geometry.memory() >= geometry.bytes().len(), "{name}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
 }

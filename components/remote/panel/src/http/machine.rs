@@ -1,10 +1,11 @@
 //! The machine's files: tools, offsets, and the paths of programs.
 
-use super::programs::MAX_BYTES;
+use super::sent;
 use crate::{
     error::{Code, Error},
     folders::whole,
     geometry,
+    pool::Work,
     server::Panel,
     session::Session,
 };
@@ -22,6 +23,8 @@ use tokio::task::block_in_place;
 
 /// Names of the coordinate systems.
 const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
+/// Largest cutter-location file that is shown, in bytes.
+const MAX_CUTTER: u64 = 16 << 20;
 /// Header with the reason why a program was not read to its end.
 const ERROR: HeaderName = HeaderName::from_static("x-ferrule-error");
 /// Header with the frame of the part: X Y Z, roll, pitch and yaw.
@@ -85,7 +88,7 @@ pub(crate) async fn offsets(
 /// Returns the geometry of a program.
 pub(crate) async fn path(
     State(panel): State<Arc<Panel>>,
-    _: Session,
+    session: Session,
     Path(name): Path<String>,
     RawQuery(query): RawQuery,
 ) -> Result<Response, Error> {
@@ -99,21 +102,27 @@ pub(crate) async fn path(
             })?
         }
     };
-    let reading = panel.reading.lock().await;
-    let read = block_in_place(|| {
+    let (cell, ini) = (panel.options.cell.clone(), panel.options.ini_file.clone());
+    let is_inch = panel.is_inch;
+    let read = move |work: &mut Work| {
+        let refused = |why: String| Error::new(Code::Refused, why);
         if geometry::is_cutter(&name) {
-            let text = whole(file, MAX_BYTES).map_err(|e| hal_output::reason(&e))?;
-            let cell = panel.options.cell.as_deref();
-            let cut = geometry::Cut::read(cell, &path, &text, panel.is_inch)?;
-            return Ok((cut.geometry.bytes(), None, Some(cut)));
+            check_size(&file)?;
+            let text = whole(file, MAX_CUTTER).map_err(|e| refused(hal_output::reason(&e)))?;
+            let read = || geometry::Cut::read(cell.as_deref(), &path, &text, is_inch);
+            let cut = work.apart(read)?.map_err(refused)?;
+            work.look(cut.geometry.memory())?;
+            return Ok((cut.geometry.bytes(), None, Some((cut.frame, cut.cutters))));
         }
-        let text = text_of(file).map_err(|e| hal_output::reason(&e))?;
-        let read = geometry::read(panel.options.ini_file.as_deref(), &path, text, tolerance);
-        read.map(|geometry| (geometry.bytes(), geometry.error, None))
-    });
-    drop(reading);
-    let (bytes, error, cut) = read.map_err(|e: String| Error::new(Code::Refused, e))?;
-    let mut response = bytes.into_response();
+        let text = text_of(file).map_err(|e| refused(hal_output::reason(&e)))?;
+        let mut look = |bytes| work.look(bytes);
+        let geometry = geometry::read(ini.as_deref(), &path, text, tolerance, &mut look);
+        let geometry = geometry.map_err(refused)?;
+        Ok((geometry.bytes(), geometry.error, None))
+    };
+    let ((bytes, error, cut), mut seat) = panel.pool.run(session.seated(), read).await?;
+    seat.take(bytes.capacity())?;
+    let mut response = sent::body(bytes, seat).into_response();
     let kind = HeaderValue::from_static("application/octet-stream");
     response.headers_mut().insert(header::CONTENT_TYPE, kind);
     let mut add = |name: HeaderName, text: &str| {
@@ -124,11 +133,22 @@ pub(crate) async fn path(
     if let Some((line, text)) = error {
         add(ERROR, &format!("{line} {text}"));
     }
-    if let Some(cut) = cut {
-        add(FRAME, &json!(cut.frame).to_string());
-        add(CUTTERS, &json!(cut.cutters).to_string());
+    if let Some((frame, cutters)) = cut {
+        add(FRAME, &json!(frame).to_string());
+        add(CUTTERS, &json!(cutters).to_string());
     }
     Ok(response)
+}
+
+/// Refuses a cutter-location file that is too large for a picture: an arm's path along it is planned in one piece.
+fn check_size(file: &std::fs::File) -> Result<(), Error> {
+    let bytes = file.metadata().map_or(0, |about| about.len());
+    if bytes <= MAX_CUTTER {
+        return Ok(());
+    }
+    let text =
+        format!("a cutter-location file has {bytes} bytes; those up to {MAX_CUTTER} are shown");
+    Err(Error::new(Code::TooLarge, text))
 }
 
 /// Returns a text with percent signs for everything that a header might not hold.

@@ -8,6 +8,7 @@ mod machine;
 mod output;
 pub(crate) mod pictures;
 mod programs;
+mod sent;
 mod sign_in;
 
 use crate::{
@@ -84,3 +85,6 @@ async fn file(State(panel): State<Arc<Panel>>, request: Request) -> Response {
     }
     page::file(panel.options.page.as_deref(), &path, request.headers()).await
 }
+
+#[cfg(test)]
+mod tests;

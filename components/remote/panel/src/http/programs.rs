@@ -1,5 +1,6 @@
 //! Programs: those of the machine, and those that are sent.
 
+use super::sent;
 use crate::{
     error::{Code, Error},
     folders::{refused as unopened, whole},
@@ -76,14 +77,18 @@ pub(super) fn listed(found: &Found) -> Value {
 /// Returns the text of a program.
 pub(crate) async fn text(
     State(panel): State<Arc<Panel>>,
-    _: Session,
+    session: Session,
     Path(name): Path<String>,
 ) -> Result<Response, Error> {
+    let mut seat = panel.pool.seat(session.seated())?;
     let text = block_in_place(|| -> Result<_, Error> {
         let (_, file) = panel.shown_program(&name)?;
+        let bytes = file.metadata().map_or(0, |about| about.len());
+        seat.take(usize::try_from(bytes).unwrap_or(usize::MAX))?;
         whole(file, MAX_BYTES).map_err(|e| disk(&e))
     })?;
-    Ok(([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response())
+    let kind = [(header::CONTENT_TYPE, "text/plain; charset=utf-8")];
+    Ok((kind, sent::body(text, seat)).into_response())
 }
 
 /// Stores a program, as a whole or not at all.

@@ -3,23 +3,21 @@
 use crate::{
     accounts::Wrong,
     error::{Code, Error},
+    limits::{Peer, SignInPlace},
     server::Panel,
-    session::{Role, Session, cookie_name},
+    session::{LOCAL, Role, Session, cookie, cookie_name, device_name},
 };
 use axum::{
-    Json,
+    Extension, Json,
     body::Bytes,
     extract::{FromRequestParts, State},
     http::{HeaderMap, Method, header, request::Parts},
-    response::{IntoResponse, Response},
+    response::{AppendHeaders, IntoResponse, Response},
 };
 use serde::Deserialize;
 use serde_json::json;
 use std::sync::Arc;
 use tokio::task::block_in_place;
-
-/// Name of who opened the address with the one-time token.
-const LOCAL: &str = "local";
 
 impl FromRequestParts<Arc<Panel>> for Session {
     type Rejection = Error;
@@ -31,6 +29,9 @@ impl FromRequestParts<Arc<Panel>> for Session {
     }
 }
 
+/// Path of sign-ins, to which browsers send the devices that they keep, and the time for which they keep them in seconds.
+const PATH: &str = "/api/v1/session";
+const YEAR: u32 = 365 * 24 * 3600;
 /// Longest name of a user in the audit log, in characters.
 const MAX_NAME: usize = 64;
 
@@ -75,15 +76,22 @@ impl Panel {
     }
 
     /// Returns the role of who has this password.
-    pub(crate) fn by_password(&self, user: &str, password: &str) -> Result<Role, Error> {
+    pub(crate) fn by_password(
+        &self,
+        user: &str,
+        password: &str,
+        source: &SignInPlace,
+    ) -> Result<Role, Error> {
         let accounts = self.security.accounts.as_ref().ok_or_else(|| {
             Error::new(Code::WrongLogin, "there are no accounts: sign in with the token")
         })?;
         // Hashing a password takes a while, and memory: one after the other.
-        block_in_place(|| accounts.check(user, password)).map_err(|why| match why {
+        block_in_place(|| accounts.check(user, password, source)).map_err(|why| match why {
             Wrong::Login => Error::new(Code::WrongLogin, "the user or the password is wrong"),
-            Wrong::Haste => {
-                Error::new(Code::TooMany, "too many passwords were tried: wait a little")
+            Wrong::Haste(wait) => {
+                let seconds = wait.as_secs_f64().ceil();
+                let text = format!("too many sign-ins have failed from there: wait {seconds} s");
+                Error::new(Code::TooMany, text)
             }
         })
     }
@@ -92,16 +100,28 @@ impl Panel {
 /// Begins a session.
 pub(crate) async fn sign_in(
     State(panel): State<Arc<Panel>>,
+    Extension(peer): Extension<Peer>,
+    headers: HeaderMap,
     body: Bytes,
 ) -> Result<Response, Error> {
     let login: Login = serde_json::from_slice(&body)
         .map_err(|e| Error::new(Code::Malformed, format!("this is no login: {e}")))?;
+    let port = panel.address.port();
+    let (kept, mut device) = (cookie(&headers, &device_name(port)), None);
     let (user, role) = match login {
         Login::Token(login) => {
             (LOCAL.to_owned(), panel.by_token(&login.token, login.attempt.as_deref()))
         }
         Login::Password(login) => {
-            let role = panel.by_password(&login.user, &login.password);
+            let accounts = panel.security.accounts.as_ref();
+            let source = accounts.map_or_else(
+                || peer.source(),
+                |accounts| accounts.source(&login.user, &kept, peer.source()),
+            );
+            let role = panel.by_password(&login.user, &login.password, &source);
+            if role.is_ok() {
+                device = accounts.and_then(|accounts| accounts.with_device(&login.user, &kept));
+            }
             (login.user, role)
         }
     };
@@ -109,11 +129,17 @@ pub(crate) async fn sign_in(
     panel.audit.note_login(&shown, "sign-in", role.as_ref().map(|_| ()));
     let begun = panel.sessions.begin(&user, role?);
     let (session, key) = begun.map_err(|why| Error::new(Code::Disk, why))?;
-    let name = cookie_name(panel.address.port());
     let secure = if panel.security.tls.is_some() { "; Secure" } else { "" };
-    let cookie = format!("{name}={}; HttpOnly; SameSite=Strict; Path=/{secure}", session.cookie);
+    let name = cookie_name(port);
+    let mut cookies =
+        vec![format!("{name}={}; HttpOnly; SameSite=Strict; Path=/{secure}", session.cookie)];
+    cookies.extend(device.map(|device| {
+        let name = device_name(port);
+        format!("{name}={device}; HttpOnly; SameSite=Strict; Path={PATH}; Max-Age={YEAR}{secure}")
+    }));
     let body = json!({ "role": session.role, "user": session.user, "key": key });
-    Ok(([(header::SET_COOKIE, cookie)], Json(body)).into_response())
+    let cookies = AppendHeaders(cookies.into_iter().map(|cookie| (header::SET_COOKIE, cookie)));
+    Ok((cookies, Json(body)).into_response())
 }
 
 /// Tells whose session it is.

@@ -1,10 +1,11 @@
 //! A panel for tests, without a server.
 
 use super::{
-    Arc, Audit, Clients, Engine, Epochs, Map, Mutex, Options, Panel, Pictures, Place, Security,
-    Semaphore, Sessions, accounts, watch,
+    Arc, Audit, Clients, Engine, Epochs, Map, Mutex, Options, Panel, Pictures, Place, Pool,
+    Security, Semaphore, Sessions, accounts, watch,
 };
 use clap::Parser as _;
+use std::sync::OnceLock;
 
 impl Panel {
     /// Returns a panel without a server, in a folder of its own, with the account ana and the engine's way.
@@ -12,7 +13,13 @@ impl Panel {
         let folder = std::env::temp_dir().join(format!("halpanel-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let people = folder.join("people");
-        accounts::add(&people, "ana=operator", &mut &b"correct horse\n"[..]).unwrap();
+        // The hash of a password takes its time: it is made once.
+        static ANA: OnceLock<Vec<u8>> = OnceLock::new();
+        let ana = ANA.get_or_init(|| {
+            accounts::add(&people, "ana=operator", &mut &b"correct horse\n"[..]).unwrap();
+            std::fs::read(&people).unwrap()
+        });
+        hal_output::install(&people, ana, 0o600).unwrap();
         let words =
             ["halpanel", "--role", "integrator", "--accounts"].map(std::ffi::OsString::from);
         let options = Options::parse_from(words.into_iter().chain([people.into_os_string()]));
@@ -20,6 +27,7 @@ impl Panel {
             address: options.listen,
             security: Security::open(&options).unwrap(),
             options,
+            wiring: engine.clone(),
             engine,
             epochs: Epochs::default(),
             on_loss: 0.into(),
@@ -29,7 +37,7 @@ impl Panel {
             heart: Arc::default(),
             audit: Audit::open(&folder.join("audit")).unwrap(),
             folders: super::Folders::default(),
-            reading: Mutex::default(),
+            pool: Pool::default(),
             scopes: Arc::new(Semaphore::new(1)),
             pressing: Mutex::default(),
             pictures: Pictures::default(),

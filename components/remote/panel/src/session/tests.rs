@@ -17,6 +17,15 @@ fn begin(sessions: &Sessions) -> (Session, String) {
     sessions.begin("ana", Role::Operator).unwrap()
 }
 
+impl Sessions {
+    /// Takes the role that a person loses without input.
+    pub(crate) fn forget_input(&self, session: &Session) {
+        if let Some(entry) = self.list().get_mut(&session.cookie) {
+            entry.session.role = Role::Viewer;
+        }
+    }
+}
+
 #[test]
 fn who_gives_no_input_only_looks_until_the_next_sign_in() {
     run(async {

@@ -1,14 +1,14 @@
 //! The WebSocket: status, messages and commands.
 
 mod message;
-mod orders;
+pub(crate) mod orders;
 mod view;
 
 use crate::{
     error::{Code, Error},
     scope::{MAX_SCOPES, Scope, Wanted},
     server::{Panel, SendBuffer},
-    session::{Role, Session, cookie},
+    session::{Role, Session, cookie, cookie_name},
     values,
 };
 use axum::{
@@ -62,7 +62,7 @@ pub(crate) async fn open(
     upgrade: WebSocketUpgrade,
 ) -> Response {
     send_buffer.shrink();
-    let cookie = cookie(&headers, panel.address.port());
+    let cookie = cookie(&headers, &cookie_name(panel.address.port()));
     let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
     upgrade.on_upgrade(async move |mut socket| {
         let why = match sign_in(&panel, &mut socket, &cookie).await {
@@ -308,8 +308,9 @@ impl Connection {
         };
         let full = |_| Error::new(Code::TooMany, format!("{MAX_SCOPES} scopes run already"));
         let permit = self.panel.scopes.clone().try_acquire_owned().map_err(full)?;
+        let seat = self.panel.pool.seat(self.session.seated())?;
         let (place, answers) = (self.panel.place.clone(), self.answers.clone());
-        self.scope = Some(Scope::start(place, id, wanted, answers, permit)?);
+        self.scope = Some(Scope::start(place, id, wanted, answers, (permit, seat))?);
         Ok(())
     }
 

@@ -180,12 +180,6 @@ impl Order {
             Action::ToolChanged => return self.tool_changed(lease).await,
             Action::Stop(_) | Action::EndJogs => given.plain("motion.jog-stop")?,
         };
-        if let Some(signal) = commands::signal_of(name, args) {
-            let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
-            if let Reply::Items(pins) = self.panel.engine.call(list).await? {
-                commands::guard_signal(signal, &pins)?;
-            }
-        }
         let mut epoch = match self.given {
             Given::In(epoch) => epoch,
             Given::AfterStop => None,
@@ -294,7 +288,7 @@ impl Order {
 
     /// Presses the button of the tool change. The plugin releases it, whatever becomes of this program.
     async fn tool_changed(&self, lease: u64) -> Result<Json, Error> {
-        let engine = &self.panel.engine;
+        let (engine, wiring) = (&self.panel.engine, &self.panel.wiring);
         let pressing = self.panel.pressing.lock().await;
         let list = Request::List { kind: Kind::Pins, patterns: Vec::new(), ty: None };
         let Reply::Items(pins) = engine.call(list).await? else {
@@ -310,13 +304,14 @@ impl Order {
         if let Some(signal) = request.signal.clone()
             && pin(TOOL_CHANGE.1).is_some_and(|pin| pin.signal.is_none())
         {
-            engine.call(Request::Net { signal, pins: vec![TOOL_CHANGE.1.to_owned()] }).await?;
+            let pins = vec![TOOL_CHANGE.1.to_owned()];
+            wiring.call(Request::Net { signal, pins }).await?;
         }
         let link = hal_lease::join(&pins, TOOL_CHANGED);
         let link = link.map_err(|why| Error::new(Code::Refused, why))?;
         let is_linked_here = link.is_some();
         if let Some(link) = link {
-            engine.call(link).await?;
+            wiring.call(link).await?;
         }
         let args = vec![format!("lease={lease}")];
         let pressed = Request::Command { name: TOOL_CHANGED.0.to_owned(), args };
@@ -326,7 +321,7 @@ impl Order {
             while values::is_on(engine, TOOL_CHANGED.0).await? {
                 sleep(LOOK).await;
             }
-            engine.call(Request::Unlink { pin: TOOL_CHANGED.2.to_owned() }).await?;
+            wiring.call(Request::Unlink { pin: TOOL_CHANGED.2.to_owned() }).await?;
         }
         drop(pressing);
         pressed
@@ -357,5 +352,7 @@ async fn follow(
     }
 }
 
+#[cfg(test)]
+pub(crate) mod rights;
 #[cfg(test)]
 mod tests;

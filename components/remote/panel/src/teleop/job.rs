@@ -217,7 +217,7 @@ async fn check_and_begin(
         drop(timeout(SETTLE, status.changed()).await);
     }
     let start = Start { panel, client: user.client, stops, epoch };
-    let reading = start.during(panel.reading.lock()).await?;
+    start.check()?;
     let file = panel.teleop_file();
     let lengths = block_in_place(|| {
         let written = hal_output::install(&file, &program, 0o600);
@@ -227,7 +227,6 @@ async fn check_and_begin(
         let ini = panel.options.ini_file.as_deref();
         check::read(ini, &file, pose(panel), &|| start.check())
     });
-    drop(reading);
     let lengths = lengths?;
     let begun = begin(start, user, file, lengths).await;
     if begun.is_err() {

@@ -7,7 +7,7 @@ use super::{
     settings::Settings,
     sign_in,
 };
-use crate::{error::Error, server::Panel, session::Role, status::Joined};
+use crate::{error::Error, limits::Peer, server::Panel, session::Role, status::Joined};
 use serde_json::Value as Json;
 use std::{
     collections::BTreeMap,
@@ -51,6 +51,7 @@ enum Notice {
 }
 
 struct Connection {
+    peer: Peer,
     answers: mpsc::Sender<Vec<u8>>,
     /// Permits to read a segment.
     permits: Arc<Semaphore>,
@@ -196,9 +197,12 @@ impl Service {
         let Some(id) = self.server.connect(peer.ip().to_canonical(), self.now) else {
             return refuse(stream, tls.is_none(), FULL);
         };
+        let ours = stream.local_addr().unwrap_or(peer);
+        let peer = Peer { theirs: peer, ours };
         let (answers, mut queue) = mpsc::channel(MAX_ANSWERS);
         let permits = Arc::new(Semaphore::new(1));
-        let connection = Connection { answers, permits: permits.clone(), waits: false, user: None };
+        let connection =
+            Connection { peer, answers, permits: permits.clone(), waits: false, user: None };
         self.connections.insert(id, connection);
         let events = self.events.clone();
         tokio::spawn(async move {
@@ -288,10 +292,11 @@ impl Service {
                 Action::SignIn { id, user, secret } => {
                     let (panel, events) = (self.panel.clone(), self.events.clone());
                     let is_network = self.is_network;
+                    let Some(peer) = self.connections.get(&id).map(|c| c.peer) else { continue };
                     tokio::spawn(async move {
                         // Hashing a password takes a while.
                         let role = tokio::task::block_in_place(|| {
-                            sign_in::role(&panel, &user, &secret, is_network)
+                            sign_in::role(&panel, &user, &secret, &peer.source(), is_network)
                         });
                         drop(events.send(Notice::SignedIn(id, user, role)).await);
                     });

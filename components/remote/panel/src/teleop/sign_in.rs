@@ -3,6 +3,7 @@
 use super::job::User;
 use crate::{
     error::Error,
+    limits::SignInPlace,
     server::Panel,
     session::{Role, Session},
 };
@@ -12,6 +13,7 @@ pub(super) fn role(
     panel: &Panel,
     user: &str,
     secret: &str,
+    source: &SignInPlace,
     is_network: bool,
 ) -> Result<Role, Error> {
     let accounts = panel.security.accounts.as_ref();
@@ -20,7 +22,7 @@ pub(super) fn role(
         Some(Ok(role)) => (format!("local ({user})"), Ok(role)),
         Some(Err(why)) if accounts.is_none() => (user.to_owned(), Err(why)),
         // A password cannot be a token: tokens are random, and of one length.
-        Some(Err(_)) | None => (user.to_owned(), panel.by_password(user, secret)),
+        Some(Err(_)) | None => (user.to_owned(), panel.by_password(user, secret, source)),
     };
     panel.audit.note_login(&name, "teleop sign-in", role.as_ref().map(|_| ()));
     role
@@ -39,7 +41,7 @@ mod tests {
     //! Uses of the token.
 
     use super::role;
-    use crate::{engine::Engine, server::Panel, session::Role};
+    use crate::{engine::Engine, limits::SignInPlace, server::Panel, session::Role};
     use hal_protocol::Reply;
 
     #[test]
@@ -48,7 +50,7 @@ mod tests {
         let folder = panel.place.folder().to_owned();
         let login = |user: &str, secret: &str, is_network| {
             panel.sessions.set_token("token".to_owned());
-            role(&panel, user, secret, is_network).map_err(|why| why.text)
+            role(&panel, user, secret, &SignInPlace::User(1), is_network).map_err(|why| why.text)
         };
         let wrong = || Err("the user or the password is wrong".to_owned());
         for (user, secret, is_network, right) in [

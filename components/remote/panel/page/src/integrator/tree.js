@@ -1,6 +1,6 @@
 // Pins, parameters, signals, functions and threads: a tree with search, a watch list, values to set and links to make.
 
-import { ask, card, el, field, setText } from "../dom.js";
+import { ask, card, el, field, setText, show } from "../dom.js";
 import { getJson, listPath } from "../http.js";
 
 const KINDS = ["pins", "params", "signals", "functs", "threads", "components"];
@@ -136,5 +136,7 @@ export function watchCard(ctx) {
   store.listen(draw, signal);
   signal.addEventListener("abort", () => link.watch("watch", []));
   const clear = el("button", { type: "button", onclick: () => prefs.set("watch", []) }, t("watch.clear"));
-  return card("watch", t("watch"), table, el("div", { class: "row" }, clear));
+  const role = el("p", { id: "watch-role", class: "note" }, t("watch.role"));
+  store.listen(() => show(role, ctx.role() !== "integrator"), signal);
+  return card("watch", t("watch"), table, role, el("div", { class: "row" }, clear));
 }

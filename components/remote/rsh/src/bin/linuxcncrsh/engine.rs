@@ -40,7 +40,7 @@ pub(crate) struct Engine {
 
 impl Engine {
     pub(crate) fn new(source: &Served, session: u64, input: Input) -> Result<Self, String> {
-        let mut client = Client::connect(&source.place, "").map_err(|e| e.to_string())?;
+        let mut client = Client::connect_from_afar(&source.place).map_err(|e| e.to_string())?;
         let orders = hal_lease::orders(&mut client)?;
         let motion = client.snapshot("motion.status").map_err(|e| e.to_string())?;
         let task = client.snapshot("task.status").ok();

@@ -5,7 +5,6 @@ mod connection;
 mod control;
 mod engine;
 mod options;
-mod user;
 
 use control::Control;
 use engine::Served;
@@ -84,7 +83,7 @@ fn serve(listener: &TcpListener, source: &Arc<Served>, most: usize, only_own: bo
             pause(LOOK);
             continue;
         };
-        if only_own && !user::is_own(&stream) {
+        if only_own && !hal_lease::is_own(&stream) {
             let text = "Only programs of the user of linuxcncrsh are served with its well-known passwords.\r\n";
             // Who is refused need not read it.
             drop((&stream).write_all(text.as_bytes()));

@@ -10,13 +10,18 @@ use std::{
 const TABLE: &str = "/proc/net/tcp";
 
 /// Returns whether the other end belongs to the user of this process, or to root.
-pub(crate) fn is_own(stream: &TcpStream) -> bool {
+#[must_use]
+pub fn is_own(stream: &TcpStream) -> bool {
     let own = fs::metadata("/proc/self").map(|process| process.uid());
     let ends = stream.peer_addr().and_then(|theirs| Ok((theirs, stream.local_addr()?)));
-    let (Ok(own), Ok((theirs, ours)), Ok(table)) = (own, ends, fs::read_to_string(TABLE)) else {
-        return false;
-    };
-    user_of(&table, theirs, ours).is_some_and(|user| user == own || user == 0)
+    let (Ok(own), Ok((theirs, ours))) = (own, ends) else { return false };
+    user_at(theirs, ours).is_some_and(|user| user == own || user == 0)
+}
+
+/// Returns the user at the other end of an open connection of this computer, by the addresses of both ends.
+#[must_use]
+pub fn user_at(theirs: SocketAddr, ours: SocketAddr) -> Option<u32> {
+    user_of(&fs::read_to_string(TABLE).ok()?, theirs, ours)
 }
 
 /// Returns the user of a socket in the table.
