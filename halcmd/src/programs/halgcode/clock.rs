@@ -21,6 +21,9 @@ const UNBOUNDED: f64 = 1e6;
 /// Number of cells that stay planned ahead of the follower. The follower runs when there are twice as many.
 const AHEAD: u64 = 1000;
 
+/// Distance of places of the planned path from each other at least, in millimetres.
+const NEAR: f64 = 0.005;
+
 /// Clock that advances by the calls of a program.
 pub(super) struct Clock {
     planner: Planner<Trivial>,
@@ -38,6 +41,8 @@ pub(super) struct Clock {
     speed: f64,
     /// Travel per revolution, or per minute, of motion bound to the spindle.
     bound: Option<(f64, bool)>,
+    /// Places of the planned path in X, Y and Z, if they are kept.
+    path: Option<Vec<[f64; 3]>>,
 }
 
 impl Clock {
@@ -63,7 +68,25 @@ impl Clock {
             per_revolution: state.modal.feed_mode == FeedMode::PerRevolution,
             speed: state.modal.spindles.first().map_or(0.0, |s| s.speed),
             bound: None,
+            path: None,
         })
+    }
+
+    /// Keeps the places of the planned path from now on.
+    pub(super) fn keep_path(&mut self) {
+        self.path = Some(Vec::new());
+    }
+
+    /// Returns the number of places that are kept.
+    pub(super) fn places(&self) -> usize {
+        self.path.as_ref().map_or(0, Vec::len)
+    }
+
+    /// Returns the planned path in machine coordinates, in millimetres, with a place at least every servo period or every
+    /// [`NEAR`].
+    pub(super) fn path(mut self) -> Vec<[f64; 3]> {
+        self.rest();
+        self.path.unwrap_or_default()
     }
 
     /// Takes a call into account.
@@ -191,8 +214,16 @@ impl Clock {
     }
 
     fn step(&mut self) {
-        let _ = self.follower.step(self.planner.track(), 1.0, false);
+        let step = self.follower.step(self.planner.track(), 1.0, false);
         self.periods += 1;
+        let Some(path) = &mut self.path else { return };
+        let [x, y, z, ..] = step.pose.0;
+        let is_near = |last: &[f64; 3]| {
+            [x, y, z].iter().zip(last).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() < NEAR * NEAR
+        };
+        if !path.last().is_some_and(is_near) {
+            path.push([x, y, z]);
+        }
     }
 
     /// Ends the planned path, and runs the follower to its end.

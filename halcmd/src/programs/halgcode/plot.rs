@@ -1,6 +1,7 @@
 //! `halgcode plot`: the way of the tool as a picture.
 
 use super::{
+    clock::Clock,
     filter,
     help::usage_of,
     language,
@@ -58,7 +59,7 @@ const OPTIONS: &[Opt<Id>] = &[
         ..Opt::short_with(Id::Size, 'S', "WIDTHxHEIGHT")
     },
     Opt {
-        help: "the machine's INI file: its limits are drawn",
+        help: "the machine's INI file: its limits are drawn, and the path that motion plans",
         ..Opt::short_with(Id::Ini, 'i', "INI")
     },
     Opt { help: "the tool table", ..Opt::short_with(Id::Table, 't', "TABLE") },
@@ -105,7 +106,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     machine.settings.block_delete = is_given(Id::BlockDelete);
     language::set(&mut machine, value(Id::Dialect))?;
     let world = World::with_functions(machine, BTreeMap::new());
-    let (moves, failed) = follow(file, &world)?;
+    let Followed { moves, planned, failed } = follow(file, &world)?;
     let title = value(Id::Title).map_or_else(
         || {
             Path::new(file)
@@ -124,7 +125,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
         (None, None, None) => None,
         (x, y, z) => Some([x, y, z].map(|l| l.unwrap_or((0.0, 0.0)))),
     };
-    let views = Views::new(moves, limits, title, size)
+    let views = Views::new(moves, planned, limits, title, size)
         .ok_or_else(|| format!("{file}: there is no move to draw"))?;
     let bytes = kind.bytes(&views)?;
     let written = hal_output::write(&output, &bytes);
@@ -132,8 +133,17 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-/// Returns the moves of a program, and whether it has an error.
-fn follow(file: &str, world: &World) -> Result<(Vec<Move>, bool), String> {
+/// A program that was followed.
+struct Followed {
+    moves: Vec<Move>,
+    /// The planned path, if the INI file states what the planner needs.
+    planned: Vec<[f64; 3]>,
+    /// True if the program has an error; the moves are those before it.
+    failed: bool,
+}
+
+/// Follows a program.
+fn follow(file: &str, world: &World) -> Result<Followed, String> {
     let machine = &world.machine;
     let text = filter::load(Path::new(file), machine)?;
     let mut it = Interpreter::new(machine.settings.clone(), machine.numbered.clone());
@@ -143,6 +153,8 @@ fn follow(file: &str, world: &World) -> Result<(Vec<Move>, bool), String> {
     let mut moves: Vec<Move> = Vec::new();
     let mut extents = Extents::new();
     let mut points = 0usize;
+    let mut clock = Clock::new(&it, machine);
+    clock.iter_mut().for_each(Clock::keep_path);
     let result = run(
         &mut it,
         world,
@@ -161,18 +173,21 @@ fn follow(file: &str, world: &World) -> Result<(Vec<Move>, bool), String> {
                     }
                 }
             });
-            if points > MAX_POINTS {
+            // What the planner refuses, `check` reports.
+            drop(clock.as_mut().map(|clock| clock.call(issued)));
+            if points + clock.as_ref().map_or(0, Clock::places) > MAX_POINTS {
                 return Err(Stop::Output(format!("{file}: more than {MAX_POINTS} points to draw")));
             }
             Ok(())
         },
     );
-    match result {
-        Ok(()) => Ok((moves, false)),
-        Err(Stop::Output(reason)) => Err(reason),
+    let failed = match result {
+        Ok(()) => false,
+        Err(Stop::Output(reason)) => return Err(reason),
         Err(Stop::Program(error)) => {
             print_error(&format!("{error}\n"));
-            Ok((moves, true))
+            true
         }
-    }
+    };
+    Ok(Followed { moves, planned: clock.map(Clock::path).unwrap_or_default(), failed })
 }

@@ -24,6 +24,8 @@ type Limits = [(f64, f64); 3];
 /// The picture.
 pub(super) struct Views {
     moves: Vec<Move>,
+    /// The path that motion plans, if it is known.
+    planned: Vec<[f64; 3]>,
     limits: Option<Limits>,
     low: [f64; 3],
     high: [f64; 3],
@@ -73,6 +75,9 @@ const TURNED: [View; 1] = [View {
 
 const FEED: RGBColor = COLOURS[0];
 const RAPID: RGBColor = COLOURS[1];
+/// The path that motion plans: wide, under the programmed one.
+const PLANNED: RGBColor = COLOURS[2];
+const PLANNED_SHARE: f64 = 0.35;
 const TOP: u32 = 64;
 /// The distance in pixels below which points are one.
 const NEAR: f64 = 1.5;
@@ -89,9 +94,10 @@ impl View {
 }
 
 impl Views {
-    /// Returns the picture of moves; `None` without any.
+    /// Returns the picture of moves, and of the planned path under them; `None` without any move.
     pub(super) fn new(
         moves: Vec<Move>,
+        planned: Vec<[f64; 3]>,
         limits: Option<Limits>,
         title: String,
         size: (u32, u32),
@@ -106,7 +112,7 @@ impl Views {
                 }
             }
         }
-        Some(Self { moves, limits, low, high, title, size })
+        Some(Self { moves, planned, limits, low, high, title, size })
     }
 
     /// Returns the corners of the box of the moves, or of the limits where they are in sight.
@@ -164,6 +170,10 @@ impl Views {
         };
         for seen in self.seen_edges(view, x, y) {
             chart.draw_series([PathElement::new(seen.to_vec(), line(MARK, 0.8, 1))])?;
+        }
+        if !self.planned.is_empty() {
+            let points = thin(self.planned.iter().map(|p| view.project(*p)), scale * NEAR);
+            chart.draw_series([PathElement::new(points, line(PLANNED, PLANNED_SHARE, 4))])?;
         }
         for rapid in [true, false] {
             let style = if rapid { line(RAPID, 0.55, 1) } else { line(FEED, 1.0, 1) };
@@ -228,11 +238,13 @@ impl Picture for Views {
         let extents = format!("X {x}   Y {y}   Z {z}   (machine, mm)");
         root.draw_text(&extents, &left(13, PALE), (16, 38))?;
         let (width, _) = self.size;
-        let mut at = i32::try_from(width).unwrap_or(i32::MAX) - 330;
+        let mut at = i32::try_from(width).unwrap_or(i32::MAX) - 430;
         let mut legend = vec![(FEED, "feed"), (RAPID, "rapid")];
         legend.extend(self.limits.map(|_| (MARK, "limits")));
+        legend.extend((!self.planned.is_empty()).then_some((PLANNED, "planned")));
         for (colour, name) in legend {
-            let style = ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: 2 };
+            let (share, stroke_width) = if name == "planned" { (PLANNED_SHARE, 4) } else { (1.0, 2) };
+            let style = ShapeStyle { color: colour.mix(share), filled: false, stroke_width };
             root.draw(&PathElement::new(vec![(at, 24), (at + 26, 24)], style))?;
             root.draw_text(name, &left(13, INK), (at + 32, 16))?;
             at += 100;

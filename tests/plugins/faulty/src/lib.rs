@@ -9,6 +9,7 @@ mod doomed;
 mod foreign;
 mod last_words;
 mod lazy;
+mod mover;
 mod person;
 mod quits;
 mod swap;
@@ -27,6 +28,7 @@ hal_component::export!(
     foreign::Foreign,
     last_words::LastWords,
     lazy::Lazy,
+    mover::Mover,
     person::Person,
     quits::Quits,
     swap::Swap,

@@ -91,7 +91,7 @@ pub(super) fn brake(
     if most < rest {
         let braked = faster / ((rest - begin) as f64 * DT);
         return Err(format!(
-            "at rest after {rest} cycles, at most {most}: {braked:.1} units/s² on average, {:.1} are known",
+            "at rest after {rest} cycles, at most {most}: it braked with {braked:.1} units/s² on average, its limit is {:.1}",
             moving.acceleration
         ));
     }

@@ -24,6 +24,7 @@ mod rig;
 mod robot;
 mod soak;
 mod table;
+mod unstoppable;
 
 use cell::{Outcome, Phase, cell};
 use data::{Motion, controls, machines};
