@@ -100,7 +100,7 @@ impl SimpleTp {
         } else {
             chaser.at_velocity(now, 0.0)
         };
-        let vel = self.vel + a * dt;
+        let (before, vel) = (self.vel, self.vel + a * dt);
         self.vel = if fabs(vel) * dt <= NO_WAY { 0.0 } else { vel };
         self.pos += self.vel * dt;
         if !self.enable {
@@ -108,7 +108,9 @@ impl SimpleTp {
         } else if fabs(self.target - self.pos) <= NO_WAY * (1.0 + fabs(self.target)) {
             self.pos = self.target;
         }
-        self.active = self.vel != 0.0 || self.enable && self.target - self.pos != 0.0;
+        // The acceleration must be 0 too, before another planner moves the same joint.
+        let is_still = self.vel == 0.0 && before == 0.0;
+        self.active = !is_still || self.enable && self.target - self.pos != 0.0;
     }
 
     /// Moves for a cycle, without a jerk limit.

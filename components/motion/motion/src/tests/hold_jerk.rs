@@ -120,6 +120,8 @@ fn random_commands_hold_the_jerk() {
     for seed in 0..4 {
         hold(seed, 2_500);
     }
+    // A jog of a joint in the cycle after the end of a jog of its axis.
+    hold(101, 8_000);
 }
 
 #[test]
