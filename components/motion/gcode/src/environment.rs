@@ -33,6 +33,11 @@ pub trait Environment {
     /// Returns the text of a file that a program calls: a name without ending, or a program's name as it was loaded.
     fn open(&self, name: &str) -> Option<Text>;
 
+    /// Returns why a file of this name, which is there, is not read.
+    fn refusal(&self, _name: &str) -> Option<Box<str>> {
+        None
+    }
+
     /// Returns a tool of the tool table, in the machine's unit.
     fn tool(&self, number: i32) -> Option<Tool>;
 

@@ -48,6 +48,9 @@ impl Environment for Asked<'_> {
     fn open(&self, name: &str) -> Option<Text> {
         self.world.open(name)
     }
+    fn refusal(&self, name: &str) -> Option<Box<str>> {
+        self.world.refusal(name)
+    }
     fn tool(&self, number: i32) -> Option<Tool> {
         match self.tools {
             Some(tools) => tools.find(number).cloned(),

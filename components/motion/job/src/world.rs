@@ -112,6 +112,26 @@ impl Source for Opened {
     }
 }
 
+impl World {
+    /// Reads the file of a subroutine, or tells why it is not read; `None` if no folder has one of that name.
+    ///
+    /// The first folder with the name decides: a file that is not read hides those of later folders, so that no other
+    /// subroutine of the same name runs in its place.
+    fn subroutine(&self, name: &str) -> Option<Result<Text, Box<str>>> {
+        // Names of subroutines name no folder, and their files are no links.
+        let file = FileName::parse(&format!("{name}.ngc")).ok()?.into();
+        self.machine.folders.iter().find_map(|folder| {
+            // The folder of a file in the working folder has no name.
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            match Beneath::open(folder).and_then(|folder| folder.read(&file)) {
+                Ok(found) => Some(text_of(found).map_err(|e| hal_output::reason(&e).into())),
+                Err(e) if e.is_missing() => None,
+                Err(e) => Some(Err(e.to_string().into())),
+            }
+        })
+    }
+}
+
 impl Environment for World {
     fn open(&self, name: &str) -> Option<Text> {
         // A program's own name comes as it was given; a subroutine's comes without ending.
@@ -121,13 +141,11 @@ impl Environment for World {
                 return program_of(&self.machine, as_given).ok();
             }
         }
-        // Names of subroutines name no folder, and their files are no links.
-        let file = FileName::parse(&format!("{name}.ngc")).ok()?.into();
-        self.machine.folders.iter().find_map(|folder| {
-            // The folder of a file in the working folder has no name.
-            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-            text_of(Beneath::open(folder).ok()?.read(&file).ok()?).ok()
-        })
+        self.subroutine(name)?.ok()
+    }
+
+    fn refusal(&self, name: &str) -> Option<Box<str>> {
+        self.subroutine(name)?.err()
     }
 
     fn tool(&self, number: i32) -> Option<Tool> {

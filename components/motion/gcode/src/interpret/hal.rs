@@ -80,6 +80,9 @@ impl Environment for Asking<'_> {
     fn open(&self, name: &str) -> Option<Text> {
         self.env.open(name)
     }
+    fn refusal(&self, name: &str) -> Option<Box<str>> {
+        self.env.refusal(name)
+    }
     fn tool(&self, number: i32) -> Option<Tool> {
         self.env.tool(number)
     }

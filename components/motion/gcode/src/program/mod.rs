@@ -40,8 +40,11 @@ impl Sources {
         let pages = match self.files.get_mut(file) {
             Some(pages) => pages,
             None => {
-                let text = environment.open(file);
-                let text = text.ok_or_else(|| Problem::NoFile { name: file.into() })?;
+                let none = || match environment.refusal(file) {
+                    Some(reason) => Problem::FileUnread { name: file.into(), reason },
+                    None => Problem::NoFile { name: file.into() },
+                };
+                let text = environment.open(file).ok_or_else(none)?;
                 self.files.entry(file.into()).or_insert(Pages::new(text))
             }
         };
