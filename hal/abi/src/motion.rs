@@ -229,8 +229,11 @@ pub mod motion_flags {
     pub const VELOCITY_MODE: u32 = 1 << 20;
     /// `value` is given: the override of rapid moves.
     pub const HAS_RAPID: u32 = 1 << 21;
+    /// Motion bound to a spindle at constant surface speed, with [`VELOCITY_MODE`]: its turns at the move are not known
+    /// before, and the feed is not compared with the limits beforehand.
+    pub const SURFACE: u32 = 1 << 22;
     /// All bits.
-    pub const ALL_BITS: u32 = (1 << 22) - 1;
+    pub const ALL_BITS: u32 = (1 << 23) - 1;
 }
 
 /// Origins of motion.

@@ -102,6 +102,7 @@ fn of_move(m: &Move, letters: Letters) -> MotionCommand {
     if let Some(pitch) = m.pitch {
         (out.index, out.pitch) = (pitch.spindle.into(), pitch.travel);
         out.flags |= if pitch.velocity_mode { flag::VELOCITY_MODE } else { 0 };
+        out.flags |= if pitch.is_at_surface { flag::SURFACE } else { 0 };
     }
     out
 }

@@ -194,7 +194,8 @@ impl Converter {
             Call::SetNaiveCamTolerance(tolerance) => self.cam_tolerance = tolerance,
             Call::StartSpeedFeedSync { pitch, velocity_mode, spindle } => {
                 let travel = pitch * self.frame.unit.to(self.unit);
-                self.sync = Some(Pitch { spindle, travel, velocity_mode });
+                let is_at_surface = self.is_at_surface(spindle);
+                self.sync = Some(Pitch { spindle, travel, velocity_mode, is_at_surface });
             }
             Call::StopSpeedFeedSync => self.sync = None,
             Call::PalletShuttle => self.pallet = true,
@@ -249,7 +250,12 @@ impl Converter {
     /// Returns the travel per turn of G95.
     fn per_turn(&self, k: f64) -> Option<Pitch> {
         let spindle = self.feed_per_turn?;
-        Some(Pitch { spindle, travel: self.feed * k, velocity_mode: true })
+        let is_at_surface = self.is_at_surface(spindle);
+        Some(Pitch { spindle, travel: self.feed * k, velocity_mode: true, is_at_surface })
+    }
+
+    fn is_at_surface(&self, spindle: u8) -> bool {
+        self.spindles.get(usize::from(spindle)).is_some_and(|s| s.css_max.is_some())
     }
 
     fn arc(&self, plane: Plane, end: Position, center: (f64, f64), turns: i32) -> Option<Shape> {

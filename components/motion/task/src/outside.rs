@@ -33,6 +33,8 @@ pub(crate) struct Pitch {
     pub(crate) travel: f64,
     /// The velocity follows the spindle, without its phase.
     pub(crate) velocity_mode: bool,
+    /// The spindle is at constant surface speed.
+    pub(crate) is_at_surface: bool,
 }
 
 /// The shape of a move.

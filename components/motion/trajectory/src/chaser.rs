@@ -199,7 +199,10 @@ impl Chaser {
         if self.is_free() {
             return aim.distance;
         }
+        // A slow coordinate must reach from there in one period too.
+        let step = 0.45 * self.limits.velocity * self.period;
         let short = SHORT * self.jerk() * self.period * self.period * self.period;
+        let short = if step < short { step } else { short };
         let ahead = aim.distance - aim.speed * self.period;
         aim.distance - between(ahead, -short, short)
     }
@@ -273,7 +276,10 @@ mod tests {
     const H: f64 = 1e-3;
 
     /// Machines: velocity, acceleration and jerk.
-    const MACHINES: [[f64; 3]; 9] = [
+    const MACHINES: [[f64; 3]; 11] = [
+        // So slow that a period of the jerk is a longer way than one of the velocity.
+        [0.05, 1000.0, 3e5],
+        [0.3, 5000.0, 1e6],
         [100.0, 1000.0, 1e3],
         [5.0, 1000.0, 1e4],
         [100.0, 50.0, 5e4],
@@ -364,7 +370,7 @@ mod tests {
                 let mut mover = Mover::new(machine);
                 let mut aim_at = 0.0;
                 for _ in 0..30 {
-                    let size = 10.0_f64.powf(rng.between(-6.0, 1.5));
+                    let size = 10.0_f64.powf(rng.between(-6.0, 1.5)).min(20.0 * machine[0]);
                     aim_at = mover.at + if rng.chance(0.5) { size } else { -size };
                     let (speed, brakes) = (rng.between(-0.8, 0.8) * machine[0], rng.chance(0.2));
                     let speed = if rng.chance(0.5) { 0.0 } else { speed };

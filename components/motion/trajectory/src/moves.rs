@@ -97,6 +97,7 @@ impl Move {
             lead,
             main,
             feed: self.feed.min(1e9),
+            rounded_for: self.feed.min(1e9),
             rapid: self.rapid,
             mode: self.mode,
             line,

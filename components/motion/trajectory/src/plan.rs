@@ -125,10 +125,16 @@ impl<K: Kinematics> Planner<K> {
 
     /// Adds a move. A refused move changes nothing.
     pub fn push(&mut self, next: &Move) -> Result<(), Error> {
+        self.push_for(next, f64::INFINITY)
+    }
+
+    /// Adds a move whose speed something else decides while it moves, such as a spindle: its feed is the highest one, and its
+    /// corners are rounded as `speed` needs it, in units of the feed. A refused move changes nothing.
+    pub fn push_for(&mut self, next: &Move, speed: f64) -> Result<(), Error> {
         if self.track.len() >= self.room {
             return Err(Error::Full);
         }
-        let Some(segment) = next.segment(&self.position)? else {
+        let Some(mut segment) = next.segment(&self.position)? else {
             // Too short to be a move: its length becomes part of the next one.
             if next.mode == Mode::ExactStop
                 && !self.join.stop()
@@ -138,6 +144,7 @@ impl<K: Kinematics> Planner<K> {
             }
             return Ok(());
         };
+        segment.rounded_for = segment.rounded_for.min(speed);
         if !self.direct {
             self.check_reach(&segment)?;
         }

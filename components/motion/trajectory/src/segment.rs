@@ -18,6 +18,8 @@ pub(crate) struct Segment {
     pub(crate) main: Group,
     /// Programmed feed in units of the lead group per second.
     pub(crate) feed: f64,
+    /// Speed in the same units for which its corners are rounded, at most the feed.
+    pub(crate) rounded_for: f64,
     /// True for a rapid move.
     pub(crate) rapid: bool,
     pub(crate) mode: Mode,

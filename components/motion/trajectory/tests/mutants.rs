@@ -133,8 +133,8 @@ const MUTANTS: [Mutant; 31] = [
     Mutant {
         mistake: "the feed of an arc is compared with the norm of the axes' largest speeds",
         file: "plan/cells.rs",
-        right: "programmed((a, bounds.speed), next)",
-        wrong: "programmed((a, bounds.first.dot_all(&bounds.first).sqrt()), next)",
+        right: "[Some((a, bounds.speed)), next]",
+        wrong: "[Some((a, bounds.first.dot_all(&bounds.first).sqrt())), next]",
         fails: ["times", "a_feed_is_reached"],
     },
     Mutant {

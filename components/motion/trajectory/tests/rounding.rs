@@ -260,3 +260,51 @@ fn a_limit_of_the_path_holds_in_corners() {
         assert!((0.9..=1.0 + 1e-9).contains(&worst), "{worst}");
     }
 }
+
+/// Returns the largest distance from the path of two lines of 20 mm at a right angle, whose feed a spindle gives.
+fn missed(jerk: f64, speed: f64, rapid: bool) -> f64 {
+    let mut planner = Planner::new(machine(jerk), Trivial, Pose::ZERO).unwrap();
+    planner.watch_deviation();
+    for (line, end) in [[20.0, 0.0, 0.0], [20.0, 20.0, 0.0]].into_iter().enumerate() {
+        let (line, shape) =
+            (u32::try_from(line).unwrap(), Shape::Line { end: Pose::from_xyz(end) });
+        let next = Move { shape, feed: f64::INFINITY, rapid, mode: Mode::Blend(FREE), line };
+        planner.push_for(&next, speed).unwrap();
+    }
+    planner.finish();
+    planner.deviation().unwrap().distance
+}
+
+/// A path that follows a spindle is planned for any speed, and rounded for that of its feed.
+#[test]
+fn a_feed_per_turn_rounds_as_its_speed_needs() {
+    for jerk in JERKS {
+        for speed in [0.1, 1.67, 10.0, 100.0] {
+            let missed = missed(jerk, speed, false);
+            let most = 0.6 * speed * speed / A;
+            assert!(missed <= most, "jerk {jerk}, {speed} mm/s: {missed}, at most {most}");
+        }
+        // What has no feed is as fast as both axes.
+        let fastest = missed(jerk, f64::INFINITY, true);
+        let most = 0.6 * V * V / A;
+        assert!(fastest <= most, "jerk {jerk}: {fastest}, at most {most}");
+    }
+}
+
+/// The motion does not stop where only the rate of a rotary axis changes, since no corner is missed there.
+#[test]
+fn a_change_of_a_rotary_axis_alone_keeps_the_feed_up() {
+    for jerk in JERKS {
+        let mut planner = Planner::new(machine(jerk), Trivial, Pose::ZERO).unwrap();
+        for (line, [x, a]) in [[10.0, 0.0], [20.0, 5.0]].into_iter().enumerate() {
+            let mut end = Pose::from_xyz([x, 0.0, 0.0]);
+            end.0[3] = a;
+            let (line, shape) = (u32::try_from(line).unwrap(), Shape::Line { end });
+            let mode = Mode::Blend(FREE);
+            planner.push(&Move { shape, feed: 20.0, rapid: false, mode, line }).unwrap();
+        }
+        planner.finish();
+        let slowest = planner.track().cells().map(|cell| cell.speed).fold(f64::INFINITY, f64::min);
+        assert!(slowest > 5.0, "jerk {jerk}: {slowest} mm/s");
+    }
+}

@@ -167,6 +167,7 @@ fn bit(c: &MotionCommand, name: &str) -> Option<bool> {
     let pair = |given, value| has(c, given).then_some(has(c, value));
     match name {
         "clockwise" => Some(has(c, flags::CLOCKWISE)),
+        "surface" => Some(has(c, flags::SURFACE)),
         "away" => Some(has(c, flags::AWAY)),
         "optional" => Some(has(c, flags::OPTIONAL)),
         "sync" => Some(has(c, flags::SYNC)),

@@ -58,6 +58,8 @@ pub(crate) struct Sync {
     /// Units per turn.
     pub(crate) pitch: f64,
     pub(crate) follows: Follows,
+    /// True at constant surface speed (G96): the turns depend on the place.
+    pub(crate) is_at_surface: bool,
 }
 
 /// Property of a spindle that a move follows.

@@ -315,7 +315,10 @@ fn sync(interface: &CommandInterface, call: &Call<'_>) -> Result<Option<SpindleS
     if speed(call)? != Speed::Default {
         return Err(Error::new("pitch= and per-turn= exclude velocity=, time= and rapid="));
     }
-    Ok(Some(SpindleSync { spindle: interface.number_of_spindle(call)?, pitch, follows }))
+    let spindle = interface.number_of_spindle(call)?;
+    // Only a program has spindles at constant surface speed.
+    let is_at_surface = call.bit("surface").unwrap_or(false);
+    Ok(Some(SpindleSync { spindle, pitch, follows, is_at_surface }))
 }
 
 fn speed(call: &Call<'_>) -> Result<Speed, Error> {

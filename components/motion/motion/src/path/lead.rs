@@ -45,15 +45,15 @@ impl Plan {
         self.limits.lead_in(self.pitch * self.turns, self.dt)
     }
 
-    /// Refuses a speed along the path that the axes do not reach.
-    pub(super) fn check_speed(&self) -> Result<(), Refusal> {
+    /// Refuses a speed along the path that the axes do not reach, at the largest pitch of a thread.
+    pub(super) fn check_speed(&self, pitch: f64) -> Result<(), Refusal> {
         let factor = if self.back > 1.0 { self.back } else { 1.0 };
         let (turns, top) = (self.turns * factor, self.limits.velocity);
-        let speed = self.pitch * turns;
+        let speed = pitch * turns;
         if speed < top {
             return Ok(());
         }
-        Err(Refusal::with(FAST, [self.pitch, 60.0 * turns, speed, top]))
+        Err(Refusal::with(FAST, [pitch, 60.0 * turns, speed, top]))
     }
 
     /// Refuses a length that is no more than the lead-in and the run-out.

@@ -1,11 +1,11 @@
 //! Check of a feed per turn against the velocities of the axes, before it moves.
 
 use crate::{
-    commands::command::Follows,
+    commands::command::{Follows, Sync},
     commands::refusal::Refusal,
     path::{image::Image, order::PathMove, order::PathSetup, sweep::Sweep, worker},
 };
-use hal_trajectory::{Pose, Shape};
+use hal_trajectory::{Group, Pose, Shape};
 
 /// Number of parts of an arc whose directions count.
 const PARTS: u32 = 64;
@@ -19,7 +19,8 @@ pub(super) fn check(
     start: &Pose,
     step: &PathMove,
 ) -> Result<(), Refusal> {
-    let Some(sync) = step.sync.filter(|sync| sync.follows == Follows::Speed) else { return Ok(()) };
+    let is_judged = |sync: &Sync| sync.follows == Follows::Speed && !sync.is_at_surface;
+    let Some(sync) = step.sync.filter(is_judged) else { return Ok(()) };
     let velocities = worker::with_joints(setup, image, &setup.axis_velocity, &setup.joint_velocity);
     // Other kinematics have other velocities at each place.
     let velocities = velocities.unwrap_or([f64::INFINITY; 9]);
@@ -27,6 +28,12 @@ pub(super) fn check(
     let parts = if matches!(step.shape, Shape::Arc { .. }) { PARTS } else { 1 };
     let length = sweep.length() / f64::from(parts);
     let mut top = setup.path_velocity;
+    let end = Pose(sweep.at(1.0));
+    if [Group::Xyz, Group::Uvw].iter().all(|group| (end - *start).norm(*group) == 0.0) && parts == 1
+    {
+        // The velocity of the path is that of a length.
+        top = f64::INFINITY;
+    }
     let mut from = *start;
     for n in 1..=parts {
         let to = Pose(sweep.at(f64::from(n) / f64::from(parts)));

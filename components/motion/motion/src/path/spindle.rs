@@ -26,7 +26,7 @@ pub(crate) const OVERRUN_TURNS: f64 = 10.0;
 /// Distance at which the axes count as together with the spindle, besides a period's travel.
 const TOGETHER: f64 = 1e-6;
 
-/// Largest number of moves whose lengths count as the rest of a thread.
+/// Largest number of moves whose lengths count as the rest of a thread; more of them are long enough.
 const MOST_MOVES: usize = 16;
 
 const NO_INDEX: Refusal = Refusal::new("the spindle turned three times without its index");
@@ -87,7 +87,7 @@ impl Path {
             return Ok(WAITS);
         }
         let depth = self.tap_depth();
-        let length = self.length_left(depth);
+        let [length, steepest] = self.length_left(depth, sync.pitch);
         let Some(session) = &mut self.session else { return Ok(WAITS) };
         let is_at_end = session.is_done();
         let limits = session.limits().unwrap_or(Limits::NONE);
@@ -102,7 +102,7 @@ impl Path {
                     if is_tap && spindle.speed() == 0.0 {
                         return Err(STANDS);
                     }
-                    plan.check_speed()?;
+                    plan.check_speed(steepest)?;
                     t.stage = Stage::Index(inputs.revs);
                 }
                 return Ok(WAITS);
@@ -121,7 +121,7 @@ impl Path {
             }
             Stage::Index(_) if !inputs.revs.is_finite() => return Err(NO_PLACE),
             Stage::Index(_) => {
-                plan.check_speed()?;
+                plan.check_speed(steepest)?;
                 plan.check_length()?;
                 t.begin(spindle, sync.pitch, depth, plan.lead_in());
             }
@@ -151,26 +151,33 @@ impl Path {
         Ok(Pace { goal, waits: false })
     }
 
-    /// Returns the length that is left of a tap of this depth, or of the thread: of all its moves that wait.
-    fn length_left(&self, depth: f64) -> f64 {
+    /// Returns the length that is left of a tap of this depth, or of the thread: of all its moves that wait, which is as long as
+    /// needed where they are many. With it the largest pitch of these moves.
+    fn length_left(&self, depth: f64, pitch: f64) -> [f64; 2] {
         if matches!(self.course, Course::Tap(_)) {
-            return depth;
+            return [depth, pitch];
         }
         let mut from = self.last.pose;
         let moves = self.pending.iter().filter_map(|pending| match &pending.item {
             Item::Move(order) => Some((pending, order)),
             Item::Output(_) => None,
         });
-        let thread = moves
-            .take(MOST_MOVES)
-            .take_while(|(pending, order)| Course::of(pending.id, order.sync) == self.course);
-        let mut length = 0.0;
-        for (pending, _) in thread {
+        let thread =
+            moves.take_while(|(pending, order)| Course::of(pending.id, order.sync) == self.course);
+        let (mut length, mut pitch) = (0.0, pitch);
+        for (n, (pending, order)) in thread.enumerate() {
+            if n == MOST_MOVES {
+                length = f64::INFINITY;
+                break;
+            }
             let end = hal_trajectory::Pose(pending.end);
             length += (end - from).norm(hal_trajectory::Group::Xyz);
             from = end;
+            pitch = order
+                .sync
+                .map_or(pitch, |sync| if pitch < sync.pitch { sync.pitch } else { pitch });
         }
-        length
+        [length, pitch]
     }
 
     /// Returns the depth of the tap that is next.

@@ -39,8 +39,9 @@ pub(super) struct Tracker {
     /// Place that belongs to the spindle, and the place along the path.
     pub(super) target: f64,
     pub(super) place: f64,
-    /// Velocity that belongs to the spindle.
+    /// Velocity that belongs to the spindle, and its turns per second along the path.
     pub(super) turn: f64,
+    turns: f64,
     /// Way after which the axes must have caught up with the spindle.
     pub(super) lead_in: f64,
     /// True once they have, or must have.
@@ -64,8 +65,9 @@ impl Tracker {
         self.sign = copysign(1.0, way);
         self.revs = inputs.revs;
         self.target = pitch * self.sign * inputs.revs;
-        let turn = pitch * self.sign * inputs.speed;
-        self.turn = if turn.is_finite() { turn } else { 0.0 };
+        let turns = self.sign * inputs.speed;
+        self.turns = if turns.is_finite() { turns } else { 0.0 };
+        self.turn = pitch * self.turns;
         (self.place, self.lead_in, self.is_judged) = (0.0, lead_in, false);
         (self.speed, self.depth) = (spindle.speed(), depth);
         self.stage = Stage::In;
@@ -73,16 +75,18 @@ impl Tracker {
 
     /// Follows the turns of the spindle since the last cycle.
     pub(super) fn turn(&mut self, revs: f64, pitch: f64, dt: f64) -> Result<(), Refusal> {
-        let by = pitch * self.sign * (revs - self.revs);
+        let by = self.sign * (revs - self.revs);
         if !by.is_finite() {
             return Err(NO_PLACE);
         }
-        if fabs(by - self.turn * dt) > JUMP * pitch {
+        // Turns and not the way: the next move of a thread may have another pitch.
+        if fabs(by - self.turns * dt) > JUMP {
             return Err(JUMPED);
         }
         self.revs = revs;
-        self.target += by;
-        self.turn = by / dt;
+        self.target += pitch * by;
+        self.turns = by / dt;
+        self.turn = pitch * self.turns;
         Ok(())
     }
 

@@ -279,7 +279,10 @@ impl Planning {
         let feed = if feed > 0.0 { feed.max(1e-6) } else { 1.0 };
         let rapid = step.kind == Kind::Rapid;
         let next = Move { shape: step.shape, feed, rapid, mode: step.mode, line: id };
-        self.planner.push(&next).map_err(|why| match why {
+        // A spindle that stands still yet may turn by then.
+        let speed = step.sync.map_or(f64::INFINITY, |sync| sync.pitch * step.turns);
+        let speed = if speed > 0.0 { speed } else { f64::INFINITY };
+        self.planner.push_for(&next, speed).map_err(|why| match why {
             Error::Full => None,
             why => Some(refusal(why).on_line(step.line)),
         })

@@ -263,3 +263,43 @@ fn a_spindle_that_gains_speed_in_the_lead_in_is_judged() {
         assert!(lathe.x() < 20.0, "{jerk}: {}", lathe.x());
     }
 }
+
+/// Moves of one thread with pitches of their own: the spindle has not jumped where the pitch changes, and the largest one is
+/// judged before anything moves.
+#[test]
+fn a_thread_of_several_pitches_is_one_thread() {
+    const FAST: &str =
+        "a pitch of {} at {} turns/min needs {} units/s along the path, and the axes allow {}";
+    for jerk in JERKS {
+        for (pitches, why) in [([2.0, 0.1], None), ([0.1, 2.0], None), ([1.0, 9.1], Some(FAST))] {
+            let mut lathe = Lathe::with_jerk(jerk, 600.0, 400.0);
+            let [first, second] = pitches;
+            lathe.rig.say(&format!("motion.move x=20 pitch={first}"));
+            let mut has_moved = false;
+            let end = lathe.pass(&format!("motion.move x=30 pitch={second}"), |_, x| {
+                has_moved |= x.abs() > 1e-9;
+            });
+            match why {
+                Some(_) => {
+                    assert!(end != TicketState::Done && !has_moved, "{pitches:?} {jerk}: {end:?}");
+                }
+                None => {
+                    assert_eq!((end, lathe.x()), (TicketState::Done, 30.0), "{pitches:?} {jerk}");
+                }
+            }
+        }
+    }
+}
+
+/// A thread of many short moves has the length of all of them.
+#[test]
+fn a_thread_of_many_short_moves_is_long_enough() {
+    for jerk in JERKS {
+        let mut lathe = Lathe::with_jerk(jerk, 600.0, 400.0);
+        for n in 1..300 {
+            lathe.rig.say(&format!("motion.move x={} pitch={PITCH}", 0.1 * f64::from(n)));
+        }
+        let end = lathe.pass(&format!("motion.move x=30 pitch={PITCH}"), |_, _| {});
+        assert_eq!((end, lathe.x()), (TicketState::Done, 30.0), "{jerk}");
+    }
+}

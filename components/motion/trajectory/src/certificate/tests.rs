@@ -18,6 +18,7 @@ fn line(from: [f64; 2], to: [f64; 2]) -> Segment {
         lead: Group::Xyz,
         main: Group::Xyz,
         feed: 100.0,
+        rounded_for: 100.0,
         rapid: false,
         mode: Mode::Blend(0.01),
         line: 7,

@@ -157,21 +157,49 @@ pub(super) fn programmed_along(
     a: &Segment,
     b: Option<&Segment>,
 ) -> [f64; 2] {
+    let mut speeds = [f64::INFINITY; 2];
+    for (segment, speed) in leads(curve, [from, to], bounds, a, b).into_iter().flatten() {
+        let [feed, rapid] = &mut speeds;
+        let own = if segment.rapid { rapid } else { feed };
+        *own = own.min(along(segment.feed, speed));
+    }
+    speeds
+}
+
+/// Returns the speed along a cell of a segment, or of a blend between two, for which corners are rounded.
+pub(super) fn wanted_along(
+    curve: &Curve,
+    [from, to]: [f64; 2],
+    bounds: &Bounds,
+    a: &Segment,
+    b: Option<&Segment>,
+) -> f64 {
+    wanted(leads(curve, [from, to], bounds, a, b).into_iter().flatten())
+}
+
+/// Returns the speed along a cell for which corners are rounded. With each segment goes the speed of its lead group along the
+/// cell.
+pub(super) fn wanted<'s>(segments: impl IntoIterator<Item = (&'s Segment, f64)>) -> f64 {
+    let each = segments.into_iter().map(|(segment, speed)| along(segment.rounded_for, speed));
+    each.fold(1e9, f64::min)
+}
+
+/// Returns each segment of a cell with the speed of its lead group along the cell.
+fn leads<'s>(
+    curve: &Curve,
+    [from, to]: [f64; 2],
+    bounds: &Bounds,
+    a: &'s Segment,
+    b: Option<&'s Segment>,
+) -> [Option<(&'s Segment, f64)>; 2] {
     let next = b.map(|b| {
         let is_same = a.lead == b.lead;
         (b, if is_same { bounds.speed } else { curve.bounds(from, to, b.lead).speed })
     });
-    programmed((a, bounds.speed), next)
+    [Some((a, bounds.speed)), next]
 }
 
-/// Returns the programmed speeds along a cell. With each segment goes the speed of its lead group along the cell.
-pub(super) fn programmed(a: (&Segment, f64), b: Option<(&Segment, f64)>) -> [f64; 2] {
-    let mut speeds = [f64::INFINITY; 2];
-    for (segment, speed) in [Some(a), b].into_iter().flatten() {
-        let along = if speed > 0.0 { (segment.feed / speed).min(1e9) } else { 1e9 };
-        let [feed, rapid] = &mut speeds;
-        let own = if segment.rapid { rapid } else { feed };
-        *own = own.min(along);
-    }
-    speeds
+/// Returns the speed along a cell at which its lead group, of this speed along it, has a feed.
+fn along(feed: f64, speed: f64) -> f64 {
+    if speed > 0.0 { (feed / speed).min(1e9) } else { 1e9 }
 }

@@ -11,6 +11,7 @@
 use super::{Deviation, Planner, cells, pieces};
 use crate::{
     blend::{self, Blend, Joint},
+    bounds::Bounds,
     curve::Curve,
     join::{Join, Joining},
     kinematics::{Kinematics, joint_bounds},
@@ -18,6 +19,9 @@ use crate::{
     segment::{Segment, Tolerances},
     speed::{Shares, Stretch},
 };
+
+/// Difference of directions, in the group whose corners are missed, below which there is no corner.
+const STRAIGHT: f64 = 1e-4;
 
 /// Shortest half that is chosen, so that the derivatives of a blend are still numbers.
 const SHORTEST_HALF: f64 = 1e-6;
@@ -110,10 +114,13 @@ impl<K: Kinematics> Planner<K> {
     /// Returns the half of a blend that deviates as far as a path without a tolerance may between these directions.
     fn free_half(&self, u: &Pose, w: &Pose, a: &Segment, b: &Segment) -> f64 {
         let turn = *w - *u;
-        let [own, rapid] = cells::programmed((a, u.norm(a.lead)), Some((b, w.norm(b.lead))));
-        let speed = own.min(rapid) * self.machine.max_override;
-        let most = self.law.acceleration(&turn).min(self.acceleration);
         let size = turn.norm(a.main);
+        if size < STRAIGHT {
+            // What turns is another group, and no corner is missed.
+            return f64::INFINITY;
+        }
+        let speed = self.speed_at(u, w, a, b);
+        let most = self.law.acceleration(&turn).min(self.acceleration);
         let arcs = [a, b].map(|s| !matches!(s.curve, Curve::Line { .. }));
         let arcs = u8::from(arcs[0]) + u8::from(arcs[1]);
         let deviation = FREE * free_deviation(0.5 * size, arcs) * speed * speed / most;
@@ -122,6 +129,16 @@ impl<K: Kinematics> Planner<K> {
             0 => half,
             _ => half.min(free_share(0.5 * size, arcs) * a.length.min(b.length)),
         }
+    }
+
+    /// Returns the speed for which the corner between these directions is rounded, which the axes reach in both.
+    fn speed_at(&self, u: &Pose, w: &Pose, a: &Segment, b: &Segment) -> f64 {
+        let wanted = cells::wanted([(a, u.norm(a.lead)), (b, w.norm(b.lead))]);
+        let reached = [u, w].map(|slope| {
+            let bounds = Bounds { first: slope.abs(), ..Bounds::default() };
+            self.law.fastest(&bounds, None)
+        });
+        reached.into_iter().fold(wanted * self.machine.max_override, f64::min)
     }
 
     /// Returns the blend beside a curve that carries the largest part of the feed, up to the longest.
@@ -177,8 +194,8 @@ impl<K: Kinematics> Planner<K> {
             } else {
                 joint_bounds(&self.kinematics, curve, from, to).ok()
             };
-            let [own, rapid] = cells::programmed_along(curve, [from, to], &bounds, a, b);
-            let speed = (own.min(rapid) * self.machine.max_override)
+            let wanted = cells::wanted_along(curve, [from, to], &bounds, a, b);
+            let speed = (wanted * self.machine.max_override)
                 .min(self.law.fastest(&bounds, joints.as_ref()));
             let piece = self.law.stretch(&bounds, joints.as_ref(), speed, shares);
             let bend = bounds.second.norm(a.lead);
@@ -248,8 +265,7 @@ impl<K: Kinematics> Planner<K> {
                 continue;
             };
             let turn = *w - *u;
-            let [own, rapid] = cells::programmed((a, u.norm(a.lead)), Some((b, w.norm(b.lead))));
-            let speed = own.min(rapid) * self.machine.max_override;
+            let speed = self.speed_at(u, w, a, b);
             let mut half = self.law.half(&turn, speed, self.most()).factor();
             let (short, size) = (a.length.min(b.length), turn.norm(a.main));
             let most = t.linear / (DEVIATION * size);

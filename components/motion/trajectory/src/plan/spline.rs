@@ -334,6 +334,7 @@ impl<K: Kinematics> Planner<K> {
             lead: Group::Xyz,
             main: Group::Xyz,
             feed: feed.min(1e9),
+            rounded_for: feed.min(1e9),
             rapid: false,
             mode: inner,
             line,

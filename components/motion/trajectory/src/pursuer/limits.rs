@@ -162,7 +162,9 @@ impl Pursuer {
 
     /// Returns whether a curve is a straight line, and the highest jerk along it; 0 if the axes alone do not tell it.
     fn jerk_of(&self, track: &impl Path, number: u64) -> (bool, f64) {
-        let is_straight = |curve: &Curve| matches!(curve, Curve::Line { .. });
+        // A line is straight in joints only where each follows an axis.
+        let is_known = self.jerks.is_some();
+        let is_straight = |curve: &Curve| is_known && matches!(curve, Curve::Line { .. });
         let known = self.curve.as_ref().filter(|(known, ..)| *known == number);
         if let Some((_, curve, jerk)) = known {
             return (is_straight(curve), *jerk);
