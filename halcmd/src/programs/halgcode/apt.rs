@@ -132,7 +132,7 @@ pub(super) fn main(words: &[String]) -> Result<ExitCode, String> {
     if let Some((path, kind)) = picture {
         let title = if part.name.is_empty() { file.clone() } else { part.name.clone() };
         let moves = write::drawing(&cell, &plan, &targets);
-        let views = Views::new(moves, None, title, (1400, 1050));
+        let views = Views::new(moves, Vec::new(), None, title, (1400, 1050));
         let views = views.ok_or_else(|| format!("{file}: there is no move to draw"))?;
         let bytes = kind.bytes(&views)?;
         save(Some(path), &|| bytes.clone())?;

@@ -218,9 +218,12 @@ struct Check<'a> {
     minutes: f64,
     /// The planner's time, if the INI file states what it needs.
     clock: Option<Clock>,
-    /// Moves that the planner refused.
+    /// Moves that the planner refused, and those that the axes cannot follow.
     refused: u64,
+    unfollowed: u64,
     tools: BTreeMap<i32, Use>,
+    /// Lowest height of Z at which a rapid move crosses the part, in machine coordinates.
+    crossing: Option<f64>,
     /// The limits of an axis that moves go beyond: lower, upper.
     beyond: BTreeMap<(usize, bool), Beyond>,
 }
@@ -241,7 +244,9 @@ impl<'a> Check<'a> {
             minutes: 0.0,
             clock: Clock::new(it, &world.machine),
             refused: 0,
+            unfollowed: 0,
             tools: BTreeMap::new(),
+            crossing: None,
             beyond: BTreeMap::new(),
         }
     }
@@ -283,7 +288,13 @@ impl<'a> Check<'a> {
                 self.all.add(point);
             }
             match kind {
-                Kind::Rapid => self.rapid += length,
+                Kind::Rapid => {
+                    self.rapid += length;
+                    if (from.x, from.y) != (point.x, point.y) {
+                        let lowest = self.crossing.unwrap_or(f64::INFINITY);
+                        self.crossing = Some(lowest.min(from.z).min(point.z));
+                    }
+                }
                 Kind::Feed => {
                     self.all.add(from);
                     self.all.add(point);

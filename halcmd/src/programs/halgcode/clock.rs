@@ -37,10 +37,12 @@ pub(super) struct Clock {
     top: (f64, f64),
     mode: Mode,
     feed: f64,
-    per_revolution: bool,
-    speed: f64,
-    /// Travel per revolution, or per minute, of motion bound to the spindle.
-    bound: Option<(f64, bool)>,
+    /// The spindle of a feed per revolution.
+    per_revolution: Option<u8>,
+    /// Commanded speeds of the spindles, in turns per minute.
+    speeds: Vec<f64>,
+    /// Travel per revolution, or per minute, of motion bound to a spindle, and its number.
+    bound: Option<(f64, bool, u8)>,
     /// Places of the planned path in X, Y and Z, if they are kept.
     path: Option<Vec<[f64; 3]>>,
 }
@@ -65,8 +67,9 @@ impl Clock {
             top: machine.top_speed,
             mode: mode(state.modal.path, state.frame.unit.millimetres()),
             feed: state.modal.feed,
-            per_revolution: state.modal.feed_mode == FeedMode::PerRevolution,
-            speed: state.modal.spindles.first().map_or(0.0, |s| s.speed),
+            per_revolution: (state.modal.feed_mode == FeedMode::PerRevolution)
+                .then_some(state.modal.feed_spindle),
+            speeds: state.modal.spindles.iter().map(|s| s.speed).collect(),
             bound: None,
             path: None,
         })
@@ -97,11 +100,17 @@ impl Clock {
         let unit = self.frame.unit.millimetres();
         match &issued.call {
             Call::SetFeedRate(feed) => self.feed = *feed,
-            Call::SetFeedMode { per_revolution, .. } => self.per_revolution = *per_revolution,
-            Call::SetSpindleSpeed { spindle: 0, speed } => self.speed = *speed,
+            Call::SetFeedMode { spindle, per_revolution } => {
+                self.per_revolution = per_revolution.then_some(*spindle);
+            }
+            Call::SetSpindleSpeed { spindle, speed } => {
+                if let Some(slot) = self.speeds.get_mut(usize::from(*spindle)) {
+                    *slot = *speed;
+                }
+            }
             Call::SetPathMode(path) => self.mode = mode(*path, unit),
-            Call::StartSpeedFeedSync { pitch, velocity_mode, .. } => {
-                self.bound = Some((*pitch, *velocity_mode));
+            Call::StartSpeedFeedSync { pitch, velocity_mode, spindle } => {
+                self.bound = Some((*pitch, *velocity_mode, *spindle));
             }
             Call::StopSpeedFeedSync => self.bound = None,
             Call::Dwell(seconds) => {
@@ -186,15 +195,17 @@ impl Clock {
         let linear = is_arc || [by.x, by.y, by.z, by.u, by.v, by.w].iter().any(|d| *d != 0.0);
         let (unit, top) =
             if linear { (self.frame.unit.millimetres(), self.top.0) } else { (1.0, self.top.1) };
-        let per_minute = match self.bound {
-            Some((pitch, true)) => pitch,
-            Some((pitch, false)) => pitch * self.speed,
-            None if self.per_revolution => self.feed * self.speed,
-            None => self.feed,
+        let speed = |spindle: u8| self.speeds.get(usize::from(spindle)).map_or(0.0, |s| s.abs());
+        let per_minute = match (self.bound, self.per_revolution) {
+            (Some((pitch, true, _)), _) => pitch,
+            (Some((pitch, false, spindle)), _) => pitch * speed(spindle),
+            (None, Some(spindle)) => self.feed * speed(spindle),
+            (None, None) => self.feed,
         };
         let feed = match kind {
             Kind::Rapid => top,
-            Kind::Feed => (per_minute * unit / 60.0).min(top),
+            // Motion gives a move that stands still this feed too.
+            Kind::Feed => (per_minute * unit / 60.0).min(top).max(1e-6),
         };
         let rapid = kind == Kind::Rapid;
         let next = Move { shape, feed, rapid, mode: self.mode, line };

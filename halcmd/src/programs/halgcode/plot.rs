@@ -173,8 +173,10 @@ fn follow(file: &str, world: &World) -> Result<Followed, String> {
                     }
                 }
             });
-            // What the planner refuses, `check` reports.
-            drop(clock.as_mut().map(|clock| clock.call(issued)));
+            if let Some(clock) = &mut clock {
+                // What the planner refuses, `check` reports.
+                clock.call(issued).unwrap_or_default();
+            }
             if points + clock.as_ref().map_or(0, Clock::places) > MAX_POINTS {
                 return Err(Stop::Output(format!("{file}: more than {MAX_POINTS} points to draw")));
             }
@@ -190,4 +192,67 @@ fn follow(file: &str, world: &World) -> Result<Followed, String> {
         }
     };
     Ok(Followed { moves, planned: clock.map(Clock::path).unwrap_or_default(), failed })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AXES: &str = "[TRAJ]\nCOORDINATES = XYZ\nLINEAR_UNITS = mm\n";
+
+    /// Follows a program on a machine of these lines.
+    fn followed(name: &str, ini: &str, program: &str) -> Followed {
+        let folder =
+            std::env::temp_dir().join(format!("ferrule-plot-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let [machine, part] = ["m.ini", "p.ngc"].map(|file| folder.join(file));
+        std::fs::write(&machine, ini).unwrap();
+        std::fs::write(&part, program).unwrap();
+        let machine = Machine::read(&Files { ini: Some(&machine), ..Files::default() }).unwrap();
+        let world = World::with_functions(machine, BTreeMap::new());
+        let followed = follow(part.to_str().unwrap(), &world).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        followed
+    }
+
+    #[test]
+    fn the_planned_path_rounds_corners_as_motion_does() {
+        let rates = "MAX_VELOCITY = 150\nMAX_ACCELERATION = 1500\n";
+        let ini = format!("{AXES}[AXIS_X]\n{rates}[AXIS_Y]\n{rates}[AXIS_Z]\n{rates}");
+        // LinuxCNC misses the corner of the second program by 0.0355 mm (`components/motion/motion/CORNERS.md`).
+        for (name, mode, [least, most]) in
+            [("exact", "G61", [0.0, 1e-3]), ("free", "G64", [0.015, 0.0355])]
+        {
+            let program = format!("G21 G90 {mode} F600\nG1 X40\nY40\nM2\n");
+            let Followed { moves, planned, failed } = followed(name, &ini, &program);
+            assert!(!failed && moves.len() == 1, "{moves:?}");
+            let missed = planned.iter().map(|[x, y, _]| (x - 40.0).hypot(*y));
+            let missed = missed.fold(f64::INFINITY, f64::min);
+            // Places are 5 micrometres apart at least.
+            assert!((least..=most + NEAR).contains(&missed), "{mode}: {missed}");
+            let end = planned.last().unwrap();
+            assert!((end[0] - 40.0).hypot(end[1] - 40.0) < 0.02, "{end:?}");
+        }
+    }
+
+    #[test]
+    fn without_the_limits_of_axes_nothing_is_planned() {
+        let Followed { moves, planned, .. } =
+            followed("none", AXES, "G21 G90 F600\nG1 X40\nY40\nM2\n");
+        assert_eq!((moves.len(), planned.len()), (1, 0));
+    }
+
+    #[test]
+    fn a_feed_per_turn_is_that_of_its_spindle() {
+        let rates = "MAX_VELOCITY = 150\nMAX_ACCELERATION = 1500\n";
+        let ini =
+            format!("{AXES}SPINDLES = 2\n[AXIS_X]\n{rates}[AXIS_Y]\n{rates}[AXIS_Z]\n{rates}");
+        let program = "G21 G90\nM3 S1000 $1\nG95 $1 F0.2\nG1 X10\nM2\n";
+        let Followed { planned, failed, .. } = followed("spindle", &ini, program);
+        assert!(!failed);
+        assert!((planned.last().unwrap()[0] - 10.0).abs() < 0.01, "{:?}", planned.last());
+    }
+
+    /// Distance between places of the planned path, in millimetres.
+    const NEAR: f64 = 0.005;
 }

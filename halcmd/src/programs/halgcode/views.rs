@@ -243,7 +243,8 @@ impl Picture for Views {
         legend.extend(self.limits.map(|_| (MARK, "limits")));
         legend.extend((!self.planned.is_empty()).then_some((PLANNED, "planned")));
         for (colour, name) in legend {
-            let (share, stroke_width) = if name == "planned" { (PLANNED_SHARE, 4) } else { (1.0, 2) };
+            let (share, stroke_width) =
+                if name == "planned" { (PLANNED_SHARE, 4) } else { (1.0, 2) };
             let style = ShapeStyle { color: colour.mix(share), filled: false, stroke_width };
             root.draw(&PathElement::new(vec![(at, 24), (at + 26, 24)], style))?;
             root.draw_text(name, &left(13, INK), (at + 32, 16))?;
@@ -342,7 +343,8 @@ mod tests {
     #[test]
     fn a_picture_has_four_views_with_equal_scales() {
         let limits = Some([(-5.0, 15.0), (-5.0, 15.0), (-5.0, 25.0)]);
-        let views = Views::new(square(), limits, "A <title>".into(), (1000, 800)).unwrap();
+        let views =
+            Views::new(square(), Vec::new(), limits, "A <title>".into(), (1000, 800)).unwrap();
         let svg = views.to_svg().unwrap();
         for wanted in
             ["A &lt;title&gt;", "isometric", "from the side", "X 0.000 to 10.000", "limits"]
@@ -360,14 +362,15 @@ mod tests {
         assert!((width / height - 2.0).abs() < 0.02, "{points:?}");
         assert_eq!(views.to_svg().unwrap(), svg, "the same on every run");
         assert!(views.to_png().unwrap().len() > 5000);
-        assert!(Views::new(Vec::new(), None, String::new(), (500, 500)).is_none());
+        assert!(Views::new(Vec::new(), Vec::new(), None, String::new(), (500, 500)).is_none());
     }
 
     #[test]
     fn a_box_without_axes_is_drawn_as_a_whole_or_not_at_all() {
         // Numbers whose differences are rounded.
         let limits = [(-5.1, 15.3), (-5.7, 15.9), (-5.3, 25.1)];
-        let views = Views::new(square(), Some(limits), String::new(), (500, 500)).unwrap();
+        let views =
+            Views::new(square(), Vec::new(), Some(limits), String::new(), (500, 500)).unwrap();
         let [above, shape, ..] = VIEWS;
         let large = (-100.0, 100.0);
         assert_eq!(views.seen_edges(&shape, large, large).len(), 12);
@@ -390,8 +393,13 @@ mod tests {
     #[test]
     fn a_point_or_a_line_has_a_picture_too() {
         for points in [vec![[1.0; 3]; 2], vec![[0.0; 3], [0.0, 0.0, 7.0]]] {
-            let views =
-                Views::new(vec![Move { rapid: false, points }], None, String::new(), (600, 500));
+            let views = Views::new(
+                vec![Move { rapid: false, points }],
+                Vec::new(),
+                None,
+                String::new(),
+                (600, 500),
+            );
             assert!(views.unwrap().to_svg().unwrap().contains("polyline"));
         }
     }

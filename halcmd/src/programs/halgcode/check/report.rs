@@ -6,7 +6,7 @@ use hal_gcode::{Error, Interpreter, axis::Axis, program::numbered_line};
 use hal_job::world::World;
 use std::fmt::Write as _;
 
-/// Largest number of moves that are refused by the planner and shown.
+/// Largest number of moves that the planner refuses, or that the axes cannot follow, and that are shown.
 const MAX_REFUSED: u64 = 10;
 
 impl Check<'_> {
@@ -28,8 +28,11 @@ impl Check<'_> {
     /// Writes what the axes cannot follow.
     pub(super) fn found(&mut self, file: &str, found: Option<Finding>) {
         if let Some(Finding { line, text }) = found {
-            self.text.push_str(&format!("{file}:{line}: error: {text}\n"));
             self.errors += 1;
+            self.unfollowed += 1;
+            if self.unfollowed <= MAX_REFUSED {
+                self.text.push_str(&format!("{file}:{line}: error: {text}\n"));
+            }
         }
     }
 
@@ -73,6 +76,30 @@ impl Check<'_> {
         }
     }
 
+    /// Compares the height at which the program crosses the part with that of a start in the middle, which the task chooses.
+    fn clearance(&self) -> String {
+        let machine = &self.world.machine;
+        let (Some(lowest), Some(ini)) = (self.crossing, &machine.ini) else { return String::new() };
+        if !machine.settings.axes.has(Axis::Z) {
+            return String::new();
+        }
+        let given = ini.get("TASK", "SAFE_HEIGHT").and_then(|text| text.trim().parse::<f64>().ok());
+        let given = given.map(|height| height * machine.settings.unit.millimetres());
+        let top = machine.limits.get(usize::from(Axis::Z.index())).and_then(|(_, high)| *high);
+        // The task takes a larger one for none.
+        let top = top.filter(|high| *high < 1e6);
+        let entry = match (given, top) {
+            (Some(height), _) => format!("at Z {height:.3} mm ([TASK]SAFE_HEIGHT)"),
+            (None, Some(top)) => format!("at Z {top:.3} mm (the upper end of Z)"),
+            (None, None) => "nowhere: it needs [TASK]SAFE_HEIGHT".to_owned(),
+        };
+        let is_below = given.or(top).is_some_and(|height| height < lowest);
+        let below = if is_below { ", below all of them" } else { "" };
+        format!(
+            "  rapid moves cross at Z {lowest:.3} mm and above, a start in the middle {entry}{below}\n"
+        )
+    }
+
     pub(super) fn summary(&mut self, file: &str) {
         let mut out = format!("{file}: {} errors\n", self.errors);
         for (name, extents) in [("moves", self.all), ("cuts", self.cut)] {
@@ -104,6 +131,7 @@ impl Check<'_> {
             out.push_str(&line);
             out.push('\n');
         }
+        out.push_str(&self.clearance());
         let seconds = self.minutes * 60.0;
         let added = writeln!(out, "  time at feed {seconds:.1} s, rapid way {:.1} mm", self.rapid);
         added.unwrap_or_else(|e| print_error(&e.to_string()));
