@@ -2,12 +2,12 @@
 
 use std::{
     fs,
-    net::{SocketAddr, TcpStream},
+    net::{IpAddr, SocketAddr, TcpStream},
     os::unix::fs::MetadataExt as _,
 };
 
-/// Table of the kernel: each connection with its user.
-const TABLE: &str = "/proc/net/tcp";
+/// Tables of the kernel: each connection with its user. A socket for both kinds of addresses is in the second one.
+const TABLES: [&str; 2] = ["/proc/net/tcp", "/proc/net/tcp6"];
 
 /// Returns whether the other end belongs to the user of this process, or to root.
 #[must_use]
@@ -21,26 +21,41 @@ pub fn is_own(stream: &TcpStream) -> bool {
 /// Returns the user at the other end of an open connection of this computer, by the addresses of both ends.
 #[must_use]
 pub fn user_at(theirs: SocketAddr, ours: SocketAddr) -> Option<u32> {
-    user_of(&fs::read_to_string(TABLE).ok()?, theirs, ours)
+    let read = |table| user_of(&fs::read_to_string(table).ok()?, theirs, ours);
+    TABLES.into_iter().find_map(read)
 }
 
-/// Returns the user of a socket in the table.
+/// Returns the user of a socket in a table.
 fn user_of(table: &str, local: SocketAddr, remote: SocketAddr) -> Option<u32> {
-    let (local, remote) = (entry(local)?, entry(remote)?);
+    let (local, remote) = (entries(local), entries(remote));
     table.lines().find_map(|line| {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let is = words.get(1) == Some(&&*local) && words.get(2) == Some(&&*remote);
+        let is = |n: usize, entries: &[String]| {
+            words.get(n).is_some_and(|word| entries.iter().any(|entry| entry == word))
+        };
         // A connection that has ended has no socket, and shows user 0.
         let is_open = words.get(9).is_some_and(|inode| *inode != "0");
-        if is && is_open { words.get(7)?.parse().ok() } else { None }
+        if is(1, &local) && is(2, &remote) && is_open { words.get(7)?.parse().ok() } else { None }
     })
 }
 
-/// Returns an address as the table has it.
-fn entry(address: SocketAddr) -> Option<String> {
-    let SocketAddr::V4(address) = address else { return None };
-    let ip = u32::from_ne_bytes(address.ip().octets());
-    Some(format!("{ip:08X}:{:04X}", address.port()))
+/// Returns an address as the tables have it: one of IPv4 also as that of a socket for both kinds.
+fn entries(address: SocketAddr) -> Vec<String> {
+    let port = address.port();
+    let six = |octets: [u8; 16]| {
+        let words = octets.chunks_exact(4).map(|word| {
+            let word = word.iter().rev().fold(0, |all, byte| all << 8 | u32::from(*byte));
+            format!("{:08X}", if cfg!(target_endian = "little") { word } else { word.swap_bytes() })
+        });
+        format!("{}:{port:04X}", words.collect::<String>())
+    };
+    match address.ip().to_canonical() {
+        IpAddr::V4(ip) => {
+            let four = u32::from_ne_bytes(ip.octets());
+            vec![format!("{four:08X}:{port:04X}"), six(ip.to_ipv6_mapped().octets())]
+        }
+        IpAddr::V6(ip) => vec![six(ip.octets())],
+    }
 }
 
 #[cfg(test)]
@@ -61,5 +76,33 @@ mod tests {
         assert_eq!(user_of(table, at(0xa001), at(5007)), None);
         assert_eq!(user_of(table, at(1), at(5007)), None);
         assert_eq!(user_of("", at(1), at(5007)), None);
+    }
+
+    #[test]
+    fn sockets_of_the_second_table_are_found_by_either_kind_of_address() {
+        let table = "  sl  local_address remote_address st tx_queue rx_queue tr tm->when retrnsmt uid timeout inode\n   \
+0: 00000000000000000000000001000000:138F 00000000000000000000000001000000:A000 01 0:0 00:0 0 0 0 11 1\n   \
+1: 00000000000000000000000001000000:A000 00000000000000000000000001000000:138F 01 0:0 00:0 0 1000 0 12 1\n   \
+2: 0000000000000000FFFF00000100007F:A001 0000000000000000FFFF00000100007F:138F 01 0:0 00:0 0 1001 0 13 1\n";
+        let user = |local: &str, remote: &str| {
+            user_of(table, local.parse().unwrap(), remote.parse().unwrap())
+        };
+        assert_eq!(user("[::1]:40960", "[::1]:5007"), Some(1000));
+        assert_eq!(user("127.0.0.1:40961", "127.0.0.1:5007"), Some(1001));
+        assert_eq!(user("[::ffff:127.0.0.1]:40961", "[::ffff:127.0.0.1]:5007"), Some(1001));
+        assert_eq!(user("127.0.0.1:40960", "127.0.0.1:5007"), None);
+    }
+
+    #[test]
+    fn a_connection_of_this_process_is_that_of_its_user() {
+        use std::net::{TcpListener, TcpStream};
+        for address in ["127.0.0.1:0", "[::1]:0"] {
+            // Where the system has no IPv6, nobody connects by it.
+            let Ok(listener) = TcpListener::bind(address) else { continue };
+            let ours = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+            let (theirs, _) = listener.accept().unwrap();
+            assert!(super::is_own(&theirs), "{address}");
+            drop(ours);
+        }
     }
 }

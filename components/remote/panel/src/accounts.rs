@@ -106,15 +106,18 @@ impl Accounts {
         password: &str,
         source: &SignInPlace,
     ) -> Result<Role, Wrong> {
-        let is_known = matches!(source, SignInPlace::Device(_));
-        let waiting = Waiting::enter(&self.waiting);
-        if !is_known && waiting.before >= MAX_WAITING {
-            return Err(Wrong::Haste(FULL_WAIT));
-        }
         // Names that no account can have are one: they need no memory.
         let account = if is_name(user) { user } else { "" };
+        // Who has to wait is no part of the line of those that are tried.
         let begun = lock(&self.limits).begin(Instant::now(), source, account);
         begun.map_err(Wrong::Haste)?;
+        let is_known = matches!(source, SignInPlace::Device(_));
+        let waiting = (!is_known).then(|| Waiting::enter(&self.waiting));
+        if waiting.as_ref().is_some_and(|waiting| waiting.before >= MAX_WAITING) {
+            // Nothing was tried.
+            lock(&self.limits).succeed(Instant::now(), source, account);
+            return Err(Wrong::Haste(FULL_WAIT));
+        }
         let trying = lock(&self.trying);
         let found = self.list.get(user);
         let stored = found.map_or(&self.nobody, |account| &account.hash);

@@ -84,12 +84,6 @@ impl Folders {
         Ok(Self { programs, output: machine.map(|places| places.output) })
     }
 
-    /// Folders with this one of programs.
-    #[cfg(test)]
-    pub(crate) const fn of(programs: PathBuf) -> Self {
-        Self { programs: Some(programs), output: None }
-    }
-
     /// Returns whether a file lies in a folder in which others than the machine's owner write.
     pub(crate) fn is_open_to_others(&self, path: &Path) -> bool {
         let uploads = self.programs.as_deref().map(Places::uploads_of);

@@ -16,7 +16,7 @@ use std::path::Path;
 /// Number of points of a program; its later ones are left out.
 const MAX_POINTS: usize = 8_000_000;
 /// Steps of the program and points between two looks whether its reading may go on.
-const LOOK: usize = 4096;
+const LOOK: usize = 16;
 /// Most bytes of a point in an answer.
 const POINT_BYTES: usize = 23 + 24 + 24;
 /// Number of points that may be left out in a row.

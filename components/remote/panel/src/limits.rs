@@ -43,7 +43,9 @@ impl Peer {
     /// Returns the place at the other end. On this computer, it is a user: all of them have the same address.
     pub(crate) fn source(self) -> SignInPlace {
         let user = || hal_lease::user_at(self.theirs, self.ours).map(SignInPlace::User);
-        let is_here = self.theirs.ip().to_canonical().is_loopback();
+        let [theirs, ours] = [self.theirs, self.ours].map(|end| end.ip().to_canonical());
+        // A browser here that opens the panel's network address comes from that address.
+        let is_here = theirs.is_loopback() || theirs == ours;
         is_here.then(user).flatten().unwrap_or_else(|| SignInPlace::at(self.theirs.ip()))
     }
 }

@@ -75,11 +75,12 @@ struct TriggerSpec {
 }
 
 /// A scope that runs. It ends when this is dropped.
-#[derive(Debug)]
 pub(crate) struct Scope {
     /// Messages for the client.
     pub(crate) samples: mpsc::Receiver<Json>,
     _end: SyncSender<()>,
+    /// Places among all scopes and among the client's own work, which the next scope of the client may take at once.
+    _places: (OwnedSemaphorePermit, Seat),
 }
 
 impl Scope {
@@ -106,11 +107,10 @@ impl Scope {
             };
             // A client that reads no answers gets none.
             answer.map(|answer| answers.try_send(answer).is_ok());
-            drop(places);
         };
         let begun = thread::Builder::new().name("scope".to_owned()).spawn(sample);
         begun.map_err(|e| Error::new(Code::Refused, hal_output::reason(&e)))?;
-        Ok(Self { samples, _end: end })
+        Ok(Self { samples, _end: end, _places: places })
     }
 }
 

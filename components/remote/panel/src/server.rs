@@ -51,9 +51,9 @@ use tokio::{
     io::{AsyncRead, AsyncWrite},
     net::TcpListener,
     runtime,
-    signal::unix::{SignalKind, signal},
+    signal::unix::{Signal, SignalKind, signal},
     sync::{Mutex, Semaphore, watch},
-    task::block_in_place,
+    task::{block_in_place, spawn_blocking},
     time::timeout,
 };
 use tokio_rustls::TlsAcceptor;
@@ -159,6 +159,8 @@ pub fn run(options: &Options) -> Result<(), String> {
     let runtime = runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
     let runtime = runtime.map_err(|e| hal_output::reason(&e))?;
     runtime.block_on(async {
+        // Before anybody learns that the panel is there.
+        let signals = Signals::new()?;
         let listener = TcpListener::bind(options.listen).await;
         let listener =
             listener.map_err(|e| format!("{}: {}", options.listen, hal_output::reason(&e)))?;
@@ -210,7 +212,7 @@ pub fn run(options: &Options) -> Result<(), String> {
         let router = http::router(&panel);
         let tls = panel.security.tls.as_ref().map(|tls| tls.acceptor.clone());
         let teleop = Teleop::start(&panel, settings);
-        let served = serve(&listener, &router, tls.as_ref()).await;
+        let served = serve(&listener, &router, tls.as_ref(), signals).await;
         teleop.stop().await;
         // Without the file nobody opens an address that is gone.
         drop(std::fs::remove_file(&panel.address_file));
@@ -239,28 +241,45 @@ fn read_ini(path: &Path) -> Result<Ini, String> {
     Ini::read(path).map_err(|e| e.to_string())
 }
 
+/// Signals that end the program.
+struct Signals {
+    end: Signal,
+    interrupt: Signal,
+}
+
+impl Signals {
+    /// Takes the signals from now on.
+    fn new() -> Result<Self, String> {
+        let take = |kind| signal(kind).map_err(|e| hal_output::reason(&e));
+        Ok(Self { end: take(SignalKind::terminate())?, interrupt: take(SignalKind::interrupt())? })
+    }
+}
+
 /// Accepts connections until a signal ends the program.
 async fn serve(
     listener: &TcpListener,
     router: &Router,
     tls: Option<&TlsAcceptor>,
+    mut signals: Signals,
 ) -> Result<(), String> {
-    let fail = |e: std::io::Error| hal_output::reason(&e);
-    let mut end = signal(SignalKind::terminate()).map_err(fail)?;
-    let mut interrupt = signal(SignalKind::interrupt()).map_err(fail)?;
-    let address = listener.local_addr().map_err(fail)?;
+    let address = listener.local_addr().map_err(|e| hal_output::reason(&e))?;
     let (room, places) = (Arc::new(Semaphore::new(MAX_CONNECTIONS)), Places::default());
     loop {
-        let Ok(permit) = room.clone().acquire_owned().await else { return Ok(()) };
+        let next = async {
+            let permit = room.clone().acquire_owned().await;
+            (permit, listener.accept().await)
+        };
         tokio::select! {
-            accepted = listener.accept() => match accepted {
+            (permit, accepted) = next => match accepted {
                 Ok((stream, theirs)) => {
                     let (router, tls) = (router.clone(), tls.cloned());
                     let ours = stream.local_addr().unwrap_or(address);
                     let peer = Peer { theirs, ours };
                     let places = places.clone();
                     tokio::spawn(async move {
-                        let Some(place) = places.take(peer.source()) else { return };
+                        // Tables of the system are read beside the threads that serve requests.
+                        let Ok(source) = spawn_blocking(move || peer.source()).await else { return };
+                        let Some(place) = places.take(source) else { return };
                         // Without it, small messages wait for the answer to the one before.
                         drop(stream.set_nodelay(true));
                         let (wire, send_buffer) = Wire::new(stream);
@@ -278,8 +297,8 @@ async fn serve(
                 // Too many open files, or a client that has gone meanwhile.
                 Err(_) => tokio::time::sleep(REFUSED).await,
             },
-            _ = end.recv() => return Ok(()),
-            _ = interrupt.recv() => return Ok(()),
+            _ = signals.end.recv() => return Ok(()),
+            _ = signals.interrupt.recv() => return Ok(()),
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     error::Guard,
     graph::{Component, Edge, Graph, Ix},
 };
-use hal_protocol::{Direction, Request};
+use hal_protocol::{Direction, Request, Type};
 use petgraph::{Direction::Outgoing, visit::EdgeRef};
 use std::collections::BTreeSet;
 
@@ -105,8 +105,14 @@ impl Flow<'_> {
         let owner = self.loaded(ix);
         let guard = if self.takes_commands(owner) { Some(Guard::Commands) } else { None };
         let drives = || self.component(owner).is_some_and(is_driver).then_some(Guard::Drives);
-        match guard.or_else(drives) {
-            Some(guard) if !item.times => Err(self.refusal("parameter", name, owner, guard)),
+        let own = guard.or_else(drives).map(|guard| (owner, guard));
+        // A setting of a gate or filter before an enable, a limit switch or an e-stop holds it as a pin there would. That of
+        // what moves by itself, such as a limit of stepgen, is tuned.
+        let elsewhere = || self.end(vec![ix], Some(Type::Bit)).filter(|(end, _)| *end != owner);
+        match own.or_else(elsewhere) {
+            Some((owner, guard)) if !item.times => {
+                Err(self.refusal("parameter", name, owner, guard))
+            }
             _ => Ok(()),
         }
     }
@@ -118,7 +124,7 @@ impl Flow<'_> {
 
     /// Refuses what begins at these pins and leads to a component that guards.
     fn permit(&self, what: &'static str, name: &str, begin: Vec<Ix>) -> Result<(), Error> {
-        match self.end(begin) {
+        match self.end(begin, None) {
             None => Ok(()),
             Some((owner, guard)) => Err(self.refusal(what, name, owner, guard)),
         }
@@ -129,8 +135,9 @@ impl Flow<'_> {
         Error::Guarded { what, name: name.into(), to: to.into(), guard }
     }
 
-    /// Follows the values of pins; returns the first component on their way that guards.
-    fn end(&self, begin: Vec<Ix>) -> Option<(Ix, Guard)> {
+    /// Follows the values of pins, and behind those of `begin` only values of this type if there is one; returns the first
+    /// component on their way that guards.
+    fn end(&self, begin: Vec<Ix>, only: Option<Type>) -> Option<(Ix, Guard)> {
         let mut seen: BTreeSet<Ix> = begin.iter().copied().collect();
         let mut left = begin;
         while let Some(pin) = left.pop() {
@@ -144,7 +151,10 @@ impl Flow<'_> {
             if item.direction != Direction::In {
                 next.extend(self.graph.signal_of(pin).into_iter().flat_map(|s| self.readers_of(s)));
             }
-            left.extend(next.into_iter().filter(|pin| seen.insert(*pin)));
+            let is_followed = |pin: Ix| {
+                only.is_none_or(|ty| self.graph.item(pin).is_some_and(|item| item.ty == ty))
+            };
+            left.extend(next.into_iter().filter(|pin| is_followed(*pin) && seen.insert(*pin)));
         }
         None
     }

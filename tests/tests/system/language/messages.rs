@@ -7,6 +7,8 @@ use std::{collections::BTreeMap, fmt::Write, fs};
 
 /// Messages that no script produces, and the tests that produce them instead.
 const ELSEWHERE: &[(&str, &str)] = &[
+    ("* '*' leads to '*', which *: it is not changed from afar", GUARDED),
+    ("this is done at the machine, and not from afar", GUARDED),
     ("* is not supported", "halcmd/src/programs/halrun/refused.rs"),
     ("Ferrule's package for Tcl is not in '*'", TCL),
     ("Tcl files need tclsh, which is not installed", TCL),
@@ -70,6 +72,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
 const TCL: &str = "tests/tests/system/language/tcl.rs";
 const WORKERS: &str = "hal/engine/tests/workers.rs";
 const SAMPLES: &str = "tests/tests/system/engine/samples.rs";
+const GUARDED: &str = "tests/tests/system/panel/guarded.rs";
 const FAULTS: &str = "tests/tests/system/faults/libraries.rs";
 const PLUGIN_FILES: &str = "tests/tests/system/faults/plugin_files.rs";
 const FALSE_ENGINE: &str = "tests/tests/system/faults/false_engine.rs";

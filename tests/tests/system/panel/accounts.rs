@@ -129,8 +129,8 @@ fn guesses_of_strangers_keep_no_person_out() {
     printer.restart("viewer", &["--accounts", ".private/people"]);
     let (code, cookies) = tries(&printer, "", "ana", "correct horse");
     assert_eq!(code, "");
-    let devices = cookies.iter().filter_map(|cookie| cookie.strip_prefix("ferrule-device-"));
-    let (_, device) = devices.last().unwrap().split_once('=').unwrap();
+    let mut devices = cookies.iter().filter_map(|cookie| cookie.strip_prefix("ferrule-device-"));
+    let (_, device) = devices.next_back().unwrap().split_once('=').unwrap();
     // Each start of this panel has another port, which the name of the cookie has.
     let device = |printer: &Printer| format!("ferrule-device-{}={device}", printer.port);
     // The same user of this computer guesses: five are tried, and then not even the right password is.

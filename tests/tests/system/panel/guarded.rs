@@ -11,7 +11,11 @@ const MORE: &[&str] = &[
     "addf and2.1 servo-thread",
     "addf and2.2 servo-thread",
     "setp and2.0.in1 1",
-    "setp and2.1.in1 1",
+    "loadrt debounce cfg=1,1",
+    "addf debounce.0 servo-thread",
+    "addf debounce.1 servo-thread",
+    "setp debounce.0.0.in 1",
+    "net gate debounce.0.0.out => and2.1.in1",
     "net loop and2.0.out => and2.1.in0",
     "net chain and2.1.out => motion.enable",
     "net xenable => and2.2.in0",
@@ -50,32 +54,32 @@ fn an_integrator_from_afar_changes_nothing_that_leads_to_motion_or_a_line() {
     printer.halcmd("newsig own bit");
     for (pin, to) in [
         // Drives and lines, with the enables before them.
-        ("stepgen.0.position-cmd", "'stepgen', which drives the machine"),
-        ("stepgen.0.enable", "'stepgen', which drives the machine"),
-        ("viagpio.pin-05-out", "'hal_viagpio', which drives the machine"),
-        ("viagpio.pin-07-out", "'hal_viagpio', which drives the machine"),
+        ("stepgen.0.position-cmd", "stepgen', which drives the machine"),
+        ("stepgen.0.enable", "stepgen', which drives the machine"),
+        ("viagpio.pin-05-out", "hal_viagpio', which drives the machine"),
+        ("viagpio.pin-07-out", "hal_viagpio', which drives the machine"),
         // Interlock, limits, feedback, dead man, and the beginnings of motion.
-        ("motion.enable", "'motmod', which takes commands"),
-        ("axis.0.neg-lim-sw-in", "'motmod', which takes commands"),
-        ("axis.0.motor-pos-fb", "'motmod', which takes commands"),
-        ("axis.0.jog-enable", "'motmod', which takes commands"),
-        ("motion.jog-stop", "'motmod', which takes commands"),
-        ("iocontrol.0.emc-enable-in", "'iocontrol', which takes commands"),
-        ("remote.allow-motion", "'remote', which takes commands"),
-        ("remote.beat", "'remote', which takes commands"),
-        ("halpanel.beat", "'remote', which takes commands"),
+        ("motion.enable", "motmod', which takes commands"),
+        ("axis.0.neg-lim-sw-in", "motmod', which takes commands"),
+        ("axis.0.motor-pos-fb", "motmod', which takes commands"),
+        ("axis.0.jog-enable", "motmod', which takes commands"),
+        ("motion.jog-stop", "motmod', which takes commands"),
+        ("iocontrol.0.emc-enable-in", "iocontrol', which takes commands"),
+        ("remote.allow-motion", "remote', which takes commands"),
+        ("remote.beat", "remote', which takes commands"),
+        ("halpanel.beat", "remote', which takes commands"),
         // Gates before them, and outputs whose signals lead there.
-        ("and2.0.in0", "'motmod', which takes commands"),
-        ("and2.0.in1", "'motmod', which takes commands"),
-        ("and2.1.in0", "'motmod', which takes commands"),
-        ("and2.1.out", "'motmod', which takes commands"),
-        ("axis.0.motor-pos-cmd", "'stepgen', which drives the machine"),
-        ("stepgen.0.step", "'hal_viagpio', which drives the machine"),
+        ("and2.0.in0", "motmod', which takes commands"),
+        ("and2.0.in1", "motmod', which takes commands"),
+        ("and2.1.in0", "motmod', which takes commands"),
+        ("and2.1.out", "motmod', which takes commands"),
+        ("axis.0.motor-pos-cmd", "stepgen', which drives the machine"),
+        ("stepgen.0.step", "hal_viagpio', which drives the machine"),
     ] {
         let before = printer.halcmd(&format!("getp {pin}"));
         for (name, args) in changes(pin) {
             let (code, text) = refusal(&mut socket, name, &args);
-            let wanted = format!("pin '{pin}' leads to {to}: it is not changed from afar");
+            let wanted = format!("pin '{pin}' leads to '{to}: it is not changed from afar");
             assert_eq!((&*code, &*text), ("remote", &*wanted), "{name} {pin}");
         }
         if !pin.ends_with("beat") {
@@ -94,6 +98,9 @@ fn an_integrator_from_afar_changes_nothing_that_leads_to_motion_or_a_line() {
     for (parameter, code) in [
         // They invert lines.
         ("viagpio.pin-05-out-invert", "remote"),
+        // A filter before an enable: with another delay it would never change again.
+        ("debounce.0.delay", "remote"),
+        ("debounce.1.delay", ""),
         // Settings are an integrator's.
         ("stepgen.0.maxaccel", ""),
         ("stepgen.update-freq.tmax", ""),

@@ -10,8 +10,7 @@ fn of(name: &str, text: &str, tolerance: f64) -> Geometry {
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join(name);
     std::fs::write(&file, text).unwrap();
-    let geometry =
-        read(None, &file, world::program(&file).unwrap(), tolerance, &mut |_| Ok(()));
+    let geometry = read(None, &file, world::program(&file).unwrap(), tolerance, &mut |_| Ok(()));
     std::fs::remove_file(&file).unwrap();
     geometry.unwrap()
 }
@@ -184,7 +183,7 @@ fn a_program_without_an_end_is_read_as_long_as_it_may_be() {
         let file = folder.join(name);
         std::fs::write(&file, text).unwrap();
         let (mut looks, mut most) = (0, 0);
-        let read = read(None, &file, 0.0, &mut |bytes| {
+        let read = read(None, &file, world::program(&file).unwrap(), 0.0, &mut |bytes| {
             looks += 1;
             most = most.max(bytes);
             if looks > 20 { Err(Limit::Gone) } else { Ok(()) }

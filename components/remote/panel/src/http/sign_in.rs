@@ -17,7 +17,7 @@ use axum::{
 use serde::Deserialize;
 use serde_json::json;
 use std::sync::Arc;
-use tokio::task::block_in_place;
+use tokio::task::{block_in_place, spawn_blocking};
 
 impl FromRequestParts<Arc<Panel>> for Session {
     type Rejection = Error;
@@ -114,10 +114,13 @@ pub(crate) async fn sign_in(
         }
         Login::Password(login) => {
             let accounts = panel.security.accounts.as_ref();
-            let source = accounts.map_or_else(
-                || peer.source(),
-                |accounts| accounts.source(&login.user, &kept, peer.source()),
-            );
+            // Tables of the system are read beside the threads that serve requests.
+            let from = spawn_blocking(move || peer.source()).await;
+            let from = from.unwrap_or_else(|_| SignInPlace::at(peer.theirs.ip()));
+            let source = match accounts {
+                Some(accounts) => accounts.source(&login.user, &kept, from),
+                None => from,
+            };
             let role = panel.by_password(&login.user, &login.password, &source);
             if role.is_ok() {
                 device = accounts.and_then(|accounts| accounts.with_device(&login.user, &kept));

@@ -2,8 +2,8 @@
 
 use super::{DOCUMENT, router};
 use crate::{
-    folders::Folders,
     engine::Engine,
+    folders::Folders,
     lease::tests::run,
     limits::Peer,
     server::{Panel, SendBuffer},

@@ -92,15 +92,29 @@ fn serve(listener: &TcpListener, source: &Arc<Served>, most: usize, only_own: bo
         if count.load(Relaxed) >= most {
             continue;
         }
-        count.fetch_add(1, Relaxed);
-        let (source, left) = (source.clone(), count.clone());
+        let (source, counted) = (source.clone(), Counted::begin(&count));
         let work = move || {
             connection::run(stream, id, &source);
-            left.fetch_sub(1, Relaxed);
+            drop(counted);
         };
-        if thread::Builder::new().name("session".to_owned()).spawn(work).is_err() {
-            count.fetch_sub(1, Relaxed);
-        }
+        // A thread that cannot begin drops what it was given.
+        drop(thread::Builder::new().name("session".to_owned()).spawn(work));
+    }
+}
+
+/// A connection that counts until it ends in any way.
+struct Counted(Arc<AtomicUsize>);
+
+impl Counted {
+    fn begin(count: &Arc<AtomicUsize>) -> Self {
+        count.fetch_add(1, Relaxed);
+        Self(count.clone())
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Relaxed);
     }
 }
 
