@@ -23,7 +23,8 @@ fn no_program_commands_a_machine_that_nothing_stops() {
         until("it runs", || running.said().1.contains("ready"));
         for (program, args) in PROGRAMS {
             let output = scratch.run(scratch.command(&[], program).args(args));
-            let why = format!("{begins} moves this machine, and nothing stops it: no command {missing}");
+            let why =
+                format!("{begins} moves this machine, and nothing stops it: no command {missing}");
             assert!(output.stderr.contains(&why), "{program}: {output:?}");
             assert_eq!(output.status, Some(1), "{program}: {output:?}");
         }
