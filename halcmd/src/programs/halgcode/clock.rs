@@ -18,6 +18,9 @@ use hal_trajectory::{
 /// Tolerance of blends after a G64 without P: only the length of the moves limits them.
 const UNBOUNDED: f64 = 1e6;
 
+/// Lowest feed whose time counts, in units per second: a micrometre in a second.
+const SLOWEST: f64 = 1e-3;
+
 /// Number of cells that stay planned ahead of the follower. The follower runs when there are twice as many.
 const AHEAD: u64 = 1000;
 
@@ -204,8 +207,9 @@ impl Clock {
         };
         let feed = match kind {
             Kind::Rapid => top,
-            // Motion gives a move that stands still this feed too.
-            Kind::Feed => (per_minute * unit / 60.0).min(top).max(1e-6),
+            // A spindle that stands still, or a feed that is none, gives no time: the path alone is planned.
+            Kind::Feed if per_minute * unit / 60.0 <= SLOWEST => top,
+            Kind::Feed => (per_minute * unit / 60.0).min(top),
         };
         let rapid = kind == Kind::Rapid;
         let next = Move { shape, feed, rapid, mode: self.mode, line };
