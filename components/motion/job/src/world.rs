@@ -172,3 +172,37 @@ impl Environment for World {
         self.machine.codes.find(code).map(|found| found.is_some())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    //! Files of subroutines.
+
+    use super::World;
+    use crate::machine::{Files, Machine};
+    use hal_gcode::Environment as _;
+    use std::{collections::BTreeMap, fs, os::unix::fs::symlink};
+
+    #[test]
+    fn a_linked_subroutine_is_refused_and_no_other_runs_for_it() {
+        let folder = std::env::temp_dir().join(format!("hal-job-linked-{}", std::process::id()));
+        for name in ["first", "second"] {
+            fs::create_dir_all(folder.join(name)).unwrap();
+        }
+        let ini = folder.join("m.ini");
+        fs::write(&ini, "[RS274NGC]\nSUBROUTINE_PATH = first:second\n").unwrap();
+        for name in ["probe", "other"] {
+            let text = format!("o<{name}> sub\no<{name}> endsub\n");
+            fs::write(folder.join("second").join(format!("{name}.ngc")), text).unwrap();
+        }
+        symlink("../second/probe.ngc", folder.join("first/probe.ngc")).unwrap();
+        let machine = Machine::read(&Files { ini: Some(&ini), ..Files::default() }).unwrap();
+        let world = World::with_functions(machine, BTreeMap::new());
+        // The one of that name in the second folder does not run in its place.
+        assert!(world.open("probe").is_none());
+        let why = world.refusal("probe").unwrap();
+        assert!(why.contains("first/probe.ngc") && why.contains("a symbolic link"), "{why}");
+        assert!(world.open("other").is_some() && world.refusal("other").is_none());
+        assert!(world.open("none").is_none() && world.refusal("none").is_none());
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,6 +1,8 @@
 //! Rounding of corners: as much as the feed needs, and no more.
 #![expect(clippy::print_stdout, clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
+use std::collections::BTreeMap;
+
 use hal_trajectory::{Group, Limits, Machine, Mode, Move, Planner, Pose, Shape, Trivial};
 
 /// Acceleration of every axis, in mm/s², and their velocity, in mm/s.
@@ -306,5 +308,47 @@ fn a_change_of_a_rotary_axis_alone_keeps_the_feed_up() {
         planner.finish();
         let slowest = planner.track().cells().map(|cell| cell.speed).fold(f64::INFINITY, f64::min);
         assert!(slowest > 5.0, "jerk {jerk}: {slowest} mm/s");
+    }
+}
+
+/// The deviation of joined lines is a bound, and a close one.
+#[test]
+fn the_deviation_of_joined_lines_is_that_of_the_path() {
+    for (radius, step, feed) in [(10.0, 0.05_f64, 100.0), (3.0, 0.1, 60.0), (1.0, 0.2, 20.0)] {
+        let at = |n: u32| {
+            let angle = step * f64::from(n);
+            Pose::from_xyz([radius * angle.sin(), radius * (1.0 - angle.cos()), 0.0])
+        };
+        let mut planner = Planner::new(machine(1e5), Trivial, Pose::ZERO).unwrap();
+        planner.watch_deviation();
+        let count = 60;
+        for line in 1..=count {
+            let (shape, mode) = (Shape::Line { end: at(line) }, Mode::Blend(0.02));
+            planner.push(&Move { shape, feed, rapid: false, mode, line }).unwrap();
+        }
+        planner.finish();
+        let mut lengths = BTreeMap::new();
+        for cell in planner.track().cells() {
+            *lengths.entry(cell.curve).or_insert(0.0) += cell.length;
+        }
+        let mut farthest = 0.0_f64;
+        for (number, length) in lengths {
+            let curve = planner.track().curve(number).unwrap();
+            for k in 0..=200 {
+                let pose = curve.at(length * f64::from(k) / 200.0).pose;
+                let beside = (0..count).map(|n| {
+                    let (from, by) = (pose - at(n), at(n + 1) - at(n));
+                    let share = from.dot_all(&by) / by.dot_all(&by);
+                    let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+                    let off = from - by * share;
+                    off.dot_all(&off).sqrt()
+                });
+                farthest = farthest.max(beside.fold(f64::INFINITY, f64::min));
+            }
+        }
+        let bound = planner.deviation().unwrap().distance;
+        let what = format!("radius {radius}: {farthest} of {bound}");
+        println!("{what}");
+        assert!(farthest <= bound * (1.0 + 1e-6) && bound <= 1.1 * farthest, "{what}");
     }
 }

@@ -12,7 +12,8 @@ use std::collections::BTreeSet;
 
 /// Refuses a request of a client that speaks for people elsewhere if it is not theirs to make.
 ///
-/// What begins or ends motion has a command, with a role, a lease and a stop epoch; a pin beside it is no second way.
+/// Clients elsewhere begin and end motion by commands, which check the role, the lease and the stop epoch. A pin would pass
+/// these checks by.
 pub(crate) fn permit(graph: &Graph, request: &Request) -> Result<(), Error> {
     let flow = Flow { graph };
     match request {

@@ -1,4 +1,4 @@
-//! Realtime. What a path is given in each cycle.
+//! Realtime. Inputs of a path in each cycle.
 
 use hal_trajectory::{Pursuit, Scales};
 

@@ -4,7 +4,10 @@ use super::{
     DT, LIMITS,
     follow::{Lathe, PITCH},
 };
-use hal_component::abi::TicketState;
+use hal_component::{
+    MotionCommand, MotionRef, MotionToken, abi::TicketState, motion_flags as flags,
+    motion_kind as kind,
+};
 use hal_trajectory::Limits;
 
 /// Limits of jerk of the tests, in units/s³.
@@ -302,5 +305,28 @@ fn a_thread_of_many_short_moves_is_long_enough() {
         }
         let end = lathe.pass(&format!("motion.move x=4 pitch={PITCH}"), |_, _| {});
         assert_eq!((end, lathe.x()), (TicketState::Done, 4.0), "{jerk}");
+    }
+}
+
+/// A feed per turn that the axes do not reach is refused, but at constant surface speed, where the turns at the move are known
+/// only then: there the axes move as fast as they can.
+#[test]
+fn a_feed_per_turn_at_constant_surface_speed_is_not_judged_beforehand() {
+    for (surface, moves) in [(0, false), (flags::SURFACE, true)] {
+        let mut lathe = Lathe::with_jerk(f64::INFINITY, 600.0, 400.0);
+        let motion: MotionRef = lathe.rig.bench.find();
+        let mut pose = [0.0; 9];
+        pose[0] = 20.0;
+        let flags = flags::VELOCITY_MODE | surface;
+        let per_turn = MotionCommand {
+            letters: 1,
+            pose,
+            pitch: 100.0,
+            flags,
+            ..MotionCommand::new(kind::MOVE)
+        };
+        motion.push(MotionToken::LOCAL, &per_turn).unwrap();
+        lathe.cycles(3000);
+        assert_eq!(lathe.x(), if moves { 20.0 } else { 0.0 });
     }
 }

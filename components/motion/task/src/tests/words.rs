@@ -91,6 +91,12 @@ fn moves_bound_to_the_spindle_have_a_pitch() {
     ];
     let pitch = only_move(&settings, &per_turn).pitch.unwrap();
     assert_eq!((pitch.travel, pitch.velocity_mode), (0.2, true));
+    assert!(!pitch.is_at_surface);
+    // At constant surface speed, the turns at the move are not known before.
+    let [mode, feed, feeds] = per_turn.clone();
+    let surface = Call::SetSpindleMode { spindle: 0, css_max: 2000.0 };
+    let pitch = only_move(&settings, &[surface, mode, feed, feeds]).pitch.unwrap();
+    assert!(pitch.is_at_surface);
     let rapid =
         [per_turn[0].clone(), per_turn[1].clone(), Call::StraightTraverse(at(1.0, 0.0, 0.0))];
     assert_eq!(only_move(&settings, &rapid).pitch, None);

