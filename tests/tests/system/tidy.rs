@@ -40,6 +40,47 @@ fn dependencies(table: &toml::Table) -> Vec<String> {
     list.map(|t| t.keys().cloned().collect()).unwrap_or_default()
 }
 
+/// Parts of a crate that have no tests are not built for them (`test = false`, `doctest = false`); a test that is
+/// written there later would not run.
+#[test]
+fn no_test_is_where_cargo_does_not_look_for_it() {
+    let silent =
+        |part: &toml::Value, key| part.get(key).and_then(toml::Value::as_bool) == Some(false);
+    let mut unseen = Vec::new();
+    for (name, (folder, table)) in manifests() {
+        let source = folder.join("src");
+        let lib = table.get("lib").cloned().unwrap_or_else(|| toml::Table::new().into());
+        let bins = table.get("bin").and_then(toml::Value::as_array).cloned().unwrap_or_default();
+        for path in files_below(&source, ".rs") {
+            let inside = path.strip_prefix(&source).unwrap();
+            let program = inside.strip_prefix("bin").ok();
+            let text = std::fs::read_to_string(&path).unwrap();
+            let tests = text.lines().any(|l| matches!(l.trim(), "#[test]" | "#[cfg(test)]"));
+            let example = text.lines().any(|l| {
+                let l = l.trim_start();
+                l.strip_prefix("///")
+                    .or(l.strip_prefix("//!"))
+                    .is_some_and(|l| l.trim_start().starts_with("```"))
+            });
+            let muted = match program {
+                Some(program) => bins.iter().any(|bin| {
+                    let first = program.components().next().unwrap().as_os_str().to_str().unwrap();
+                    silent(bin, "test")
+                        && bin["name"].as_str() == Some(first.trim_end_matches(".rs"))
+                }),
+                None => silent(&lib, "test"),
+            };
+            if tests && muted || example && program.is_none() && silent(&lib, "doctest") {
+                unseen.push(format!("{name}: {}", short(&path)));
+            }
+        }
+    }
+    assert!(
+        unseen.is_empty(),
+        "tests in parts with `test = false` or `doctest = false`: {unseen:#?}"
+    );
+}
+
 #[test]
 fn arrows_point_only_downward() {
     let members = members();

@@ -10,7 +10,7 @@
     reason = "figures"
 )]
 
-#[path = "../tests/judge/mod.rs"]
+#[path = "../tests/it/judge/mod.rs"]
 mod judge;
 
 use hal_corpus::Rng;
@@ -78,13 +78,13 @@ fn main() -> Result<(), Error> {
         "\na million moves take {megabytes:.1} MB at most (wanted: 16) {}",
         most(megabytes, 16.0)
     );
-    println!("\nshown by tests, each with cargo test -p hal-trajectory --release --test:");
+    println!("\nshown by tests, each with cargo test -p hal-trajectory --release --test it:");
     for (what, test) in [
         ("a million segments", "limits -- --ignored --nocapture"),
-        ("a hold from any state", "invariants a_hold_stops_in_time"),
-        ("a planner that stops for 5 s", "share a_planner_that_stops"),
-        ("holds and reverse motion", "invariants holds_and_reversals"),
-        ("no allocation in a step", "realtime"),
+        ("a hold from any state", "invariants::a_hold_stops_in_time"),
+        ("a planner that stops for 5 s", "share::a_planner_that_stops"),
+        ("holds and reverse motion", "invariants::holds_and_reversals"),
+        ("no allocation in a step", "and --test realtime"),
         ("known mistakes are seen", "mutants -- --ignored --nocapture"),
     ] {
         println!("  {what:<30} {test}");

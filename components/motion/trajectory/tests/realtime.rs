@@ -3,6 +3,7 @@
 //! The counts are those of the process, so this test has no harness, whose threads would allocate too.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
+#[path = "it/judge/mod.rs"]
 mod judge;
 
 use hal_trajectory::{Follower, Path, Planner, Pose, Trivial, share};

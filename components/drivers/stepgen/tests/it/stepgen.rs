@@ -4,7 +4,7 @@ use hal_bench::Bench;
 use rig::Rig;
 use stepgen::Stepgen;
 
-mod rig;
+use crate::rig;
 
 #[test]
 fn items_by_type_and_control() {

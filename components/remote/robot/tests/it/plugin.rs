@@ -1,7 +1,7 @@
 //! The plugin over a socket of this machine, and a controller in another program.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-mod sim;
+use crate::sim;
 
 use hal_bench::Bench;
 use robot::{Robot, TcpOpening};

@@ -3,7 +3,7 @@
 use hal_bench::Random;
 use rig::Rig;
 
-mod rig;
+use crate::rig;
 
 /// Base period and servo period, in seconds.
 const BASE: f64 = 1e-4;

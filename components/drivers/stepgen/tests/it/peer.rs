@@ -3,7 +3,7 @@
 use hal_bench::Bench;
 use stepgen::Stepgen;
 
-mod replay;
+use crate::replay;
 
 fn load(bench: &mut Bench, kind: &str, args: &[&str]) -> bool {
     kind == "stepgen" && bench.load::<Stepgen>(args).is_ok()

@@ -1,7 +1,7 @@
 //! Cutter-location files: the path of each statement, and the place of each error.
 #![expect(clippy::panic, reason = "tests")]
 
-mod random;
+use crate::random;
 
 use hal_arm::apt::{Motion, Part, Problem};
 use random::Random;

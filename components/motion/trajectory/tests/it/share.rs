@@ -2,7 +2,7 @@
 
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "tests")]
 
-mod judge;
+use crate::judge;
 
 use hal_corpus::{Mode, Rng};
 use hal_trajectory::{

@@ -14,7 +14,7 @@ struct Mutant {
     file: &'static str,
     right: &'static str,
     wrong: &'static str,
-    /// Test program, or [`LIB`] for the tests inside the crate, and the name of the test in it.
+    /// Room of the tests, or [`LIB`] for those inside the crate, and how the name of the test in it begins.
     fails: [&'static str; 2],
 }
 
@@ -156,7 +156,7 @@ const MUTANTS: [Mutant; 31] = [
         file: "follower.rs",
         right: "if self.samples == 1 { still }",
         wrong: "if self.samples == 1 { still || self.flat < u32::MAX }",
-        fails: ["invariants", "every_corner_is_a_sample"],
+        fails: ["invariants", "without_a_limit_of_jerk_every_corner_is_a_sample"],
     },
     Mutant {
         mistake: "a cell has the acceleration of a straight one",
@@ -240,7 +240,7 @@ const MUTANTS: [Mutant; 31] = [
         file: "follower/ahead.rs",
         right: "for _ in 0..SEARCHED {",
         wrong: "for _ in SEARCHED..SEARCHED {",
-        fails: ["rapids", "short_cells"],
+        fails: ["rapids", "an_override_of_0_stops_before_its_moves_behind_short_cells"],
     },
 ];
 
@@ -277,7 +277,7 @@ fn each_mistake_still_has_its_place() {
 }
 
 #[test]
-#[ignore = "copies and builds the crate for each mistake; every run has `each_mistake_still_has_its_place`: cargo test -p hal-trajectory --release --test mutants -- --ignored --nocapture"]
+#[ignore = "copies and builds the crate for each mistake; every run has `each_mistake_still_has_its_place`: cargo test -p hal-trajectory --release --test it mutants -- --ignored --nocapture"]
 fn each_mistake_fails_its_test() {
     let root = std::env::temp_dir().join(format!("hal-trajectory-mutants-{}", std::process::id()));
     let motion = ["trajectory", "corpus", "watchman"].map(|m| format!("components/motion/{m}"));
@@ -299,11 +299,13 @@ fn each_mistake_fails_its_test() {
         command.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
         command.output().unwrap()
     };
-    let run = |[program, test]: [&str; 2]| {
-        let words: &[&str] = if program == LIB { &["--lib"] } else { &["--test", program] };
+    let run = |[room, test]: [&str; 2]| {
+        let inside = room == LIB;
+        let words: &[&str] = if inside { &["--lib"] } else { &["--test", "it"] };
+        let test = if inside { test.to_owned() } else { format!("{room}::{test}") };
         let built = cargo(&[words, &["--no-run"]].concat());
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        let done = cargo(&[words, &[test]].concat());
+        let done = cargo(&[words, &[test.as_str()]].concat());
         (done.status.success(), String::from_utf8_lossy(&done.stdout).into_owned())
     };
     // Without a mistake, every test is there and passes.

@@ -1,7 +1,7 @@
 //! Properties of plans that hold for every program.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-mod judge;
+use crate::judge;
 
 use hal_corpus::{Kind, Mode, Motion, Options, Program, Rng, Step, random};
 use hal_trajectory::{

@@ -1,7 +1,7 @@
 //! The closed form: known poses, all solutions of random poses, limits.
 #![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
-mod random;
+use crate::random;
 
 use hal_arm::{
     Arm, CONFIGURATIONS, Frame, Joints, Miss,

@@ -1,7 +1,7 @@
 //! The programs over a socket of this machine.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-mod sim;
+use crate::sim;
 
 use sim::Sim;
 use std::{

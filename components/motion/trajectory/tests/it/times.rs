@@ -1,7 +1,7 @@
 //! Time of programs against bounds that are found by other means.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "tests")]
 
-mod judge;
+use crate::judge;
 
 use hal_corpus::{Mode, Motion, Program, Step};
 use hal_trajectory::{Follower, Machine, Planner, Pose, Trivial};

@@ -4,7 +4,7 @@ use axis::Steptest;
 use hal_bench::Bench;
 use stepgen::Stepgen;
 
-#[path = "../../../drivers/stepgen/tests/replay/mod.rs"]
+#[path = "../../../../drivers/stepgen/tests/it/replay/mod.rs"]
 mod replay;
 
 fn load(bench: &mut Bench, kind: &str, args: &[&str]) -> bool {

@@ -1,7 +1,7 @@
 //! Random programs of every kind on every robot, at random overrides, judged by the watchman.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "tests")]
 
-mod judge;
+use crate::judge;
 
 use hal_corpus::{NAMES, Program, named, shrink};
 use hal_trajectory::{Limits, Machine, Trivial};
@@ -198,7 +198,7 @@ fn cases_of_the_past_keep_every_limit() {
 }
 
 #[test]
-#[ignore = "a million segments take minutes; every run has `random_programs_keep_every_limit`: cargo test -p hal-trajectory --release --test limits -- --ignored --nocapture"]
+#[ignore = "a million segments take minutes; every run has `random_programs_keep_every_limit`: cargo test -p hal-trajectory --release --test it limits -- --ignored --nocapture"]
 fn a_million_random_segments_keep_every_limit() {
     let sum = many(1000..26_000, 60);
     assert!(sum.segments >= 1_000_000, "{} segments", sum.segments);

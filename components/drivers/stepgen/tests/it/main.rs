@@ -1,0 +1,7 @@
+//! The tests of this crate's surface, in one program: linking many costs more than running them.
+
+mod closed;
+mod peer;
+mod replay;
+mod rig;
+mod stepgen;

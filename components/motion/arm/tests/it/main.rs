@@ -1,0 +1,6 @@
+//! The tests of this crate's surface, in one program: linking many costs more than running them.
+
+mod apt;
+mod arms;
+mod plan;
+mod random;

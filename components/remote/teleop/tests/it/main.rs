@@ -1,0 +1,5 @@
+//! The tests of this crate's surface, in one program: linking many costs more than running them.
+
+mod protocol;
+mod rights;
+mod transcript;

@@ -1,0 +1,6 @@
+//! The tests of this crate's surface, in one program: linking many costs more than running them.
+
+mod layout;
+mod port;
+mod record;
+mod ring;

@@ -1,0 +1,4 @@
+//! The tests of this crate's surface, in one program: linking many costs more than running them.
+
+mod formats;
+mod triggers;
