@@ -81,6 +81,19 @@ fn no_test_is_where_cargo_does_not_look_for_it() {
     );
 }
 
+/// `cargo build` makes everything that a machine may load, and nothing of the tests.
+#[test]
+fn everything_but_the_tests_is_built() {
+    let text = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let table: toml::Table = text.parse().unwrap();
+    let list = |key: &str| -> Vec<String> {
+        let all = table["workspace"][key].as_array().unwrap().iter();
+        all.map(|name| name.as_str().unwrap().to_owned()).filter(|name| name != "tests").collect()
+    };
+    assert_eq!(list("members"), list("default-members"));
+    assert!(text.contains(", \"tests\"]"), "the tests are a member");
+}
+
 #[test]
 fn arrows_point_only_downward() {
     let members = members();
@@ -112,6 +125,7 @@ fn arrows_point_only_downward() {
                 "hal-trajectory",
             ],
         ),
+        ("ferrule", &["hal-ini", "hal-output", "hal-protocol", "hal-trace"]),
         ("halcompile", &["hal-output"]),
         ("hal-arm", &[]),
         ("hal-align", &["hal-gcode", "hal-ini"]),

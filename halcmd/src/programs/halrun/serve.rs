@@ -77,6 +77,11 @@ fn hint(plan: &Plan) -> String {
         "halrun: the machine runs; Ctrl-C ends it. From another terminal: 'halcmd{instance} status', \
          'halcmd{instance} show pin'\n"
     );
+    if let Script::Ini(file) = &plan.script {
+        text.push_str(&format!(
+            "halrun: the panel in a browser: 'halpanel{instance} --ini-file {file}'; 'ferrule start' starts both\n"
+        ));
+    }
     let options = &plan.options;
     if options.clock == ClockKind::Virtual && options.hold {
         text.push_str(&format!(
@@ -136,6 +141,8 @@ mod tests {
             assert_eq!(shown(words), runs, "{words}");
         }
         assert_eq!(shown("--virtual m.hal"), format!("{runs}{free}"));
+        let panel = "halrun: the panel in a browser: 'halpanel --ini-file m.ini'; 'ferrule start' starts both\n";
+        assert_eq!(shown("m.ini"), format!("{runs}{panel}"));
         let held = "halrun: the virtual clock stands still; 'halcmd run 1s' moves it by a second\n";
         assert_eq!(shown("--virtual --hold m.hal"), format!("{runs}{held}"));
         let named = runs.replace("'halcmd ", "'halcmd --instance mill ");

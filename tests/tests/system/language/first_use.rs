@@ -40,6 +40,7 @@ fn every_program_prints_its_version() {
         "linuxcnc",
         "halcompile",
         "latency-test",
+        "ferrule",
     ] {
         let want = format!("{program} {}\n", env!("CARGO_PKG_VERSION"));
         assert_eq!(run(&scratch, &[program, "--version"]), (want, String::new(), Some(0)));

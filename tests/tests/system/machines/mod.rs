@@ -2,6 +2,7 @@
 
 mod demos;
 mod fiducial;
+mod front;
 mod functions;
 mod haltest;
 mod haltest_rust;

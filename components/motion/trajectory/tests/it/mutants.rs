@@ -286,7 +286,8 @@ fn each_mistake_fails_its_test() {
         copy(&crates().join("../..").join(member), &root.join(member));
     }
     let manifest = fs::read_to_string(crates().join("../../Cargo.toml")).unwrap();
-    let lines = manifest.lines().filter(|l| !l.starts_with("exclude = ")).map(|l| {
+    let of_others = ["exclude = ", "default-members = "];
+    let lines = manifest.lines().filter(|l| !of_others.iter().any(|o| l.starts_with(o))).map(|l| {
         if l.starts_with("members = ") { format!("members = {members:?}") } else { l.to_owned() }
     });
     fs::write(root.join("Cargo.toml"), lines.collect::<Vec<_>>().join("\n")).unwrap();

@@ -1,0 +1,95 @@
+//! What can go wrong, in the user's words.
+
+use std::path::PathBuf;
+
+/// Reason why a command has not done its work.
+#[derive(Debug)]
+pub(crate) enum Error {
+    /// A program of Ferrule is neither beside this one nor on the path.
+    NoProgram { name: &'static str },
+    /// A program could not be started.
+    NotStarted { name: &'static str, why: String },
+    /// A program has ended with this status before it did its work.
+    Ended { name: &'static str, status: String },
+    /// A file or folder could not be read or written.
+    File { path: PathBuf, why: String },
+    /// There is no such machine.
+    NoMachine { path: PathBuf },
+    /// The INI file is wrong.
+    Ini(hal_ini::Error),
+    /// The name of the instance is wrong.
+    Instance(String),
+    /// An instance of this name runs.
+    Runs { name: String },
+    /// The interface that the INI file names is the panel, whose options stand there.
+    PanelOfIni { option: &'static str },
+    /// The recording of the demonstration lacks a line.
+    NotRecorded { line: String },
+    /// The folder of the demonstration holds another file of this name.
+    Other { path: PathBuf },
+    /// A question needs a person at a terminal.
+    NoTerminal { what: &'static str, instead: &'static str },
+    /// Standard output does not take the text.
+    Output(hal_output::Unwritten),
+    /// Signals cannot be taken.
+    Signals(String),
+}
+
+impl Error {
+    pub(crate) fn file(path: impl Into<PathBuf>, why: &std::io::Error) -> Self {
+        Self::File { path: path.into(), why: hal_output::reason(why) }
+    }
+}
+
+impl core::fmt::Display for Error {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NoProgram { name } => {
+                write!(f, "{name} is neither beside this program nor on the path")
+            }
+            Self::NotStarted { name, why } => write!(f, "{name}: {why}"),
+            Self::Ended { name, status } => write!(f, "{name} has ended ({status})"),
+            Self::File { path, why } => write!(f, "{}: {why}", path.display()),
+            Self::NoMachine { path } => write!(
+                f,
+                "{}: there is no such file; 'ferrule new' writes a machine, 'ferrule demo' shows one",
+                path.display()
+            ),
+            Self::Ini(error) => write!(f, "{error}"),
+            Self::Instance(why) => f.write_str(why),
+            Self::Runs { name } => write!(
+                f,
+                "instance '{name}' runs already: 'ferrule stop' ends it, '--instance NAME' starts another beside it"
+            ),
+            Self::PanelOfIni { option } => write!(
+                f,
+                "{option}: the INI file starts the panel itself ([DISPLAY]DISPLAY = halpanel); write it behind halpanel there"
+            ),
+            Self::NotRecorded { line } => write!(f, "the recording has no '{line}'"),
+            Self::Other { path } => write!(
+                f,
+                "{}: is there already, and is not the demonstration's: choose another --folder",
+                path.display()
+            ),
+            Self::NoTerminal { what, instead } => {
+                write!(f, "{what} asks a person at a terminal: {instead}")
+            }
+            Self::Output(unwritten) => write!(f, "{unwritten}"),
+            Self::Signals(why) => write!(f, "signals: {why}"),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+impl From<hal_output::Unwritten> for Error {
+    fn from(unwritten: hal_output::Unwritten) -> Self {
+        Self::Output(unwritten)
+    }
+}
+
+impl From<hal_ini::Error> for Error {
+    fn from(error: hal_ini::Error) -> Self {
+        Self::Ini(error)
+    }
+}
