@@ -7,5 +7,6 @@ mod kinematics;
 mod names;
 mod pins;
 mod properties;
+mod recipe;
 mod table;
 mod units;
