@@ -7,12 +7,10 @@ use std::{
     process::{Command, ExitCode},
 };
 
-/// Returns a program of Ferrule: the one beside this program, or the first on the path.
+/// Returns a program of Ferrule: the one beside this program. One of the same name elsewhere on the path may be LinuxCNC's.
 pub(crate) fn find(name: &'static str) -> Result<PathBuf, Error> {
     let beside = std::env::current_exe().ok().and_then(|exe| Some(exe.parent()?.join(name)));
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let on_path = std::env::split_paths(&path).map(|folder| folder.join(name));
-    beside.into_iter().chain(on_path).find(|file| file.is_file()).ok_or(Error::NoProgram { name })
+    beside.filter(|file| file.is_file()).ok_or(Error::NoProgram { name })
 }
 
 /// Returns a program of Ferrule, to be started.

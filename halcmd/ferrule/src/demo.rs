@@ -22,11 +22,15 @@ const FILES: [(&str, &[u8]); 9] = [
     ("custom.hal", include_bytes!("../../../configs/printer/custom.hal")),
     ("custom_postgui.hal", include_bytes!("../../../configs/printer/custom_postgui.hal")),
     ("tool.tbl", include_bytes!("../../../configs/printer/tool.tbl")),
-    ("pedal.ngc", include_bytes!("../../../configs/printer/pedal.ngc")),
+    ("programs/pedal.ngc", include_bytes!("../../../configs/printer/pedal.ngc")),
     ("demo.ini", include_bytes!("demo/demo.ini")),
     ("demo.hal", include_bytes!("demo/demo.hal")),
     ("cut.ini", include_bytes!("demo/cut.ini")),
 ];
+/// Folder of programs.
+const PROGRAMS: &str = "programs";
+/// The part.
+const PART: &str = "programs/pedal.ngc";
 /// The wiring of the recording.
 const RECORD: (&str, &[u8]) = ("record.hal", include_bytes!("demo/record.hal"));
 
@@ -38,10 +42,10 @@ pub(crate) fn demo(given: &Demo) -> Result<ExitCode, Error> {
         "A simulated printer with a spindle cuts a pedal, with two tools, in virtual time.\n\n",
     )?;
     let began = now();
-    let words = ["--virtual", "--run", "pedal.ngc", "cut.ini"];
+    let words = ["--virtual", "--run", PART, "cut.ini"];
     run("halrun", Command::new(beside::find("halrun")?).args(words).current_dir(folder))?;
     let seconds = now() - began;
-    let words = ["plot", "-i", "demo.ini", "-o", "pedal.png", "pedal.ngc"];
+    let words = ["plot", "-i", "demo.ini", "-o", "pedal.png", PART];
     run("halgcode", Command::new(beside::find("halgcode")?).args(words).current_dir(folder))?;
     let recording = folder.join("pedal.vcd");
     let (trace, flaw) = hal_trace::load(&recording).map_err(|e| unread(&recording, &e))?;
@@ -63,15 +67,16 @@ pub(crate) fn demo(given: &Demo) -> Result<ExitCode, Error> {
     if given.cut_only || !is_person {
         let machine = folder.join("demo.ini");
         hal_output::print(&format!(
-            "\n'ferrule start --virtual {}' serves this machine to a browser.\n",
-            machine.display()
+            "\n'ferrule start --virtual {} --programs {}' serves this machine to a browser.\n",
+            machine.display(),
+            folder.join(PROGRAMS).display()
         ))?;
         return Ok(ExitCode::SUCCESS);
     }
     hal_output::print(
         "\nNow the same machine, at the speed of a clock: switch it on, home it, open pedal.ngc, run it.\n",
     )?;
-    start(&virtual_of(folder.join("demo.ini"), folder.clone(), given.no_browser))
+    start(&virtual_of(folder.join("demo.ini"), folder.join(PROGRAMS), given.no_browser))
 }
 
 /// Returns the time of the system's steady clock, in seconds.
@@ -87,7 +92,8 @@ fn write_files(folder: &Path) -> Result<(), Error> {
     if let Some((name, _)) = all.clone().find(|(name, _)| !is_ours && folder.join(name).exists()) {
         return Err(Error::Other { path: folder.join(name) });
     }
-    fs::create_dir_all(folder).map_err(|e| Error::file(folder, &e))?;
+    let programs = folder.join(PROGRAMS);
+    fs::create_dir_all(&programs).map_err(|e| Error::file(&programs, &e))?;
     for (name, text) in all {
         let path = folder.join(name);
         if !path.exists() {

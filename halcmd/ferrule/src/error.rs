@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Reason why a command has not done its work.
 #[derive(Debug)]
 pub(crate) enum Error {
-    /// A program of Ferrule is neither beside this one nor on the path.
+    /// A program of Ferrule is not beside this one.
     NoProgram { name: &'static str },
     /// A program could not be started.
     NotStarted { name: &'static str, why: String },
@@ -45,7 +45,7 @@ impl core::fmt::Display for Error {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::NoProgram { name } => {
-                write!(f, "{name} is neither beside this program nor on the path")
+                write!(f, "{name} is not beside this program")
             }
             Self::NotStarted { name, why } => write!(f, "{name}: {why}"),
             Self::Ended { name, status } => write!(f, "{name} has ended ({status})"),

@@ -3,8 +3,12 @@
 use crate::error::Error;
 use hal_trace::{Channel, Trace, measure::number};
 
-/// Axes of the machine, with the step line and the joint of each.
-const AXES: [(&str, &str, u32); 3] = [("X", "xstep", 0), ("Y", "ystep", 1), ("Z", "zstep", 2)];
+/// Axes of the machine, with the step line, the position and the speed of each.
+const AXES: [(&str, &str, &str, &str); 3] = [
+    ("X", "xstep", "xpos-fb", "axis.0.joint-vel-cmd"),
+    ("Y", "ystep", "ypos-fb", "axis.1.joint-vel-cmd"),
+    ("Z", "zstep", "zpos-fb", "axis.2.joint-vel-cmd"),
+];
 
 /// Returns the machine time that the recording lasts, in seconds.
 pub(super) fn duration(trace: &Trace) -> f64 {
@@ -15,10 +19,10 @@ pub(super) fn duration(trace: &Trace) -> f64 {
 /// Returns a line for each axis: its range and its way in millimetres, its steps, and its greatest speed.
 pub(super) fn table(trace: &Trace) -> Result<String, Error> {
     let mut text = String::from("axis   from mm    to mm   way mm    steps   fastest mm/s\n");
-    for (axis, step, joint) in AXES {
+    for (axis, step, place, speed) in AXES {
         let steps = rising(channel(trace, step)?);
-        let places = numbers(channel(trace, &format!("joint.{joint}.pos-fb"))?);
-        let speeds = numbers(channel(trace, &format!("joint.{joint}.vel-cmd"))?);
+        let places = numbers(channel(trace, place)?);
+        let speeds = numbers(channel(trace, speed)?);
         let low = places.iter().copied().fold(f64::INFINITY, f64::min);
         let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let way: f64 = places.iter().zip(places.iter().skip(1)).map(|(a, b)| (b - a).abs()).sum();

@@ -40,11 +40,11 @@ fn the_demonstration_cuts_its_part_without_a_terminal() {
     assert!(picture.starts_with(b"\x89PNG") && picture.len() > 2000, "{} bytes", picture.len());
 
     // A file that a person has changed stays; the part is cut again.
-    scratch.write("ferrule-demo/pedal.ngc", "G21 G0 X10\nM2\n");
+    scratch.write("ferrule-demo/programs/pedal.ngc", "G21 G0 X10\nM2\n");
     let again = ferrule(&scratch, &["demo", "--cut-only"]);
     assert_eq!(again.status, Some(0), "{again:?}");
     assert_ne!(again.stdout, output.stdout);
-    assert_eq!(scratch.read("ferrule-demo/pedal.ngc"), "G21 G0 X10\nM2\n");
+    assert_eq!(scratch.read("ferrule-demo/programs/pedal.ngc"), "G21 G0 X10\nM2\n");
 
     // A folder of somebody else's stays as it is.
     fs::create_dir(scratch.path().join("mine")).unwrap();
@@ -54,7 +54,7 @@ fn the_demonstration_cuts_its_part_without_a_terminal() {
     assert_eq!(fs::read_dir(scratch.path().join("mine")).unwrap().count(), 1);
 
     // A program that fails is told with its reason.
-    scratch.write("ferrule-demo/pedal.ngc", "G1 X1000 F500\nM2\n");
+    scratch.write("ferrule-demo/programs/pedal.ngc", "G1 X1000 F500\nM2\n");
     let output = ferrule(&scratch, &["demo"]);
     assert_eq!(output.status, Some(1));
     assert!(
