@@ -19,12 +19,14 @@ pub(crate) enum Task {
     /// Cut a part on a simulated machine, say what each axis did, and then serve the machine to a browser.
     Demo(Demo),
     /// Write the files of a new machine from questions, or from a file of answers (halsetup).
+    #[command(disable_help_flag = true)]
     New {
         /// Words for halsetup: `ferrule new --help` lists them.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         words: Vec<String>,
     },
     /// Say how the running machine is (halcmd status).
+    #[command(disable_help_flag = true)]
     Status {
         /// Words for `halcmd status`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

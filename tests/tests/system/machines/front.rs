@@ -161,6 +161,18 @@ fn on_a_terminal_the_demonstration_goes_on_with_the_panel() {
     assert_eq!((status, is_sane), (Some(0), true), "{rest}");
 }
 
+#[test]
+fn words_for_another_program_reach_it() {
+    let scratch = Scratch::new("words");
+    let help = ferrule(&scratch, &["new", "--help"]);
+    assert!(help.stdout.starts_with("Usage: halsetup") && help.status == Some(0), "{help:?}");
+    let output = ferrule(&scratch, &["new", "none.setup"]);
+    assert!(output.stderr.starts_with("halsetup: none.setup"), "{output:?}");
+    let output = ferrule(&scratch, &["status", "instance"]);
+    assert_eq!(output.status, Some(1), "{output:?}");
+    assert_eq!(ferrule(&scratch, &["stop", "--instance", "none"]).status, Some(0));
+}
+
 /// Files of a system that lacks everything, and of one that has it.
 const SYSTEMS: [(&str, &[(&str, &str)]); 2] = [
     (
@@ -290,7 +302,7 @@ fn a_report_has_what_is_listed_and_nothing_private() {
             .unwrap_or_else(|| panic!("{name}: {:?}", files.keys()))
     };
     assert!(text("status.txt").contains("virtual"));
-    assert!(text("show.txt").contains("joint.0.motor-pos-cmd"));
+    assert!(text("show.txt").contains("axis.0.motor-pos-cmd"));
     assert!(text("versions.txt").contains("halrun ") && text("computer.txt").contains("kernel"));
     assert!(text("machine/printer.hal").contains("loadrt"));
     assert_eq!(text("machine/custom_postgui.hal"), "# by USER at ADDRESS\n");
