@@ -112,7 +112,11 @@ problems! {
     UnusedWord { letter: char, with: &'static str }: "{letter} word with no {with}", "";
     NegativeWord { letter: char }: "Negative {letter} word used", "";
     ValueNotInteger { letter: char }: "{letter} number not an integer", "";
-    PolarAndXy: "Cannot specify X or Y words with polar coordinate", "";
+    PolarAndAxis { letter: char }: "Cannot specify both polar coordinate and {letter} word", "leave one of them out";
+    PolarPlane: "Cannot use polar coordinate except in G17 plane", "select the plane with G17 on a line before";
+    PolarG53: "Cannot use polar coordinates with G53", "give X and Y";
+    PolarNoMotion: "Polar coordinates can only be used for motion", "give X and Y";
+    PolarAtOrigin: "Incremental motion with polar coordinates is indeterminate when at the origin", "use G90";
     PolarNeedsAngle: "Must specify angle in polar coordinate if at the origin", "";
 
     // Feed, spindle, tool.
