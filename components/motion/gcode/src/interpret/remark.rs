@@ -18,7 +18,6 @@ impl Run<'_> {
         let expanded = || -> Box<str> { comment::expand(&text, &reader).into() };
         let trimmed: Box<str> = text.trim().into();
         let call = match kind {
-            Kind::Plain if text.is_empty() => return Ok(None),
             Kind::Plain => Call::Comment(text),
             Kind::Message => Call::Message(text),
             Kind::Debug => Call::Message(expanded()),

@@ -92,11 +92,14 @@ impl Run<'_> {
             orientation,
             ..Compensation::default()
         };
-        self.note(&format!(
-            "cutter radius compensation on {}",
-            if sign > 0 { "left" } else { "right" }
-        ))?;
+        self.note_compensation()?;
         Ok(None)
+    }
+
+    /// Tells the side of compensation.
+    pub(crate) fn note_compensation(&mut self) -> Result<(), Problem> {
+        let side = if self.state.compensation.side > 0 { "left" } else { "right" };
+        self.note(&format!("cutter radius compensation on {side}"))
     }
 
     /// Turns compensation off; the machine is where the last move ended.

@@ -58,6 +58,16 @@ pub struct Compensation {
 }
 
 impl Compensation {
+    /// Returns the side and the tool, without a path.
+    pub(crate) fn setting(&self) -> Self {
+        Self {
+            side: self.side,
+            radius: self.radius,
+            orientation: self.orientation,
+            ..Self::default()
+        }
+    }
+
     /// Tells whether compensation is on.
     pub fn is_on(&self) -> bool {
         self.side != 0
