@@ -226,6 +226,7 @@ problems! {
     CompLPlane { code: &'static str }: "{code} with L word, but plane is not G18", "";
     CompLRange { code: &'static str }: "{code} with an L word out of range", "use 0 to 9";
     CompOn: "Cannot turn cutter radius comp on when on", "program G40 first";
+    CompEndArc: "The move just after exiting cutter compensation mode must be straight, not an arc", "move with G0 or G1 first";
     CompOverride { what: &'static str }: "Cannot {what} overrides with cutter radius compensation on", "program G40 first";
     CompPlaneChange: "Cannot change planes with cutter radius compensation on", "program G40 first";
     CompUnits: "Cannot change units with cutter radius comp on", "program G40 first";

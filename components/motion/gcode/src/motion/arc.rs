@@ -84,6 +84,9 @@ pub(crate) fn sweep(start: Point, end: Point, shape: Shape) -> f64 {
 impl Run<'_> {
     pub(super) fn arc(&mut self, b: &Block, clockwise: bool) -> Result<(), Problem> {
         self.check_feed(b, "arc")?;
+        if self.state.compensation.ended {
+            return Err(Problem::CompEndArc);
+        }
         let plane = self.state.modal.plane;
         match plane {
             Plane::Xy | Plane::Xz | Plane::Yz if b.has_any(b"uvw") => return Err(Problem::ArcUvw),

@@ -42,7 +42,10 @@ impl Run<'_> {
         let Some(code) = b.g(GGroup::Compensation) else { return Ok(None) };
         if code == 400 {
             self.flush_compensation();
+            let comp = &self.state.compensation;
+            let ended = comp.ended || (comp.moves_path() && comp.program.is_some());
             self.end_compensation();
+            self.state.compensation.ended = ended;
             self.note("cutter radius compensation off")?;
             return Ok(None);
         }
@@ -90,6 +93,7 @@ impl Run<'_> {
             side: sign,
             radius: if is_none { 0.0 } else { radius },
             orientation,
+            ended: self.state.compensation.ended,
             ..Compensation::default()
         };
         self.note_compensation()?;

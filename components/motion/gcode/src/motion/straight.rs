@@ -14,6 +14,7 @@ impl Run<'_> {
             self.check_feed(b, "g1")?;
         }
         let end = self.target(b)?;
+        self.state.compensation.ended = false;
         if self.state.compensation.moves_path() {
             return self.compensated_line(b, end, rapid);
         }

@@ -6,7 +6,7 @@ use crate::{
     error::Problem,
     interpret::{BlockError, Interpreter, Run, block::Block, codes::MGroup},
     question::Request,
-    state::{FeedMode, LevelKind, Modal, Saved},
+    state::{Compensation, FeedMode, LevelKind, Modal, Saved},
 };
 
 impl Interpreter {
@@ -80,7 +80,8 @@ impl Run<'_> {
             self.code(b'g', plane(old.plane))?;
         }
         if saved.compensation.is_on() && !self.state.compensation.is_on() {
-            self.state.compensation = saved.compensation.clone();
+            let ended = self.state.compensation.ended;
+            self.state.compensation = Compensation { ended, ..saved.compensation.clone() };
             self.note_compensation()?;
         }
         if old.tool_offset != now.tool_offset {
