@@ -22,7 +22,7 @@ const NO_RADIUS: f64 = 1e-6;
 /// The largest coordinate and radius of a compensated path, in program units.
 const LARGEST: f64 = 1e9;
 
-/// Where the point of a lathe tool's offset is from the centre of its tip, in radii along X and Z, for each orientation.
+/// The way to the point of a lathe tool's offset from the centre of its tip, in radii along X and Z, for each orientation.
 const TIPS: [(f64, f64); 10] = [
     (0.0, 0.0),
     (-1.0, 1.0),

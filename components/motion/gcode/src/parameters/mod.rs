@@ -31,7 +31,7 @@ pub mod number {
     pub const G92: i32 = 5211;
     /// The number of the coordinate system.
     pub const SYSTEM: i32 = 5220;
-    /// Whether messages of `(DEBUG,…)` are shown, above 0.
+    /// The switch of messages of `(DEBUG,…)`: they are shown above 0.
     pub const DEBUG: i32 = 5599;
     /// The offset of G54, X first.
     pub const G54: i32 = 5221;
