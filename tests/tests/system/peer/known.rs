@@ -1,5 +1,5 @@
 //! Lists of known differences with LinuxCNC: a name and its reason to a line.
-#![expect(clippy::print_stdout, reason = "the figures of a comparison")]
+#![expect(clippy::panic, clippy::print_stdout, reason = "tests; the figures of a comparison")]
 
 use hal_tests::programs::root;
 use std::{collections::BTreeMap, fs};
