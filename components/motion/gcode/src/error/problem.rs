@@ -112,7 +112,11 @@ problems! {
     UnusedWord { letter: char, with: &'static str }: "{letter} word with no {with}", "";
     NegativeWord { letter: char }: "Negative {letter} word used", "";
     ValueNotInteger { letter: char }: "{letter} number not an integer", "";
-    PolarAndXy: "Cannot specify X or Y words with polar coordinate", "";
+    PolarAndAxis { letter: char }: "Cannot specify both polar coordinate and {letter} word", "leave one of them out";
+    PolarPlane: "Cannot use polar coordinate except in G17 plane", "select the plane with G17 on a line before";
+    PolarG53: "Cannot use polar coordinates with G53", "give X and Y";
+    PolarNoMotion: "Polar coordinates can only be used for motion", "give X and Y";
+    PolarAtOrigin: "Incremental motion with polar coordinates is indeterminate when at the origin", "use G90";
     PolarNeedsAngle: "Must specify angle in polar coordinate if at the origin", "";
 
     // Feed, spindle, tool.
@@ -222,6 +226,8 @@ problems! {
     CompLPlane { code: &'static str }: "{code} with L word, but plane is not G18", "";
     CompLRange { code: &'static str }: "{code} with an L word out of range", "use 0 to 9";
     CompOn: "Cannot turn cutter radius comp on when on", "program G40 first";
+    CompEndArc: "The move just after exiting cutter compensation mode must be straight, not an arc", "move with G0 or G1 first";
+    CompOverride { what: &'static str }: "Cannot {what} overrides with cutter radius compensation on", "program G40 first";
     CompPlaneChange: "Cannot change planes with cutter radius compensation on", "program G40 first";
     CompUnits: "Cannot change units with cutter radius comp on", "program G40 first";
     CompNeedsD { code: &'static str }: "{code} with no D word", "";

@@ -6,6 +6,7 @@ use super::{
     codes::{GGroup, MGroup},
 };
 use crate::{
+    canon::Plane,
     error::Problem,
     remap::{Code, Remap},
     text::evaluate::integer,
@@ -25,6 +26,7 @@ impl Run<'_> {
         self.check_axes(block)?;
         let motion = find_motion(block, self.state.modal.motion)?;
         block.motion = motion;
+        self.check_polar(block)?;
         if block.g(GGroup::Once) == Some(530) && !matches!(motion, Some(0 | 10)) {
             return Err(Problem::G53Motion);
         }
@@ -38,6 +40,28 @@ impl Run<'_> {
             return Err(Problem::TooManyM);
         }
         self.check_words(block)
+    }
+
+    /// Checks that polar words stand with a motion in the plane XY that they can give an end to.
+    fn check_polar(&self, block: &Block) -> Result<(), Problem> {
+        if !block.has_any(b"@^") {
+            return Ok(());
+        }
+        if self.state.modal.plane != Plane::Xy {
+            return Err(Problem::PolarPlane);
+        }
+        for (word, letter) in [(b'x', 'X'), (b'y', 'Y')] {
+            if block.has(word) {
+                return Err(Problem::PolarAndAxis { letter });
+            }
+        }
+        if block.g(GGroup::Once) == Some(530) {
+            return Err(Problem::PolarG53);
+        }
+        if matches!(block.motion, None | Some(800)) {
+            return Err(Problem::PolarNoMotion);
+        }
+        Ok(())
     }
 
     pub(super) fn check_axes(&self, block: &Block) -> Result<(), Problem> {
@@ -154,7 +178,8 @@ fn find_motion(b: &Block, modal: u16) -> Result<Option<u16>, Problem> {
     let once = b.g(GGroup::Once);
     let once_uses_axes = matches!(once, Some(100 | 280 | 300 | 520 | 920))
         || matches!(b.g(GGroup::ToolOffset), Some(431 | 432));
-    if matches!(once, Some(520 | 920)) && !axes {
+    let straight = b.has_any(b"xyzabcuvw");
+    if matches!(once, Some(520 | 920)) && !axes || once == Some(520) && !straight {
         return Err(Problem::AxesMissingG52OrG92);
     }
     if let Some(motion) = b.g(GGroup::Motion) {

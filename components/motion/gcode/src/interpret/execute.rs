@@ -135,7 +135,8 @@ impl<'a> Run<'a> {
         if self.out.len() >= limit {
             return Err(Problem::OutputTooLarge { limit });
         }
-        self.out.push(issued);
+        let call = self.of_the_tip(issued.call);
+        self.out.push(Issued { call, ..issued });
         Ok(())
     }
 

@@ -72,12 +72,16 @@ impl Run<'_> {
         }
         let css_max = if css { libm::fabs(b.get(b'd').unwrap_or(1e30)) } else { 0.0 };
         for spindle in self.spindles(self.spindle(b, "G96 or G97")?) {
-            if let Some(s) = self.state.modal.spindles.get_mut(usize::from(spindle)) {
-                (s.css, s.css_max) = (css, css_max);
-            }
-            self.emit(Call::SetSpindleMode { spindle, css_max })?;
+            self.set_css(spindle, css, css_max)?;
         }
         Ok(None)
+    }
+
+    pub(crate) fn set_css(&mut self, spindle: u8, css: bool, css_max: f64) -> Result<(), Problem> {
+        if let Some(s) = self.state.modal.spindles.get_mut(usize::from(spindle)) {
+            (s.css, s.css_max) = (css, css_max);
+        }
+        self.emit(Call::SetSpindleMode { spindle, css_max })
     }
 
     pub(super) fn spindle_speed(&mut self, b: &mut Block) -> Result<Option<Request>, Problem> {
@@ -165,6 +169,10 @@ impl Run<'_> {
             49 => false,
             _ => b.get(b'p').is_none_or(|p| p != 0.0),
         };
+        if self.state.compensation.is_on() {
+            let what = if on { "enable" } else { "disable" };
+            return Err(Problem::CompOverride { what });
+        }
         match code {
             48 | 49 => {
                 self.set_feed_override(on)?;
@@ -178,16 +186,20 @@ impl Run<'_> {
                     self.set_speed_override(spindle, on)?;
                 }
             }
-            52 => {
-                self.state.modal.adaptive_feed = on;
-                self.emit(Call::AdaptiveFeed(on))?;
-            }
-            _ => {
-                self.state.modal.feed_hold = on;
-                self.emit(Call::FeedHold(on))?;
-            }
+            52 => self.set_adaptive_feed(on)?,
+            _ => self.set_feed_hold(on)?,
         }
         Ok(None)
+    }
+
+    pub(crate) fn set_adaptive_feed(&mut self, on: bool) -> Result<(), Problem> {
+        self.state.modal.adaptive_feed = on;
+        self.emit(Call::AdaptiveFeed(on))
+    }
+
+    pub(crate) fn set_feed_hold(&mut self, on: bool) -> Result<(), Problem> {
+        self.state.modal.feed_hold = on;
+        self.emit(Call::FeedHold(on))
     }
 
     pub(crate) fn set_feed_override(&mut self, on: bool) -> Result<(), Problem> {

@@ -35,7 +35,11 @@ impl Run<'_> {
             };
         }
         if block.has_any(b"@^") {
-            (end.x, end.y) = self.polar(block)?;
+            let at_origin = state.position.x == 0.0 && state.position.y == 0.0;
+            if state.modal.absolute && at_origin && !block.has(b'^') {
+                return Err(Problem::PolarNeedsAngle);
+            }
+            (end.x, end.y) = self.polar(block, self.state.position)?;
         }
         if !end.is_finite() {
             return Err(Problem::Infinite);
@@ -43,18 +47,14 @@ impl Run<'_> {
         Ok(end)
     }
 
-    fn polar(&self, block: &Block) -> Result<(f64, f64), Problem> {
-        if block.has_any(b"xy") {
-            return Err(Problem::PolarAndXy);
-        }
-        let at = self.state.position;
+    /// Returns X and Y of the end that the polar words of a block give from this place.
+    pub(crate) fn polar(&self, block: &Block, at: Position) -> Result<(f64, f64), Problem> {
         let (radius, angle) = (libm::hypot(at.x, at.y), libm::atan2(at.y, at.x));
         let (r, a) = (block.get(b'@'), block.get(b'^').map(f64::to_radians));
-        if at.x == 0.0 && at.y == 0.0 && a.is_none() {
-            return Err(Problem::PolarNeedsAngle);
-        }
         let (r, a) = if self.state.modal.absolute {
             (r.unwrap_or(radius), a.unwrap_or(angle))
+        } else if at.x == 0.0 && at.y == 0.0 {
+            return Err(Problem::PolarAtOrigin);
         } else {
             (radius + r.unwrap_or(0.0), angle + a.unwrap_or(0.0))
         };

@@ -100,7 +100,8 @@ impl Interpreter {
             remap.arguments.iter().map(|a| (a.letter, remapped.block.get(a.letter))).collect();
         let mut numbered = Vec::new();
         if remap.positional {
-            numbered.extend(values.iter().map(|(_, v)| v.unwrap_or(0.0)));
+            // A word that is left out leaves no gap.
+            numbered.extend(values.iter().filter_map(|(_, v)| *v));
         } else {
             for (letter, value) in values {
                 if let Some(value) = value {

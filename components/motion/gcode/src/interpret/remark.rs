@@ -4,7 +4,7 @@ use super::{Run, block::Block};
 use crate::{
     canon::Call,
     error::Problem,
-    parameters::system::Reader,
+    parameters::{number, system::Reader},
     question::Request,
     text::comment::{self, Kind},
 };
@@ -18,9 +18,9 @@ impl Run<'_> {
         let expanded = || -> Box<str> { comment::expand(&text, &reader).into() };
         let trimmed: Box<str> = text.trim().into();
         let call = match kind {
-            Kind::Plain if text.is_empty() => return Ok(None),
             Kind::Plain => Call::Comment(text),
             Kind::Message => Call::Message(text),
+            Kind::Debug if self.state.numbered.get(number::DEBUG) <= 0.0 => return Ok(None),
             Kind::Debug => Call::Message(expanded()),
             Kind::Print => Call::Print(expanded()),
             Kind::Log => Call::Log(expanded()),

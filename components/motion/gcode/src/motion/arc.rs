@@ -9,8 +9,10 @@ use crate::{
 };
 
 /// The difference of radii that is always allowed, in inches; a hundred times as much is never.
-const SPIRAL_INCH: f64 = 0.001;
-const SPIRAL_MM: f64 = 0.0254;
+const SPIRAL_INCH: f64 = 0.002 * core::f64::consts::SQRT_2;
+const SPIRAL_MM: f64 = 0.02 * core::f64::consts::SQRT_2;
+/// The smallest radius of an arc by its centre, in inches.
+const SMALLEST_INCH: f64 = 0.00005;
 /// The allowed difference of radii as a part of the radius.
 const SPIRAL_RELATIVE: f64 = 0.001;
 /// The smallest and largest radius of an arc, in millimetres.
@@ -84,6 +86,9 @@ pub(crate) fn sweep(start: Point, end: Point, shape: Shape) -> f64 {
 impl Run<'_> {
     pub(super) fn arc(&mut self, b: &Block, clockwise: bool) -> Result<(), Problem> {
         self.check_feed(b, "arc")?;
+        if self.state.compensation.ended {
+            return Err(Problem::CompEndArc);
+        }
         let plane = self.state.modal.plane;
         match plane {
             Plane::Xy | Plane::Xz | Plane::Yz if b.has_any(b"uvw") => return Err(Problem::ArcUvw),
@@ -202,7 +207,12 @@ impl Run<'_> {
         let (f, s) = (f.letter().to_ascii_uppercase(), s.letter().to_ascii_uppercase());
         let at = |p: Point| format!("({f}{:.4},{s}{:.4})", p.first, p.second);
         let places = || format!("start={} center={} end={}", at(start), at(centre), at(end));
-        if r1 < absolute / 20.0 || r2 < absolute / 20.0 {
+        let smallest = match unit {
+            _ if self.state.is_rs274d() => absolute / 20.0,
+            Unit::Inch => SMALLEST_INCH,
+            Unit::Millimetre => SMALLEST_INCH * 25.4,
+        };
+        if r1 < smallest || r2 < smallest {
             let detail = format!("{} r1={r1:.4} r2={r2:.4}", places());
             return Err(Problem::ArcRadiusZero { detail: detail.into() });
         }

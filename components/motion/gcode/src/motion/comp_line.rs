@@ -29,6 +29,9 @@ impl Run<'_> {
         let make =
             |p: Position| if rapid { Call::StraightTraverse(p) } else { Call::StraightFeed(p) };
         let Some(direction) = stop.minus(start).unit() else {
+            if self.state.compensation.program.is_none() {
+                return Err(Problem::CompEntryShort);
+            }
             // No motion in the plane: the compensated place stays, and may still change with the last move.
             let to = with_plane(plane, end, at);
             if !rapid {

@@ -22,13 +22,30 @@ const NO_RADIUS: f64 = 1e-6;
 /// The largest coordinate and radius of a compensated path, in program units.
 const LARGEST: f64 = 1e9;
 
+/// The way to the point of a lathe tool's offset from the centre of its tip, in radii along X and Z, for each orientation.
+const TIPS: [(f64, f64); 10] = [
+    (0.0, 0.0),
+    (-1.0, 1.0),
+    (-1.0, -1.0),
+    (1.0, -1.0),
+    (1.0, 1.0),
+    (0.0, 1.0),
+    (-1.0, 0.0),
+    (0.0, -1.0),
+    (1.0, 0.0),
+    (0.0, 0.0),
+];
+
 impl Run<'_> {
     /// Runs G40 to G42.1.
     pub(crate) fn compensation(&mut self, b: &mut Block) -> Result<Option<Request>, Problem> {
         let Some(code) = b.g(GGroup::Compensation) else { return Ok(None) };
         if code == 400 {
             self.flush_compensation();
+            let comp = &self.state.compensation;
+            let ended = comp.ended || (comp.moves_path() && comp.program.is_some());
             self.end_compensation();
+            self.state.compensation.ended = ended;
             self.note("cutter radius compensation off")?;
             return Ok(None);
         }
@@ -76,13 +93,17 @@ impl Run<'_> {
             side: sign,
             radius: if is_none { 0.0 } else { radius },
             orientation,
+            ended: self.state.compensation.ended,
             ..Compensation::default()
         };
-        self.note(&format!(
-            "cutter radius compensation on {}",
-            if sign > 0 { "left" } else { "right" }
-        ))?;
+        self.note_compensation()?;
         Ok(None)
+    }
+
+    /// Tells the side of compensation.
+    pub(crate) fn note_compensation(&mut self) -> Result<(), Problem> {
+        let side = if self.state.compensation.side > 0 { "left" } else { "right" };
+        self.note(&format!("cutter radius compensation on {side}"))
     }
 
     /// Turns compensation off; the machine is where the last move ended.
@@ -95,7 +116,40 @@ impl Run<'_> {
     /// Hands out the calls that wait; the end of the last move stays.
     pub(crate) fn flush_compensation(&mut self) {
         self.state.compensation.fixed = self.state.compensation.last.is_some();
-        self.out.append(&mut self.state.compensation.queue);
+        self.hand_out();
+    }
+
+    fn hand_out(&mut self) {
+        let mut queue = core::mem::take(&mut self.state.compensation.queue);
+        for issued in queue.drain(..) {
+            let call = self.of_the_tip(issued.call);
+            self.out.push(Issued { call, ..issued });
+        }
+        // The next moves use its memory again.
+        self.state.compensation.queue = queue;
+    }
+
+    /// Returns a call of the compensated path as a call of the point that the tool's offset is of: the centre of a mill, and the
+    /// corner of the lines that touch the tip of a lathe tool along the axes of its orientation.
+    pub(crate) fn of_the_tip(&self, mut call: Call) -> Call {
+        let comp = &self.state.compensation;
+        let Some((x, z)) = TIPS.get(usize::from(comp.orientation)) else { return call };
+        if !comp.is_on() || comp.program.is_none() || comp.orientation == 0 {
+            return call;
+        }
+        let (x, z) = (x * comp.radius, z * comp.radius);
+        match &mut call {
+            Call::StraightFeed(end) | Call::StraightTraverse(end) => {
+                (end.x, end.z) = (end.x + x, end.z + z)
+            }
+            Call::ArcFeed { end, centre_first, centre_second, .. } => {
+                (end.x, end.z) = (end.x + x, end.z + z);
+                // The plane XZ has Z as its first axis.
+                (*centre_first, *centre_second) = (*centre_first + z, *centre_second + x);
+            }
+            _ => {}
+        }
+        call
     }
 
     /// Checks that a compensated move ends where a machine may be.
@@ -139,8 +193,8 @@ impl Run<'_> {
     /// Adds a move whose end the next one may change.
     pub(super) fn push_move(&mut self, call: Call, path: Path, direction: Point) {
         let issued = Issued { call, line: self.line, number: self.number };
+        self.hand_out();
         let comp = &mut self.state.compensation;
-        self.out.append(&mut comp.queue);
         comp.queue.push(issued);
         comp.last = Some(LastMove { path, direction });
         comp.fixed = false;

@@ -84,6 +84,9 @@ impl Run<'_> {
                     at[side] = if self.state.modal.absolute { v } else { at[side] + v };
                 }
             }
+            if b.has_any(b"@^") {
+                (at.x, at.y) = self.polar(b, at)?;
+            }
             at[axis] = if at[axis] > clear { at[axis] } else { clear };
             self.rapid(at)?;
             if at[axis] > r {

@@ -14,6 +14,7 @@ impl Run<'_> {
             self.check_feed(b, "g1")?;
         }
         let end = self.target(b)?;
+        self.state.compensation.ended = false;
         if self.state.compensation.moves_path() {
             return self.compensated_line(b, end, rapid);
         }
@@ -31,11 +32,11 @@ impl Run<'_> {
         let spindle = self.state.modal.spindles.get(usize::from(self.state.modal.feed_spindle));
         let still = spindle.is_none_or(|s| s.speed == 0.0);
         match self.state.modal.feed_mode {
-            FeedMode::PerRevolution if still => Err(Problem::ZeroSpindleFeed),
             FeedMode::InverseTime if !b.has(b'f') => Err(Problem::InverseFeedMissing { code }),
             FeedMode::PerMinute | FeedMode::PerRevolution if self.state.modal.feed == 0.0 => {
                 Err(if code == "arc" { Problem::ZeroFeedArc } else { Problem::ZeroFeed { code } })
             }
+            FeedMode::PerRevolution if still => Err(Problem::ZeroSpindleFeed),
             _ => Ok(()),
         }
     }

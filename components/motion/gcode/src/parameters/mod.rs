@@ -31,6 +31,8 @@ pub mod number {
     pub const G92: i32 = 5211;
     /// The number of the coordinate system.
     pub const SYSTEM: i32 = 5220;
+    /// The switch of messages of `(DEBUG,…)`: they are shown above 0.
+    pub const DEBUG: i32 = 5599;
     /// The offset of G54, X first.
     pub const G54: i32 = 5221;
     /// The rotation of G54.
@@ -62,6 +64,7 @@ impl Default for Numbered {
     fn default() -> Self {
         let mut out = Self { values: vec![0.0; COUNT], changes: None };
         out.put(number::SYSTEM, 1.0);
+        out.put(number::DEBUG, 1.0);
         out
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     error::Problem,
     interpret::{BlockError, Interpreter, Run, block::Block, codes::MGroup},
     question::Request,
-    state::{FeedMode, LevelKind, Modal, Saved},
+    state::{Compensation, FeedMode, LevelKind, Modal, Saved},
 };
 
 impl Interpreter {
@@ -17,7 +17,7 @@ impl Interpreter {
         env: &dyn Environment,
     ) -> Result<(), BlockError> {
         let mut out = core::mem::take(&mut self.late);
-        let result = Run::new(&mut self.state, env, &mut out).restore(&saved.modal);
+        let result = Run::new(&mut self.state, env, &mut out).restore(saved);
         self.late = out;
         result.map_err(BlockError::from)
     }
@@ -26,21 +26,25 @@ impl Interpreter {
 impl Run<'_> {
     pub(crate) fn save_or_restore(&mut self, b: &mut Block) -> Result<Option<Request>, Problem> {
         let Some(code) = b.m(MGroup::Save) else { return Ok(None) };
-        let modal = self.state.modal.clone();
+        let saved = Saved {
+            modal: self.state.modal.clone(),
+            offset: self.state.frame.tool,
+            compensation: self.state.compensation.setting(),
+        };
         let Some(level) = self.state.levels.last_mut() else { return Ok(None) };
         match code {
-            70 => level.modal = Some(Box::new(Saved { modal })),
+            70 => level.modal = Some(Box::new(saved)),
             71 => level.modal = None,
             72 => {
                 let saved = level.modal.clone().ok_or(Problem::NothingSaved)?;
-                self.restore(&saved.modal)?;
+                self.restore(&saved)?;
             }
             _ => {
                 if level.kind != LevelKind::Sub {
                     // The reference accepts M73 outside of a subroutine; nothing ends there.
                     return Ok(None);
                 }
-                level.modal = Some(Box::new(Saved { modal }));
+                level.modal = Some(Box::new(saved));
                 level.restores = true;
             }
         }
@@ -48,33 +52,42 @@ impl Run<'_> {
     }
 
     /// Makes the modal state what it was, by the codes that differ.
-    fn restore(&mut self, old: &Modal) -> Result<(), Problem> {
-        let mut b = Block::default();
+    /// Restores the saved state by the codes that set it, in the order of the reference.
+    fn restore(&mut self, saved: &Saved) -> Result<(), Problem> {
+        let old = &saved.modal;
         let now = self.state.modal.clone();
-        let mut word = |letter: u8, value: f64| b.add(letter, 0, value, &[]);
-        if old.plane != now.plane {
-            word(b'g', plane(old.plane))?;
+        if self.state.compensation.is_on() && !saved.compensation.is_on() {
+            // Units and planes do not change under compensation.
+            self.code(b'g', 40.0)?;
         }
         if old.unit != now.unit {
-            word(b'g', if old.unit == Unit::Inch { 20.0 } else { 21.0 })?;
+            self.code(b'g', if old.unit == Unit::Inch { 20.0 } else { 21.0 })?;
         }
+        self.restore_spindle_modes(old, &now)?;
         if old.feed_mode != now.feed_mode {
-            word(
-                b'g',
-                match old.feed_mode {
-                    FeedMode::InverseTime => 93.0,
-                    FeedMode::PerMinute => 94.0,
-                    FeedMode::PerRevolution => 95.0,
-                },
-            )?;
+            let code = match old.feed_mode {
+                FeedMode::InverseTime => 93.0,
+                FeedMode::PerMinute => 94.0,
+                FeedMode::PerRevolution => 95.0,
+            };
+            self.code(b'g', code)?;
         }
-        self.execute(&mut b, 0)?;
-        let mut b = Block::default();
         if old.feed != now.feed && old.feed_mode != FeedMode::InverseTime {
-            b.add(b'f', 0, old.feed, &[])?;
+            self.code(b'f', old.feed)?;
         }
-        self.execute(&mut b, 0)?;
         self.restore_spindles(old, &now)?;
+        if old.plane != now.plane {
+            self.code(b'g', plane(old.plane))?;
+        }
+        if saved.compensation.is_on() && !self.state.compensation.is_on() {
+            let ended = self.state.compensation.ended;
+            self.state.compensation = Compensation { ended, ..saved.compensation.clone() };
+            self.note_compensation()?;
+        }
+        if old.tool_offset != now.tool_offset {
+            self.set_tool_offset(saved.offset)?;
+            self.state.modal.tool_offset = old.tool_offset;
+        }
         let mut b = Block::default();
         let mut word = |letter: u8, value: f64| b.add(letter, 0, value, &[]);
         if old.absolute != now.absolute {
@@ -108,8 +121,31 @@ impl Run<'_> {
         if old.mist != now.mist || old.flood != now.flood {
             self.restore_coolant(old)?;
         }
+        self.restore_overrides(old, &now)
+    }
+
+    /// Runs a line of one word.
+    fn code(&mut self, letter: u8, value: f64) -> Result<(), Problem> {
+        let mut b = Block::default();
+        b.add(letter, 0, value, &[])?;
+        self.execute(&mut b, 0)?;
+        Ok(())
+    }
+
+    fn restore_overrides(&mut self, old: &Modal, now: &Modal) -> Result<(), Problem> {
         if old.feed_override != now.feed_override {
             self.set_feed_override(old.feed_override)?;
+        }
+        for (n, (was, is)) in (0u8..).zip(old.spindles.iter().zip(&now.spindles)) {
+            if was.speed_override != is.speed_override {
+                self.set_speed_override(n, was.speed_override)?;
+            }
+        }
+        if old.adaptive_feed != now.adaptive_feed {
+            self.set_adaptive_feed(old.adaptive_feed)?;
+        }
+        if old.feed_hold != now.feed_hold {
+            self.set_feed_hold(old.feed_hold)?;
         }
         Ok(())
     }
@@ -126,22 +162,26 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Restores constant surface speed, or its end. Its speed follows with that of all spindles.
+    fn restore_spindle_modes(&mut self, old: &Modal, now: &Modal) -> Result<(), Problem> {
+        for (n, (was, is)) in (0u8..).zip(old.spindles.iter().zip(&now.spindles)) {
+            if was.css != is.css {
+                self.set_css(n, was.css, was.css_max)?;
+            }
+        }
+        Ok(())
+    }
+
     fn restore_spindles(&mut self, old: &Modal, now: &Modal) -> Result<(), Problem> {
         for (n, (was, is)) in (0u8..).zip(old.spindles.iter().zip(&now.spindles)) {
             if was.speed != is.speed || was.css != is.css {
                 let mut b = Block::default();
                 b.add(b's', 0, was.speed, &[])?;
                 b.add(b'$', 0, f64::from(n), &[])?;
-                if was.css != is.css {
-                    b.add(b'g', 0, if was.css { 96.0 } else { 97.0 }, &[])?;
-                }
                 self.execute(&mut b, 0)?;
             }
             if was.direction != is.direction {
                 self.turn(n, was.direction)?;
-            }
-            if was.speed_override != is.speed_override {
-                self.set_speed_override(n, was.speed_override)?;
             }
         }
         Ok(())

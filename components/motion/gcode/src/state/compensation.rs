@@ -53,11 +53,25 @@ pub struct Compensation {
     /// The last move was handed out, so that its end cannot change.
     #[serde(default)]
     pub fixed: bool,
+    /// Compensation has ended, and no straight move has come since: the tool is beside the place of the program.
+    #[serde(default)]
+    pub ended: bool,
     /// The calls from the last move on.
     pub queue: Vec<Issued>,
 }
 
 impl Compensation {
+    /// Returns the side and the tool, without a path.
+    pub(crate) fn setting(&self) -> Self {
+        Self {
+            side: self.side,
+            radius: self.radius,
+            orientation: self.orientation,
+            ended: self.ended,
+            ..Self::default()
+        }
+    }
+
     /// Tells whether compensation is on.
     pub fn is_on(&self) -> bool {
         self.side != 0
@@ -92,6 +106,7 @@ impl Compensation {
         self.program = None;
         self.last = None;
         self.fixed = false;
+        self.ended = false;
         self.queue.clear();
     }
 }

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Modal;
-use crate::{error::Place, function::Function, interpret::block::Block, parameters::Names};
+use super::{Compensation, Modal};
+use crate::{
+    axis::Position, error::Place, function::Function, interpret::block::Block, parameters::Names,
+};
 
 /// A place between two lines of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -125,6 +127,12 @@ impl Level {
 pub struct Saved {
     /// The modal state.
     pub modal: Modal,
+    /// The tool length offset.
+    #[serde(default)]
+    pub offset: Position,
+    /// The side and the tool of cutter radius compensation.
+    #[serde(default)]
+    pub compensation: Compensation,
 }
 
 /// A block whose remapped code is in execution.

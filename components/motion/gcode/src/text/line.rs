@@ -133,7 +133,8 @@ impl Line {
         let (text, rest) = inner.split_at_checked(end).unwrap_or((inner, &[]));
         let text = String::from_utf8_lossy(text);
         let (kind, text) = comment::classify(&text);
-        self.remark = Some(Remark { kind, text: text.into() });
+        // An empty comment is none, unlike one of blanks.
+        self.remark = (end > 0).then(|| Remark { kind, text: text.into() });
         rest.get(1..).unwrap_or_default()
     }
 

@@ -75,6 +75,7 @@ REMAP=M406 modalgroup=10 ngc=lib-remap-itself
 REMAP=M407 modalgroup=8 argspec=N ngc=lib-remap-line
 REMAP=M408 modalgroup=9 ngc=lib-remap-error
 REMAP=M409 modalgroup=6 argspec=ijk ngc=lib-remap-ijk
+REMAP=M411 modalgroup=10 argspec=@Pqr ngc=lib-remap-positional
 REMAP=G88.6 modalgroup=1 argspec=XYzp ngc=lib-remap-move
 REMAP=G88.7 modalgroup=1 argspec=a ngc=lib-remap-plain
 REMAP=M6 modalgroup=6 ngc=lib-remap-change
