@@ -30,6 +30,7 @@ mod stop_line;
 mod switch;
 mod sync;
 mod tap;
+mod trouble;
 mod walk;
 mod watch;
 mod world;

@@ -156,7 +156,7 @@ impl Pursuer {
         let filtered = cell.rest / (f64::from(cell.samples) * self.period);
         let jerk = if cell.samples > 1 { filtered } else { f64::INFINITY };
         let [acceleration, jerk] = [acceleration * CURVED[0], jerk * CURVED[1]];
-        let velocity = if self.top < cell.speed { self.top } else { cell.speed };
+        let velocity = cell.topped(&self.tops).min(cell.speed);
         Limits { velocity, acceleration, jerk }
     }
 
