@@ -188,10 +188,10 @@ impl Pursuer {
             Pursuit::Rest => chaser.at_velocity(now, 0.0),
             Pursuit::Forward(aim) | Pursuit::Both(aim) => chaser.toward(now, aim),
         };
-        let highest = self.highest(track, cell, limits, wanted);
+        let highest = self.highest(track, cell, limits, wanted, false);
         let a = if wanted < highest { wanted } else { highest };
         if now.velocity < 0.0 {
-            let back = self.highest_back(track, cell, limits, -a);
+            let back = self.highest(track, cell, limits, -a, true);
             return if -a < back { a } else { -back };
         }
         // A motion that is a rounding beyond an end comes back to it.

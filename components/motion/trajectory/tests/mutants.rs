@@ -24,7 +24,7 @@ const BOUNDS: [&str; 2] = ["times", "times_are_near"];
 
 const LIB: &str = "lib";
 
-const MUTANTS: [Mutant; 33] = [
+const MUTANTS: [Mutant; 34] = [
     Mutant {
         mistake: "a search takes the end of its bracket that has not passed the test",
         file: "follower/event.rs",
@@ -234,6 +234,13 @@ const MUTANTS: [Mutant; 33] = [
         right: "cell.scaled(scales).min(ahead).min(cell.topped(&self.tops))",
         wrong: "cell.scaled(scales).min(ahead.max(1e9)).min(cell.topped(&self.tops))",
         fails: ["rapids", "an_override_of_0"],
+    },
+    Mutant {
+        mistake: "a line is straight for joints that follow no axis",
+        file: "pursuer/limits.rs",
+        right: "is_known && matches!(curve, Curve::Line { .. })",
+        wrong: "matches!(curve, Curve::Line { .. })",
+        fails: ["pursuit", "lines_that_joints_bend"],
     },
     Mutant {
         mistake: "the highest speeds are those of the path coordinate",
