@@ -31,6 +31,7 @@ mod switch;
 mod sync;
 mod tap;
 mod trouble;
+mod two_spindles;
 mod walk;
 mod watch;
 mod world;

@@ -97,7 +97,11 @@ impl Lathe {
         let mut rig = Rig::homed(kinematics);
         rig.say(&format!("motion.spindle speed={speed}"));
         rig.cycle();
-        let turner = Turner::new(acceleration);
+        Self::of(rig, Turner::new(acceleration))
+    }
+
+    /// Returns a machine with a spindle.
+    pub(super) const fn of(rig: Rig, turner: Turner) -> Self {
         Self { rig, turner, worst: 0.0, is_together: false }
     }
 
