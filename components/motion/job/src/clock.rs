@@ -292,13 +292,13 @@ impl Drawing {
             let parts = match curve {
                 Curve::Line { .. } => 1,
                 Curve::Arc { rate, .. } => {
-                    let parts = (cell.length * rate.abs() / STEP).ceil();
+                    let parts = (cell.length * rate.abs() / STEP).ceil().min(MAX_PLACES);
                     #[expect(
                         clippy::cast_possible_truncation,
                         clippy::cast_sign_loss,
-                        reason = "1 to MAX_PLACES"
+                        reason = "up to MAX_PLACES"
                     )]
-                    let whole = parts.max(1.0).min(MAX_PLACES) as u32;
+                    let whole = (parts as u32).max(1);
                     whole
                 }
                 Curve::Poly { .. } => PARTS,
