@@ -137,7 +137,8 @@ impl Wait {
                 "an override above 0: the override of the feed or of rapid moves, or the adaptive feed, is 0".to_owned()
             }
             Self::SpindleSpeed => format!(
-                "the measured speed of spindle {n}, which the feed per turn follows: spindle.{n}.speed-in is 0"
+                "the turns of spindle {n}, which the path follows: spindle.{n}.speed-in is 0 or against the command, or \
+                 spindle.{n}.revs stands still"
             ),
             Self::Stop => format!("a person at M0: {person}"),
             Self::OptionalStop => format!("a person at M1: {person}"),

@@ -21,7 +21,6 @@ mod align;
 pub mod apt;
 mod canon;
 mod check;
-mod clock;
 mod filter;
 mod foreign;
 mod format;

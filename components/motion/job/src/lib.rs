@@ -14,6 +14,7 @@
 //! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
 //! | [`simulation`] | a program without its machine, line by line |
 //! | [`check`], [`estimate`] | the check of a whole program before it runs, and the time that it takes |
+//! | [`clock`] | the time that a program takes on its machine, and the path that motion plans |
 //! | [`threads`] | threads, taps and feeds per turn that the axes cannot follow |
 //! | [`effects`] | outputs, user codes and open files of the lines before it |
 //! | [`spindle`] | the record of the tool in the spindle |
@@ -23,6 +24,7 @@
 
 pub mod check;
 pub mod checksum;
+pub mod clock;
 pub mod dry_run;
 pub mod effects;
 pub mod estimate;

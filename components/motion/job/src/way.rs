@@ -24,6 +24,7 @@ const MAX_POINTS: f64 = 100_000.0;
 const CURVE_POINTS: usize = 12;
 
 /// Follows calls.
+#[derive(Clone, Debug)]
 pub struct Way {
     frame: Frame,
     /// The place, in machine coordinates of millimetres and degrees.

@@ -136,8 +136,8 @@ pub(crate) struct Path {
     /// Number of the move at whose end a single step pauses.
     step_of: Option<u32>,
     last: Step,
+    /// Velocity of the group of axes that governs the feed, and its travel since the start of the current move.
     velocity: f64,
-    /// Travel since the start of the current move.
     travelled: f64,
     /// Direction in x and y, in degrees, and a step in that direction.
     heading: f64,
@@ -157,6 +157,7 @@ const AT_REST: Step = Step {
     pose: hal_trajectory::Pose::ZERO,
     line: 0,
     travel: 0.0,
+    lead: 1.0,
     feed: 0.0,
     highest: 0.0,
     moving: false,
@@ -245,9 +246,9 @@ impl Path {
         let is_paused = self.paused && !retracts;
         let holds = self.stop.is_some() || is_paused || self.last.rests && !drive.may_begin;
         let reverse = self.reverse != drive.reverse;
-        let (scales, top) = match retracts {
-            true => (drive.retract, drive.retract_top),
-            false => (drive.scales, drive.top),
+        let (scales, tops) = match retracts {
+            true => (drive.retract, drive.retract_tops),
+            false => (drive.scales, drive.tops),
         };
         self.scales = scales;
         if drive.pace.is_some() {
@@ -257,20 +258,21 @@ impl Path {
         let scales = if holds { Scales::HOLD } else { self.scales };
         let step = match &mut session.rider {
             Rider::Follower(follower) => {
-                follower.limit(top);
+                follower.limit(tops);
                 follower.step(&session.way, scales, reverse)
             }
             Rider::Pursuer(pursuer) => {
-                pursuer.limit(top);
+                pursuer.limit(tops);
                 let goal = drive.pace.map_or(Pursuit::Rest, |pace| pace.goal);
                 pursuer.step(&session.way, goal)
             }
         };
         self.hand.set_input(session.input());
         let is_at_end = session.is_done() && !step.moving;
-        self.velocity = fabs(step.travel) / drive.dt;
+        let travel = step.lead * step.travel;
+        self.velocity = fabs(travel) / drive.dt;
         self.travelled = if step.line == self.last.line { self.travelled } else { 0.0 };
-        self.travelled += step.travel;
+        self.travelled += travel;
         self.turn_heading(&step);
         self.last = step;
         if drive.pace.is_some_and(|p| !p.waits) {

@@ -28,6 +28,8 @@ pub(crate) struct Spindle {
     angle: f64,
     mode: i32,
     pub(crate) inputs: SpindleInputs,
+    /// True once the measured speed has been negative: it has a sign.
+    has_sign: bool,
     /// True while a move waits for the index.
     seeks: bool,
     /// Pending value of index-enable.
@@ -91,6 +93,7 @@ impl Default for Spindle {
             angle: 0.0,
             mode: 0,
             inputs: SpindleInputs::default(),
+            has_sign: false,
             seeks: false,
             index_enable: None,
             sync_error: 0.0,
@@ -180,6 +183,18 @@ impl Spindle {
         if measured > commanded { measured } else { commanded }
     }
 
+    /// Returns the measured turns per second as far as they are those of the command: 0 while the spindle turns against it, and
+    /// if they are no number. A sensor that has never shown a negative speed may have no sign.
+    pub(crate) fn turns_as_commanded(&self) -> f64 {
+        let measured = self.inputs.speed;
+        let has_reversed = if self.speed < 0.0 {
+            self.has_sign && measured > STANDSTILL
+        } else {
+            self.speed > 0.0 && measured < -STANDSTILL
+        };
+        if has_reversed || measured.is_nan() { 0.0 } else { measured.abs() }
+    }
+
     /// Returns the commanded speed with the override, in turns per second.
     pub(crate) fn turns_commanded(&self) -> f64 {
         self.speed_out().abs() / 60.0
@@ -245,6 +260,7 @@ impl Spindle {
             index_enable: pins.index_enable.get(),
             inhibit: pins.inhibit.get(),
         };
+        self.has_sign |= self.inputs.speed < -STANDSTILL;
         let by_program = self.commanded.get(MotionSource::Task as usize).is_some_and(|c| *c != 0.0);
         self.is_kept_off |= self.on && self.inputs.inhibit && by_program;
         let Orient::Turning { ticket, is_again, late } = &mut self.orient else { return };

@@ -30,6 +30,8 @@ mod stop_line;
 mod switch;
 mod sync;
 mod tap;
+mod trouble;
+mod two_spindles;
 mod walk;
 mod watch;
 mod world;

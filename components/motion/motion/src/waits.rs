@@ -79,11 +79,16 @@ impl State {
         if let Some(spindle) = path.awaited_index() {
             return (Wait::Index, number(spindle));
         }
+        let turns = path.awaited_turns().and_then(|n| Some((n, self.spindles.get(n)?)));
+        if let Some((n, spindle)) = turns {
+            let kind = if spindle.at_speed { Wait::SpindleSpeed } else { Wait::AtSpeed };
+            return (kind, number(n));
+        }
         if let Some(n) = self.first_spindle(|spindle| !spindle.at_speed) {
             return (Wait::AtSpeed, n);
         }
         if let Some(spindle) = path.followed_spindle()
-            && self.spindles.get(spindle).is_some_and(|s| s.inputs.speed == 0.0)
+            && self.spindles.get(spindle).is_some_and(|s| s.turns_as_commanded() == 0.0)
         {
             return (Wait::SpindleSpeed, number(spindle));
         }

@@ -21,6 +21,7 @@ use crate::{
     pose::Pose,
     scales::Scales,
     speed::MAX_SAMPLES,
+    tops::Tops,
     track::{Cell, Path},
 };
 
@@ -68,8 +69,10 @@ pub struct Follower {
     /// Programmed and highest speed of the cell at the output.
     feed: f64,
     highest: f64,
-    /// Highest speed along the path, whatever was planned.
-    top: f64,
+    /// Speed of its lead group, at a speed of 1 along the path.
+    lead: f64,
+    /// Highest speeds, whatever was planned.
+    tops: Tops,
     /// Distance from the start of the track at which the motion begins.
     skip: f64,
     /// True if the input brakes for what is ahead.
@@ -95,6 +98,8 @@ pub struct Step {
     pub line: u32,
     /// Travel in this period, in units of the path coordinate; negative in reverse.
     pub travel: f64,
+    /// Speed of the group that governs the feed, at a speed of 1 along the path.
+    pub lead: f64,
     /// Programmed speed at this pose, in units of the path coordinate per second.
     pub feed: f64,
     /// Highest planned speed at this pose, in units of the path coordinate per second.
@@ -132,7 +137,8 @@ impl Follower {
             line: 0,
             feed: 0.0,
             highest: 0.0,
-            top: f64::INFINITY,
+            lead: 1.0,
+            tops: Tops::NONE,
             skip: 0.0,
             brakes: false,
             curve: None,
@@ -146,9 +152,9 @@ impl Follower {
         self
     }
 
-    /// Limits the speed along the path from now on, in units per second. A motion that is faster brakes.
-    pub const fn limit(&mut self, top: f64) {
-        self.top = if top > 0.0 { top } else { 0.0 };
+    /// Limits the speed from now on. A motion that is faster brakes.
+    pub const fn limit(&mut self, tops: Tops) {
+        self.tops = tops.usable();
     }
 
     /// Advances by one period at these overrides. `reverse` moves back along the path.
@@ -164,6 +170,7 @@ impl Follower {
             pose: self.position,
             line: self.line,
             travel,
+            lead: self.lead,
             feed: self.feed,
             highest: self.highest,
             moving: self.speed > 0.0 || !self.is_flat(),
@@ -266,7 +273,7 @@ impl Follower {
                 continue;
             }
             let cap = match self.back == reverse {
-                true => cell.scaled(scales).min(ahead).min(self.top),
+                true => cell.scaled(scales).min(ahead).min(cell.topped(&self.tops)),
                 false => 0.0,
             };
             let Some((time, distance)) = self.event(track, &cell, cap, left) else { break };
@@ -385,7 +392,8 @@ mod tests {
                 .unwrap();
             planner.finish();
             let mut follower = Follower::new(machine.period, Pose::ZERO);
-            follower.limit(f64::from_bits(100.0_f64.to_bits().wrapping_add_signed(ulps)));
+            let linear = f64::from_bits(100.0_f64.to_bits().wrapping_add_signed(ulps));
+            follower.limit(Tops { linear, ..Tops::NONE });
             let mut cycles = 0;
             while follower.step(planner.track(), 1.0, false).moving || cycles == 0 {
                 cycles += 1;

@@ -58,6 +58,7 @@ mod share;
 mod slots;
 mod speed;
 mod sync;
+mod tops;
 mod track;
 
 pub use axis::{Axis, Goal};
@@ -75,4 +76,5 @@ pub use pose::{AXES, FARTHEST, Group, Pose};
 pub use pursuer::{Pursuer, Pursuit};
 pub use scales::Scales;
 pub use share::{Publisher, Reader, share};
+pub use tops::Tops;
 pub use track::{Cell, Path, Track};

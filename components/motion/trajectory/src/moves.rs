@@ -91,11 +91,12 @@ impl Move {
                 Some(round(start, end, center, normal, *turns, line)?)
             }
         };
-        Ok(shaped.map(|Shaped { curve, length, lead, main }| Segment {
+        Ok(shaped.map(|Shaped { curve, length, lead, main, lead_speed }| Segment {
             curve,
             length,
             lead,
             main,
+            lead_speed,
             feed: self.feed.min(1e9),
             rounded_for: self.feed.min(1e9),
             rapid: self.rapid,
@@ -144,6 +145,8 @@ pub(crate) struct Shaped {
     pub(crate) lead: Group,
     /// Group in which places on the path are compared.
     pub(crate) main: Group,
+    /// Speed of the group that governs the feed, at a speed of 1 along the path.
+    pub(crate) lead_speed: f64,
 }
 
 /// Returns the line between two poses. The path coordinate is the longest of the travels in the three groups, so that no
@@ -161,6 +164,7 @@ pub(crate) fn straight(start: &Pose, end: &Pose) -> Option<Shaped> {
         length,
         lead,
         main,
+        lead_speed: if lead == main { 1.0 } else { by.norm(lead) / length },
     })
 }
 
@@ -215,7 +219,8 @@ fn round(
     let lead = if length > LINEAR_SHARE * others { Group::Xyz } else { Group::Abc };
     let k = (length / others).min(1.0);
     let curve = Curve::Arc { center: origin, arm, side, rate: rate * k, drift: drift * k };
-    Ok(Shaped { curve, length: length.max(others), lead, main: Group::Xyz })
+    let lead_speed = if lead == Group::Xyz { k } else { by.norm(lead) / others };
+    Ok(Shaped { curve, length: length.max(others), lead, main: Group::Xyz, lead_speed })
 }
 
 const fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {

@@ -10,6 +10,7 @@ use crate::{
     follower::Step,
     machine::Limits,
     pose::{AXES, Pose},
+    tops::Tops,
     track::{Cell, Path},
 };
 use libm::fabs;
@@ -43,8 +44,8 @@ pub struct Pursuer {
     to_go: f64,
     begun: bool,
     skip: f64,
-    /// Highest speed along the path, whatever was planned.
-    top: f64,
+    /// Highest speeds, whatever was planned.
+    tops: Tops,
     now: Rates,
     /// Periods since the place was on a curve.
     since_curve: u32,
@@ -81,7 +82,7 @@ impl Pursuer {
             to_go: 0.0,
             begun: false,
             skip: 0.0,
-            top: f64::INFINITY,
+            tops: Tops::NONE,
             now: Rates { velocity: 0.0, acceleration: 0.0 },
             since_curve: u32::MAX,
             at_rest: 0,
@@ -99,9 +100,9 @@ impl Pursuer {
         self
     }
 
-    /// Limits the speed along the path from now on, in units per second. A motion that is faster brakes.
-    pub const fn limit(&mut self, top: f64) {
-        self.top = if top > 0.0 { top } else { 0.0 };
+    /// Limits the speed from now on. A motion that is faster brakes.
+    pub const fn limit(&mut self, tops: Tops) {
+        self.tops = tops.usable();
     }
 
     /// Advances by one period.
@@ -121,6 +122,7 @@ impl Pursuer {
             pose: self.position,
             line: self.shown.map_or(0, |c| c.line),
             travel,
+            lead: self.shown.map_or(1.0, |c| c.lead),
             feed: self.shown.map_or(0.0, |c| c.programmed()),
             highest: self.shown.map_or(0.0, |c| c.speed),
             moving: !rests || fabs(self.now.acceleration) > 0.0,
@@ -186,10 +188,10 @@ impl Pursuer {
             Pursuit::Rest => chaser.at_velocity(now, 0.0),
             Pursuit::Forward(aim) | Pursuit::Both(aim) => chaser.toward(now, aim),
         };
-        let highest = self.highest(track, cell, limits, wanted);
+        let highest = self.highest(track, cell, limits, wanted, false);
         let a = if wanted < highest { wanted } else { highest };
         if now.velocity < 0.0 {
-            let back = self.highest_back(track, cell, limits, -a);
+            let back = self.highest(track, cell, limits, -a, true);
             return if -a < back { a } else { -back };
         }
         // A motion that is a rounding beyond an end comes back to it.

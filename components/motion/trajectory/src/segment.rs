@@ -16,6 +16,8 @@ pub(crate) struct Segment {
     pub(crate) lead: Group,
     /// Group in which places on the path are compared.
     pub(crate) main: Group,
+    /// Highest speed of the lead group, at a speed of 1 along the path.
+    pub(crate) lead_speed: f64,
     /// Programmed feed in units of the lead group per second.
     pub(crate) feed: f64,
     /// Speed in the same units for which its corners are rounded, at most the feed.

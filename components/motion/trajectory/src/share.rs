@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Words of a cell and of a curve, and the words of a cell that change after it is published.
-const CELL: usize = 12;
+const CELL: usize = 14;
 const CURVE: usize = 56;
 const END: usize = 7;
 const BEGIN: usize = 8;
@@ -222,12 +222,29 @@ const fn cell_words(c: &Cell) -> [u64; CELL] {
         c.rapid.to_bits(),
         flags(c),
         c.line as u64,
+        c.lead.to_bits(),
+        c.linear.to_bits(),
     ]
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "as they were written")]
 const fn cell_from(words: &[u64; CELL]) -> Cell {
-    let [curve, from, length, speed, feed, rest, fade, end, begin, rapid, flags, line] = *words;
+    let [
+        curve,
+        from,
+        length,
+        speed,
+        feed,
+        rest,
+        fade,
+        end,
+        begin,
+        rapid,
+        flags,
+        line,
+        lead,
+        linear,
+    ] = *words;
     Cell {
         curve,
         from: f64::from_bits(from),
@@ -235,6 +252,8 @@ const fn cell_from(words: &[u64; CELL]) -> Cell {
         speed: f64::from_bits(speed),
         feed: f64::from_bits(feed),
         rapid: f64::from_bits(rapid),
+        lead: f64::from_bits(lead),
+        linear: f64::from_bits(linear),
         rest: f64::from_bits(rest),
         fade: f64::from_bits(fade),
         end: f64::from_bits(end),

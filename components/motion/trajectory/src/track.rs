@@ -8,7 +8,7 @@
 
 use std::collections::VecDeque;
 
-use crate::{curve::Curve, scales::Scales};
+use crate::{curve::Curve, scales::Scales, tops::Tops};
 
 /// Path of a follower: the [`Track`] itself, or the [`Reader`](crate::Reader) of a planner in another thread.
 pub trait Path {
@@ -45,6 +45,10 @@ pub struct Cell {
     pub feed: f64,
     /// Speed along the path at a rapid override of 1; infinity in a move at a feed. A blend between both kinds has both.
     pub rapid: f64,
+    /// Highest speed of the group that governs the feed, at a speed of 1 along the path.
+    pub lead: f64,
+    /// The same where that group is of lengths; 0 where it is of angles.
+    pub linear: f64,
     /// Highest acceleration along the path at rest.
     pub rest: f64,
     /// Loss of acceleration per squared speed.
@@ -74,6 +78,13 @@ impl Cell {
             if speed < f64::INFINITY { speed * scale } else { speed }
         }
         times(self.feed, scales.feed).min(times(self.rapid, scales.rapid))
+    }
+
+    /// Returns the speed along the path at which the group that governs the feed has its highest speed.
+    pub(crate) const fn topped(&self, tops: &Tops) -> f64 {
+        let feed = tops.feed / self.lead;
+        // No speed of a length is too high for angles.
+        if self.linear > 0.0 { feed.min(tops.linear / self.linear) } else { feed }
     }
 
     /// Returns the highest squared speed at the far end of the cell for a motion that has `near` at the other end.

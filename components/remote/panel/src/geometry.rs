@@ -1,6 +1,7 @@
 //! Geometry of a program: the points of its path, as `API.md` lays them out.
 
 mod cutter;
+mod planned;
 
 pub(crate) use cutter::{Cut, is_cutter};
 
@@ -11,6 +12,7 @@ use hal_job::{
     run::{Answers, start, step},
     way::{Kind, Way},
 };
+use planned::Plan;
 use std::path::Path;
 
 /// Number of points of a program; its later ones are left out.
@@ -57,7 +59,17 @@ pub(crate) struct Geometry {
     pub(crate) error: Option<(u32, String)>,
 }
 
-/// Reads the text of a program as the task would, as long as each `look` at the memory that it takes lets it go on.
+/// Wishes for the geometry of a program.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wishes {
+    /// Points within this distance of the line between their neighbours are left out.
+    pub(crate) tolerance: f64,
+    /// True for the path that motion plans, false for the programmed one.
+    pub(crate) is_planned: bool,
+}
+
+/// Reads the text of a program as the task would, as long as each `look` at the memory that it takes lets it go on. A planned path
+/// of a machine whose limits are not known has no points.
 ///
 /// # Errors
 /// A file of the machine cannot be read.
@@ -65,7 +77,7 @@ pub(crate) fn read(
     ini: Option<&Path>,
     file: &Path,
     text: Text,
-    tolerance: f64,
+    wishes: Wishes,
     look: &mut dyn FnMut(usize) -> Result<(), Limit>,
 ) -> Result<Geometry, String> {
     let machine = Machine::read(&Files { ini, ..Files::default() })?;
@@ -78,6 +90,7 @@ pub(crate) fn read(
     it.load(&file.display().to_string(), text);
     let mut way = Way::new(it.state.frame, it.state.position);
     let place = |p: Position| [p.x, p.y, p.z].map(|v| v * scale);
+    let tolerance = wishes.tolerance;
     let mut geometry = Geometry { tolerance, ..Geometry::default() };
     let begin = others(way.at);
     let (mut unit, mut feed) = (it.state.frame.unit, it.state.modal.feed);
@@ -91,7 +104,17 @@ pub(crate) fn read(
     };
     let offset = geometry.offset(place(way.tool()));
     let further = geometry.further(turned(way.at));
-    geometry.keep(Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset, further });
+    let first = Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset, further };
+    let mut plan = None;
+    if wishes.is_planned {
+        plan = Plan::new(&it, &world.machine, first);
+        if plan.is_none() {
+            geometry.error = Some((0, planned::UNKNOWN.to_owned()));
+            return Ok(geometry);
+        }
+    } else {
+        geometry.keep(first);
+    }
     let mut out = Vec::new();
     let mut next_look = 0;
     for n in 0_usize.. {
@@ -107,23 +130,28 @@ pub(crate) fn read(
                 _ => {}
             }
             let offset = place(way.tool());
-            way.follow(&issued.call, &mut |kind, at| {
-                let (kind, feed) = match (kind, &issued.call) {
-                    (Kind::Rapid, _) => (1, 0.0),
-                    (Kind::Feed, Call::ArcFeed { .. }) => (3, feed),
-                    (Kind::Feed, Call::StraightProbe { .. }) => (4, feed),
-                    (Kind::Feed, _) => (2, feed),
-                };
-                #[expect(clippy::cast_possible_truncation, reason = "a colour")]
-                let feed = (feed * unit.to(machine_unit)) as f32;
+            #[expect(clippy::cast_possible_truncation, reason = "a colour")]
+            let feed = (feed * unit.to(machine_unit)) as f32;
+            let offset = geometry.offset(offset);
+            let (line, further) = (issued.line, 0);
+            let attributes = Point { at: [0.0; 3], line, feed, tool, kind: 0, offset, further };
+            let mut each = |at: Position, point: Point| {
                 for (bit, (from, to)) in begin.into_iter().zip(others(at)).enumerate() {
                     geometry.others |= u32::from((from - to).abs() > 1e-9) << bit;
                 }
-                let offset = geometry.offset(offset);
                 let further = geometry.further(turned(at));
-                let line = issued.line;
-                geometry.add(Point { at: place(at), line, feed, tool, kind, offset, further });
+                geometry.add(Point { at: place(at), further, ..point });
+            };
+            let has_plan = plan.is_some();
+            way.follow(&issued.call, &mut |kind, at| {
+                if !has_plan {
+                    each(at, attributes.of(&issued.call, kind == Kind::Rapid));
+                }
             });
+            if let Some(plan) = &mut plan {
+                let is_rapid = matches!(issued.call, Call::StraightTraverse(_));
+                plan.call(&issued, attributes.of(&issued.call, is_rapid), &mut each);
+            }
         }
         match going {
             Ok(true) => {}
@@ -140,7 +168,9 @@ pub(crate) fn read(
             Some(format!("it has more than {MAX_POINTS} points"))
         } else if n + geometry.points.len() >= next_look {
             next_look = n + geometry.points.len() + LOOK;
-            look(geometry.memory()).err().map(|limit| limit.to_string())
+            look(geometry.memory() + plan.as_ref().map_or(0, Plan::memory))
+                .err()
+                .map(|limit| limit.to_string())
         } else {
             None
         };
@@ -149,8 +179,27 @@ pub(crate) fn read(
             break;
         }
     }
+    if let Some(plan) = &mut plan {
+        plan.finish(&mut |at, point| {
+            let further = geometry.further(turned(at));
+            geometry.add(Point { at: place(at), further, ..point });
+        });
+    }
     geometry.flush();
     Ok(geometry)
+}
+
+impl Point {
+    /// Returns the attributes of a point with the kind and feed that a call gives it.
+    const fn of(self, call: &Call, is_rapid: bool) -> Self {
+        let kind = match call {
+            _ if is_rapid => return Self { kind: 1, feed: 0.0, ..self },
+            Call::ArcFeed { .. } => 3,
+            Call::StraightProbe { .. } => 4,
+            _ => 2,
+        };
+        Self { kind, ..self }
+    }
 }
 
 impl Geometry {

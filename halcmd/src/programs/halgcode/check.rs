@@ -1,6 +1,6 @@
 //! `halgcode check`: the errors of a program, the places that the machine cannot reach, its tools and extents.
 
-use super::{clock::Clock, filter, foreign, help::usage_of, language};
+use super::{filter, foreign, help::usage_of, language};
 use crate::{
     Stdio, Terminal,
     programs::options::{Opt, mixed, plain, usage},
@@ -9,6 +9,7 @@ use hal_gcode::{
     Call, Dialect, Interpreter, Issued, axis::Position, error::Problem, state::FeedMode,
 };
 use hal_job::{
+    clock::Clock,
     machine::{Files, Machine},
     run::{Answers, Stop, run, start},
     threads::{Finding, Threads},

@@ -1,7 +1,6 @@
 //! `halgcode plot`: the way of the tool as a picture.
 
 use super::{
-    clock::Clock,
     filter,
     help::usage_of,
     language,
@@ -17,6 +16,7 @@ use crate::{
 };
 use hal_gcode::{Interpreter, axis::Axis};
 use hal_job::{
+    clock::Clock,
     machine::{Files, Machine},
     run::{Answers, Stop, run, start},
     way::{Extents, Kind, Way},
@@ -154,7 +154,8 @@ fn follow(file: &str, world: &World) -> Result<Followed, String> {
     let mut extents = Extents::new();
     let mut points = 0usize;
     let mut clock = Clock::new(&it, machine);
-    clock.iter_mut().for_each(Clock::keep_path);
+    clock.iter_mut().for_each(Clock::draw);
+    let mut planned: Vec<[f64; 3]> = Vec::new();
     let result = run(
         &mut it,
         world,
@@ -176,8 +177,9 @@ fn follow(file: &str, world: &World) -> Result<Followed, String> {
             if let Some(clock) = &mut clock {
                 // What the planner refuses, `check` reports.
                 clock.call(issued).unwrap_or_default();
+                planned.extend(clock.places().map(|place| [place.at.x, place.at.y, place.at.z]));
             }
-            if points + clock.as_ref().map_or(0, Clock::places) > MAX_POINTS {
+            if points + planned.len() > MAX_POINTS {
                 return Err(Stop::Output(format!("{file}: more than {MAX_POINTS} points to draw")));
             }
             Ok(())
@@ -191,7 +193,11 @@ fn follow(file: &str, world: &World) -> Result<Followed, String> {
             true
         }
     };
-    Ok(Followed { moves, planned: clock.map(Clock::path).unwrap_or_default(), failed })
+    if let Some(clock) = &mut clock {
+        clock.finish();
+        planned.extend(clock.places().map(|place| [place.at.x, place.at.y, place.at.z]));
+    }
+    Ok(Followed { moves, planned, failed })
 }
 
 #[cfg(test)]

@@ -28,6 +28,7 @@ mod names;
 mod openapi;
 mod operator;
 mod pair;
+mod planned;
 mod printer;
 mod requests;
 mod rights;

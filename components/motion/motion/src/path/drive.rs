@@ -1,6 +1,6 @@
 //! Realtime. Inputs of a path in each cycle.
 
-use hal_trajectory::{Pursuit, Scales};
+use hal_trajectory::{Pursuit, Scales, Tops};
 
 /// Inputs of a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -10,12 +10,12 @@ pub(crate) struct Drive {
     pub(crate) scales: Scales,
     /// Overrides of a retract during a hold; 0 where the retract holds too.
     pub(crate) retract: Scales,
-    /// Highest speed of a retract.
-    pub(crate) retract_top: f64,
+    /// Highest speeds of a retract.
+    pub(crate) retract_tops: Tops,
     /// True to run backwards.
     pub(crate) reverse: bool,
-    /// Highest speed along the path.
-    pub(crate) top: f64,
+    /// Highest speeds along the path.
+    pub(crate) tops: Tops,
     /// False while a motion that rests may not begin.
     pub(crate) may_begin: bool,
     /// State of the probe.

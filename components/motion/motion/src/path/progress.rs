@@ -19,7 +19,8 @@ impl Path {
 
     /// Returns the programmed speed of the current move within the machine's limits, and with the override.
     pub(crate) fn feeds(&self) -> (f64, f64) {
-        let Step { feed, highest, .. } = self.last;
+        let Step { lead, feed, highest, .. } = self.last;
+        let (feed, highest) = (lead * feed, lead * highest);
         let Some(current) = self.current() else { return (0.0, 0.0) };
         (less(feed, highest), less(feed * current.kind.scale(&self.scales), highest))
     }

@@ -43,7 +43,7 @@ impl Path {
         let Some((_, order)) = next else { return false };
         // Before its first cycle, the path has no line.
         let rests = !self.last.moving && (self.last.line != 0 || !drive.may_begin);
-        let stands = order.kind.scale(&drive.retract) == 0.0 || drive.retract_top == 0.0;
+        let stands = order.kind.scale(&drive.retract) == 0.0 || drive.retract_tops.feed == 0.0;
         !rests && !stands && self.stop.is_none() && self.reverse == drive.reverse
     }
 

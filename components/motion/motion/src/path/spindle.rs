@@ -14,7 +14,7 @@ use crate::{
     state::State,
 };
 use hal_component::{MotionSource, TicketHandle};
-use hal_trajectory::{Limits, Pursuit, Scales, Shape, Step};
+use hal_trajectory::{Limits, Pursuit, Scales, Shape, Step, Tops};
 use libm::fabs;
 
 /// Turns of a spindle after which its index is late.
@@ -33,6 +33,9 @@ const NO_INDEX: Refusal = Refusal::new("the spindle turned three times without i
 const STANDS: Refusal = Refusal::new("a tap needs a spindle that turns");
 const OVERRUN: Refusal =
     Refusal::new("the spindle still turned ten turns beyond the end of the tap, or at a limit");
+const BACKED: Refusal = Refusal::new(
+    "the spindle turned ten turns back from the start of the tap, against its command",
+);
 const FAR: Refusal =
     Refusal::new("the axes are farther from their place at the spindle than its sync-error");
 
@@ -140,6 +143,9 @@ impl Path {
         if let Follows::Tap { back } = sync.follows {
             if is_at_end && t.turn > 0.0 {
                 return Err(OVERRUN);
+            }
+            if t.stage == Stage::In && t.target < -OVERRUN_TURNS * sync.pitch {
+                return Err(BACKED);
             }
             t.tap(spindle, back, self.last.travel == 0.0);
         }
@@ -253,6 +259,17 @@ impl Path {
         }
     }
 
+    /// Returns the spindle whose turns the path, which rests, waits for in a thread or tap.
+    pub(crate) fn awaited_turns(&self) -> Option<usize> {
+        let t = &self.tracker;
+        let waits = match t.stage {
+            Stage::Ready | Stage::Index(_) | Stage::Over => false,
+            Stage::In if matches!(self.course, Course::Thread(_)) => t.turn <= 0.0,
+            Stage::In | Stage::Out | Stage::Above => true,
+        };
+        (waits && self.stop.is_none()).then_some(t.spindle)
+    }
+
     /// Returns whether these overrides hold the move that is next.
     pub(crate) fn is_held_by(&self, scales: &Scales) -> bool {
         self.next_move().is_some_and(|(_, order)| order.kind.scale(scales) == 0.0)
@@ -293,20 +310,12 @@ impl State {
         None
     }
 
-    /// Returns the highest speed along the path: that of the machine, or of a feed per turn with this override.
-    pub(crate) fn top_speed(&self, scale: f64) -> f64 {
-        let top = self.traj.max_velocity;
-        let Some(sync) = self.path.per_turn() else { return top };
-        let turns = self.spindles.get(sync.spindle).map_or(0.0, |s| fabs(s.inputs.speed));
-        let speed = sync.pitch * turns * scale;
-        // NaN stands still.
-        if speed < top {
-            speed
-        } else if speed.is_nan() {
-            0.0
-        } else {
-            top
-        }
+    /// Returns the highest speeds along the path: that of the machine, and of a feed per turn with this override.
+    pub(crate) fn top_speeds(&self, scale: f64) -> Tops {
+        let tops = Tops { linear: self.traj.max_velocity, ..Tops::NONE };
+        let Some(sync) = self.path.per_turn() else { return tops };
+        let turns = self.spindles.get(sync.spindle).map_or(0.0, Spindle::turns_as_commanded);
+        Tops { feed: sync.pitch * turns * scale, ..tops }
     }
 
     /// Passes each spindle what the path wants from it, and how far the path is from it.

@@ -6,6 +6,7 @@ use hal_component::abi::TicketState;
 /// A spindle with an encoder.
 #[derive(Clone, Debug)]
 pub(super) struct Turner {
+    number: usize,
     /// Turns since the start, and at the last index that was asked for.
     pub(super) angle: f64,
     zero: f64,
@@ -14,16 +15,42 @@ pub(super) struct Turner {
     pub(super) acceleration: f64,
     pub(super) has_index: bool,
     pub(super) is_stalled: bool,
+    /// Factor of the commanded speed that it has in the end.
+    pub(super) factor: f64,
+    /// True while its encoder tells the last turns and no speed.
+    pub(super) is_blind: bool,
+    /// True if it always says that it is at speed.
+    pub(super) is_always_at_speed: bool,
+    shown: f64,
 }
 
 impl Turner {
     pub(super) const fn new(acceleration: f64) -> Self {
-        Self { angle: 0.3, zero: 0.0, speed: 0.0, acceleration, has_index: true, is_stalled: false }
+        Self::of(0, acceleration)
+    }
+
+    /// Returns the spindle with this number.
+    pub(super) const fn of(number: usize, acceleration: f64) -> Self {
+        Self {
+            number,
+            angle: 0.3,
+            zero: 0.0,
+            speed: 0.0,
+            acceleration,
+            has_index: true,
+            is_stalled: false,
+            factor: 1.0,
+            is_blind: false,
+            is_always_at_speed: false,
+            shown: 0.0,
+        }
     }
 
     /// Turns for a cycle, as the pins of the spindle command.
     pub(super) fn step(&mut self, rig: &Rig) {
-        let wanted = if self.is_stalled { 0.0 } else { rig.float("spindle.0.speed-out-rps") };
+        let pin = |name: &str| format!("spindle.{}.{name}", self.number);
+        let commanded = rig.float(&pin("speed-out-rps"));
+        let wanted = if self.is_stalled { 0.0 } else { self.factor * commanded };
         let by = self.acceleration * DT;
         let before = self.speed;
         self.speed = (self.speed + by).min(wanted.max(self.speed - by));
@@ -31,14 +58,16 @@ impl Turner {
         self.angle += 0.5 * (before + self.speed) * DT;
         let passed = if self.speed < 0.0 { whole } else { self.angle.floor() };
         let is_index = self.angle.floor() != whole;
-        if is_index && self.has_index && rig.is("spindle.0.index-enable") {
+        let sees = !self.is_blind;
+        if is_index && self.has_index && sees && rig.is(&pin("index-enable")) {
             self.zero = passed;
-            rig.bench.set("spindle.0.index-enable", false);
+            rig.bench.set(&pin("index-enable"), false);
         }
-        rig.bench.set("spindle.0.revs", self.revs());
-        rig.bench.set("spindle.0.speed-in", self.speed);
-        let off = (self.speed - rig.float("spindle.0.speed-out-rps")).abs();
-        rig.bench.set("spindle.0.at-speed", off < 0.1);
+        self.shown = if sees { self.revs() } else { self.shown };
+        rig.bench.set(&pin("revs"), self.shown);
+        rig.bench.set(&pin("speed-in"), if sees { self.speed } else { 0.0 });
+        let is_at_speed = (self.speed - commanded).abs() < 0.1 || self.is_always_at_speed;
+        rig.bench.set(&pin("at-speed"), is_at_speed);
     }
 
     pub(super) fn revs(&self) -> f64 {
@@ -60,10 +89,19 @@ pub(super) const PITCH: f64 = 1.5;
 
 impl Lathe {
     pub(super) fn new(speed: f64, acceleration: f64) -> Self {
-        let mut rig = Rig::homed(&[]);
+        Self::on(&[], speed, acceleration)
+    }
+
+    /// Returns a lathe with these kinematics.
+    pub(super) fn on(kinematics: &[&str], speed: f64, acceleration: f64) -> Self {
+        let mut rig = Rig::homed(kinematics);
         rig.say(&format!("motion.spindle speed={speed}"));
         rig.cycle();
-        let turner = Turner::new(acceleration);
+        Self::of(rig, Turner::new(acceleration))
+    }
+
+    /// Returns a machine with a spindle.
+    pub(super) const fn of(rig: Rig, turner: Turner) -> Self {
         Self { rig, turner, worst: 0.0, is_together: false }
     }
 
@@ -442,4 +480,37 @@ fn a_feed_per_turn_scales_with_the_spindle_and_the_override() {
     lathe.rig.bench.set("motion.feed-hold", false);
     lathe.rig.say("motion.feed override=1");
     assert_eq!(lathe.end(), Ok(()));
+}
+
+/// A feed per turn governs X, also beside an axis that goes farther, and A where A alone moves: to a place at a closed form of its
+/// time, and with that velocity on the pins.
+#[test]
+fn a_feed_per_turn_is_that_of_its_lead_group() {
+    for ([x, a], feed) in
+        [([1.0_f64, 30.0_f64], 0.05), ([4.0, 0.0], 0.2), ([0.0, 30.0], 2.0), ([-1.0, -30.0], 0.02)]
+    {
+        let text = format!("motion.move x={x} a={a} per-turn={feed}");
+        let mut lathe = Lathe::on(&["coordinates=xay"], 600.0, 400.0);
+        // The highest velocity of lengths does not count for angles.
+        lathe.rig.say("motion.configure max-velocity=10");
+        lathe.cycles(300);
+        lathe.rig.say(&text);
+        lathe.until(|l| l.rig.float("motion.current-vel") > 0.0);
+        let (mut cycles, mut top, mut fastest) = (0_u32, 0.0_f64, 0.0_f64);
+        let mut before = lathe.rig.joint(1, "pos-cmd");
+        while lathe.ticket() == TicketState::Pending {
+            lathe.cycle();
+            cycles += 1;
+            top = top.max(lathe.rig.float("motion.current-vel"));
+            let at = lathe.rig.joint(1, "pos-cmd");
+            fastest = fastest.max((at - before).abs() / DT);
+            before = at;
+        }
+        let (speed, way) = (10.0 * feed, if x == 0.0 { a } else { x }.abs());
+        assert!((top - speed).abs() < 1e-6 * speed, "{text}: {top}");
+        let of_a = speed * a.abs() / way;
+        assert!((fastest - of_a).abs() < 1e-6, "{text}: {fastest}, not {of_a}");
+        let (took, wanted) = (f64::from(cycles) * DT, way / speed);
+        assert!((took - wanted).abs() < 0.02 * wanted + 0.02, "{text}: {took} of {wanted}");
+    }
 }

@@ -17,6 +17,7 @@ fn line(from: [f64; 2], to: [f64; 2]) -> Segment {
         length: shaped.length,
         lead: Group::Xyz,
         main: Group::Xyz,
+        lead_speed: 1.0,
         feed: 100.0,
         rounded_for: 100.0,
         rapid: false,
@@ -157,6 +158,8 @@ fn raw(speed: f64, start: f64) -> Raw {
         allowed,
         feed: 100.0,
         rapid: f64::INFINITY,
+        lead: 1.0,
+        linear: 1.0,
         line: 7,
         start,
     }

@@ -1,8 +1,10 @@
-//! Realtime. Overrides ahead: a motion brakes for a move whose override is lower, before it gets there.
+//! Realtime. Overrides and highest speeds ahead: a motion brakes for a move whose override is lower, or whose group of axes is
+//! faster at the same speed along the path, before it gets there.
 
 use super::Follower;
 use crate::{
     scales::Scales,
+    tops::Tops,
     track::{Cell, Path},
 };
 
@@ -23,29 +25,32 @@ pub(super) struct Alike {
     /// it may brake earlier before a move that is held, where it waits anyway.
     rest: f64,
     fade: f64,
+    /// True if their lead groups have the same speeds too.
+    leads: bool,
 }
 
 impl Alike {
     /// Nothing is known beyond this cell.
     pub(super) const fn none(cell: u64) -> Self {
-        Self { last: cell, length: 0.0, rest: f64::INFINITY, fade: 0.0 }
+        Self { last: cell, length: 0.0, rest: f64::INFINITY, fade: 0.0, leads: true }
     }
 
-    /// Adds the next cell in the direction of motion.
-    fn add(&mut self, number: u64, cell: &Cell) {
+    /// Adds the next cell in the direction of motion; `here` is one of the others.
+    fn add(&mut self, number: u64, cell: &Cell, here: &Cell) {
         self.last = number;
         self.length += cell.length;
         self.rest = self.rest.min(cell.rest);
         self.fade = self.fade.max(cell.fade);
+        self.leads &= leads(cell) == leads(here);
     }
 }
 
 impl Follower {
-    /// Returns the highest speed of this period from which the input can brake for the overrides of the next cells;
-    /// infinity where these are no lower than planned. The limits of speed, acceleration and jerk do not depend on it.
+    /// Returns the highest speed of this period from which the input can brake for the overrides and highest speeds of the next
+    /// cells; infinity where these are no lower than planned. The limits of speed, acceleration and jerk do not depend on it.
     pub(super) fn cap_ahead(&mut self, track: &impl Path, scales: &Scales) -> f64 {
         // With one factor for all moves, no move is slower than planned beside the others.
-        if scales.feed == scales.rapid || !self.begun {
+        if scales.feed == scales.rapid && self.tops == Tops::NONE || !self.begun {
             return f64::INFINITY;
         }
         let is_past =
@@ -54,7 +59,7 @@ impl Follower {
             self.alike = Alike::none(self.cell);
         }
         let cap = self.cap_of_next(track, scales);
-        if scales.feed == 0.0 || scales.rapid == 0.0 {
+        if scales.feed != scales.rapid && (scales.feed == 0.0 || scales.rapid == 0.0) {
             return cap.min(self.cap_before_hold(track, scales));
         }
         cap
@@ -80,7 +85,7 @@ impl Follower {
             if square(0.5 * (length - margin)) > highest * highest {
                 break;
             }
-            self.alike.add(k, &next);
+            self.alike.add(k, &next, &cell);
         }
         f64::INFINITY
     }
@@ -118,8 +123,8 @@ impl Follower {
             } else {
                 square = next.reach(floor(next));
             }
-            let cap = next.scaled(scales);
-            if kinds(next) != kinds(&cell) && cap * cap <= square {
+            let cap = self.cap_beside(&cell, next, scales);
+            if cap * cap <= square {
                 (square, rest) = (cap * cap, margin);
             }
         }
@@ -130,16 +135,34 @@ impl Follower {
         (square + 2.0 * braking * less(&mut rest, self.to_go)).sqrt()
     }
 
+    /// Returns the highest speed along another cell, as far as it may be lower than along the cell of the input for the
+    /// overrides or the highest speeds.
+    fn cap_beside(&self, cell: &Cell, next: &Cell, scales: &Scales) -> f64 {
+        let mut cap = f64::INFINITY;
+        if scales.feed != scales.rapid && kinds(next) != kinds(cell) {
+            cap = next.scaled(scales);
+        }
+        if leads(next) != leads(cell) {
+            cap = cap.min(next.topped(&self.tops));
+        }
+        cap
+    }
+
     /// Returns true if the next cells belong to the same kinds of moves as the cell of the input. Each cell is read once.
     fn is_alike_ahead(&mut self, track: &impl Path) -> bool {
+        if !self.alike.leads {
+            return false;
+        }
         let mut here = None;
         while self.cell.abs_diff(self.alike.last) < AHEAD as u64 {
             let Some((k, next)) = self.beyond(track, self.alike.last) else { return true };
-            let here = *here.get_or_insert_with(|| track.cell(self.cell).map(|c| kinds(&c)));
-            if here != Some(kinds(&next)) {
+            let Some(here) = *here.get_or_insert_with(|| track.cell(self.cell)) else {
+                return false;
+            };
+            if (kinds(&here), leads(&here)) != (kinds(&next), leads(&next)) {
                 return false;
             }
-            self.alike.add(k, &next);
+            self.alike.add(k, &next, &here);
         }
         true
     }
@@ -154,6 +177,11 @@ impl Follower {
 /// Returns the kinds of moves to which a cell belongs: feeds, rapid moves, or both.
 fn kinds(cell: &Cell) -> [bool; 2] {
     [cell.feed, cell.rapid].map(f64::is_finite)
+}
+
+/// Returns the speeds of the lead groups of a cell, at a speed of 1 along the path.
+const fn leads(cell: &Cell) -> [f64; 2] {
+    [cell.lead, cell.linear]
 }
 
 /// Returns a length without its part of a margin, which becomes shorter by that part.

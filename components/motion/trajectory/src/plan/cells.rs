@@ -6,6 +6,7 @@ use crate::{
     curve::Curve,
     erosion::Raw,
     kinematics::{CELL, Kinematics, joint_bounds},
+    pose::Group,
     segment::Segment,
     speed::{Allowed, Shares},
     track::Cell,
@@ -94,8 +95,19 @@ impl<K: Kinematics> Planner<K> {
             rapid = rapid.min(self.law.fastest(&bounds, joints.as_ref()));
         }
         let (length, line) = (to - from, a.line);
-        let mut raw =
-            Raw { curve: number, from, length, allowed, feed: own, rapid, line, start: 0.0 };
+        let [lead, linear] = lead_speeds(a, b);
+        let mut raw = Raw {
+            curve: number,
+            from,
+            length,
+            allowed,
+            feed: own,
+            rapid,
+            lead,
+            linear,
+            line,
+            start: 0.0,
+        };
         self.certificate.judge(&self.law, curve, joints.as_ref(), &mut raw);
         let time = self.law.reach();
         if self.erosion.waiting() >= MAX_WAITING {
@@ -129,6 +141,8 @@ impl<K: Kinematics> Planner<K> {
                 speed: raw.allowed.speed,
                 feed: raw.feed,
                 rapid: raw.rapid,
+                lead: raw.lead,
+                linear: raw.linear,
                 rest: raw.allowed.rest,
                 fade: raw.allowed.fade,
                 end: 0.0,
@@ -197,6 +211,20 @@ fn leads<'s>(
         (b, if is_same { bounds.speed } else { curve.bounds(from, to, b.lead).speed })
     });
     [Some((a, bounds.speed)), next]
+}
+
+/// Returns the highest speed of the lead groups of a segment, or of a blend between two, at a speed of 1 along the path, and of
+/// those whose unit is a length.
+fn lead_speeds(a: &Segment, b: Option<&Segment>) -> [f64; 2] {
+    let mut speeds = [0.0_f64; 2];
+    for segment in [Some(a), b].into_iter().flatten() {
+        let [lead, linear] = &mut speeds;
+        *lead = lead.max(segment.lead_speed);
+        if segment.lead != Group::Abc {
+            *linear = linear.max(segment.lead_speed);
+        }
+    }
+    speeds
 }
 
 /// Returns the speed along a cell at which its lead group, of this speed along it, has a feed.

@@ -201,8 +201,10 @@ impl Spline {
                     return Err(SplineFault::Long);
                 }
                 let length = scale * (to - from) / f64::from(pieces);
-                for (curve, _) in &curves {
-                    out.push(Segment { curve: *curve, length, lead, main, smooth, ..*proto });
+                for (curve, _) in curves {
+                    let lead_speed =
+                        if lead == main { 1.0 } else { curve.bounds(0.0, length, lead).speed };
+                    out.push(Segment { curve, length, lead, main, lead_speed, smooth, ..*proto });
                     smooth = true;
                     end = Some(curve.at(length));
                 }
@@ -333,6 +335,7 @@ impl<K: Kinematics> Planner<K> {
             length: 0.0,
             lead: Group::Xyz,
             main: Group::Xyz,
+            lead_speed: 1.0,
             feed: feed.min(1e9),
             rounded_for: feed.min(1e9),
             rapid: false,

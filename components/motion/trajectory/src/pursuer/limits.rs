@@ -58,76 +58,54 @@ impl Pursuer {
         !self.jerk_of(track, cell.curve).0
     }
 
-    /// Returns the highest acceleration that the rest of the track allows to a motion that wants this one.
+    /// Returns the highest acceleration that the rest of the track allows to a motion that wants this one. With `is_back` it is
+    /// that of a motion that goes back, and both are those backwards.
     pub(super) fn highest(
         &self,
         track: &impl Path,
         cell: &Cell,
         mut limits: Limits,
         wanted: f64,
+        is_back: bool,
     ) -> f64 {
-        let (mut cell, mut number, mut distance) = (*cell, self.cell, self.to_go);
+        let Rates { velocity, acceleration } = self.now;
+        let (now, mut distance) = match is_back {
+            true => {
+                let back = Rates { velocity: -velocity, acceleration: -acceleration };
+                (back, cell.length - self.to_go)
+            }
+            false => (self.now, self.to_go),
+        };
+        let (mut cell, mut number) = (*cell, self.cell);
         let (mut highest, mut slowest) = (f64::INFINITY, cell.speed);
         for _ in 0..AHEAD {
             let chaser = Chaser { limits, period: self.period };
-            let next = if cell.stop { None } else { track.cell(number + 1) };
-            let Some(next) = next else {
-                if chaser.allows(self.now, wanted, distance, 0.0) && distance > self.step_back() {
+            let beyond = if is_back { number.checked_sub(1) } else { Some(number + 1) };
+            let next = beyond.and_then(|n| Some((n, track.cell(n)?)));
+            // A stop is at the end of its cell.
+            let next = next.filter(|(_, next)| if is_back { !next.stop } else { !cell.stop });
+            let Some((n, next)) = next else {
+                if chaser.allows(now, wanted, distance, 0.0) && distance > self.step_back() {
                     return highest;
                 }
-                let end = chaser.toward(self.now, Aim { distance, speed: 0.0 });
+                let end = chaser.toward(now, Aim { distance, speed: 0.0 });
                 return if end < highest { end } else { highest };
             };
-            if !self.is_low {
-                limits = lower(limits, self.limits_of(track, &next, self.now.velocity));
+            // The low limits are those of the cells ahead already.
+            if is_back || !self.is_low {
+                limits = lower(limits, self.limits_of(track, &next, velocity));
             }
             if next.speed < slowest {
                 slowest = next.speed;
                 let chaser = Chaser { limits, period: self.period };
                 let (distance, speed) = (self.early(distance), SLOWER * slowest);
-                if !chaser.allows(self.now, wanted, distance, speed) {
-                    let a = chaser.before(self.now, distance, speed);
+                if !chaser.allows(now, wanted, distance, speed) {
+                    let a = chaser.before(now, distance, speed);
                     highest = if a < highest { a } else { highest };
                 }
             }
             distance += next.length;
-            (cell, number) = (next, number + 1);
-        }
-        highest
-    }
-
-    /// Returns the highest acceleration backwards that the track behind allows to a motion that goes back and wants this one.
-    pub(super) fn highest_back(
-        &self,
-        track: &impl Path,
-        cell: &Cell,
-        mut limits: Limits,
-        wanted: f64,
-    ) -> f64 {
-        let back = Rates { velocity: -self.now.velocity, acceleration: -self.now.acceleration };
-        let (mut number, mut distance) = (self.cell, cell.length - self.to_go);
-        let (mut highest, mut slowest) = (f64::INFINITY, cell.speed);
-        for _ in 0..AHEAD {
-            let chaser = Chaser { limits, period: self.period };
-            let before = number.checked_sub(1).and_then(|n| track.cell(n)).filter(|c| !c.stop);
-            let Some(before) = before else {
-                if chaser.allows(back, wanted, distance, 0.0) && distance > self.step_back() {
-                    return highest;
-                }
-                let end = chaser.toward(back, Aim { distance, speed: 0.0 });
-                return if end < highest { end } else { highest };
-            };
-            if before.speed < slowest {
-                slowest = before.speed;
-                let (distance, speed) = (self.early(distance), SLOWER * slowest);
-                if !chaser.allows(back, wanted, distance, speed) {
-                    let a = chaser.before(back, distance, speed);
-                    highest = if a < highest { a } else { highest };
-                }
-            }
-            limits = lower(limits, self.limits_of(track, &before, self.now.velocity));
-            distance += before.length;
-            number -= 1;
+            (cell, number) = (next, n);
         }
         highest
     }
@@ -156,7 +134,7 @@ impl Pursuer {
         let filtered = cell.rest / (f64::from(cell.samples) * self.period);
         let jerk = if cell.samples > 1 { filtered } else { f64::INFINITY };
         let [acceleration, jerk] = [acceleration * CURVED[0], jerk * CURVED[1]];
-        let velocity = if self.top < cell.speed { self.top } else { cell.speed };
+        let velocity = cell.topped(&self.tops).min(cell.speed);
         Limits { velocity, acceleration, jerk }
     }
 

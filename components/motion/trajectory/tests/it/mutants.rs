@@ -24,7 +24,7 @@ const BOUNDS: [&str; 2] = ["times", "times_are_near"];
 
 const LIB: &str = "lib";
 
-const MUTANTS: [Mutant; 31] = [
+const MUTANTS: [Mutant; 34] = [
     Mutant {
         mistake: "a search takes the end of its bracket that has not passed the test",
         file: "follower/event.rs",
@@ -231,9 +231,30 @@ const MUTANTS: [Mutant; 31] = [
     Mutant {
         mistake: "the follower does not look at the overrides ahead",
         file: "follower.rs",
-        right: "cell.scaled(scales).min(ahead).min(self.top)",
-        wrong: "cell.scaled(scales).min(ahead.max(1e9)).min(self.top)",
+        right: "cell.scaled(scales).min(ahead).min(cell.topped(&self.tops))",
+        wrong: "cell.scaled(scales).min(ahead.max(1e9)).min(cell.topped(&self.tops))",
         fails: ["rapids", "an_override_of_0"],
+    },
+    Mutant {
+        mistake: "a line is straight for joints that follow no axis",
+        file: "pursuer/limits.rs",
+        right: "is_known && matches!(curve, Curve::Line { .. })",
+        wrong: "matches!(curve, Curve::Line { .. })",
+        fails: ["pursuit", "lines_that_joints_bend"],
+    },
+    Mutant {
+        mistake: "the highest speeds are those of the path coordinate",
+        file: "track.rs",
+        right: "let feed = tops.feed / self.lead;",
+        wrong: "let feed = tops.feed;",
+        fails: ["tops", "a_highest_speed_is_that"],
+    },
+    Mutant {
+        mistake: "the follower does not look at the highest speeds ahead",
+        file: "follower/ahead.rs",
+        right: "cap = cap.min(next.topped(&self.tops));",
+        wrong: "cap = cap.min(f64::MAX);",
+        fails: ["tops", "a_motion_is_slow_enough"],
     },
     Mutant {
         mistake: "the follower looks no farther than four cells for an override of 0",

@@ -2,7 +2,8 @@
 
 use hal_corpus::Rng;
 use hal_trajectory::{
-    Aim, Limits, Machine, Mode, Move, Planner, Pose, Pursuer, Pursuit, Shape, Trivial,
+    Aim, JOINTS, Joints, Kinematics, Limits, Machine, Mode, Move, Planner, Pose, Pursuer, Pursuit,
+    Shape, Trivial,
 };
 use hal_watchman::{Limits as WatchLimits, Watchman};
 
@@ -128,4 +129,76 @@ fn lead_in_and_run_out_are_those_of_the_closed_form() {
         let needed = length - lost;
         assert!(needed <= run_out, "{seed} {limits:?} {speed}: {needed} of {run_out}");
     }
+}
+
+/// A linear delta: three towers at radius 120 with rods of 150. Joints follow no axis, and lines are curves for them.
+#[derive(Clone)]
+struct Delta;
+
+impl Kinematics for Delta {
+    fn inverse(&self, pose: &Pose) -> Result<Joints, usize> {
+        let [x, y, z, ..] = pose.0;
+        let mut joints = [0.0; JOINTS];
+        let towers = [(0.0, 120.0), (-103.923, -60.0), (103.923, -60.0)];
+        for (n, (joint, (at_x, at_y))) in joints.iter_mut().zip(towers).enumerate() {
+            let rest = 150.0 * 150.0 - (x - at_x).powi(2) - (y - at_y).powi(2);
+            if rest < 1.0 {
+                return Err(n);
+            }
+            *joint = z + rest.sqrt();
+        }
+        Ok(joints)
+    }
+
+    fn axes_of_joints(&self) -> Option<[Option<usize>; JOINTS]> {
+        None
+    }
+}
+
+/// A line is straight only for joints that follow the axes: others keep their limits along it too.
+#[test]
+fn lines_that_joints_bend_keep_the_limits_of_the_joints() {
+    let mut worst = 0.0_f64;
+    for seed in 0..40 {
+        let mut rng = Rng::new(seed);
+        let limits = limits(&mut rng);
+        let mut machine = Machine::uniform(Limits::NONE);
+        machine.joints.iter_mut().take(3).for_each(|joint| *joint = limits);
+        let place = |x: f64, y: f64| Pose::from_xyz([x, y, 0.0]);
+        let [from, end] =
+            [place(-20.0, rng.between(-15.0, 15.0)), place(20.0, rng.between(-15.0, 15.0))];
+        let mut planner = Planner::new(machine, Delta, from).unwrap();
+        let (shape, mode) = (Shape::Line { end }, Mode::ExactStop);
+        planner.push(&Move { shape, feed: f64::INFINITY, rapid: false, mode, line: 1 }).unwrap();
+        planner.finish();
+        let mut pursuer = Pursuer::new(H, from, None, f64::INFINITY);
+        let Limits { velocity, acceleration, jerk } = limits;
+        let mut watch = Watchman::new([WatchLimits { velocity, acceleration, jerk }; 3], H, 200.0);
+        let joints = |pose: &Pose| -> [f64; 3] {
+            Delta.inverse(pose).unwrap().first_chunk().copied().unwrap()
+        };
+        watch.rest_at(&joints(&from));
+        let slowest = planner.track().cells().map(|cell| cell.speed).fold(f64::INFINITY, f64::min);
+        let (mut target, mut at, mut speed) = (0.0, 0.0, 0.5 * slowest);
+        for n in 0..200_000 {
+            if n < 8_000 && rng.chance(0.02) {
+                speed = rng.between(-0.3, 1.2) * slowest;
+            }
+            if n == 8_000 {
+                speed = 0.5 * slowest;
+            }
+            target += speed * H;
+            let aim = Aim { distance: target - at, speed };
+            let step = pursuer.step(planner.track(), Pursuit::Forward(aim));
+            at += step.travel;
+            let is_kept = watch.step(&joints(&step.pose), step.line);
+            assert!(is_kept, "seed {seed}, period {n}, {limits:?}: {:?}", watch.report());
+            if pursuer.is_done(planner.track()) && n > 8_000 {
+                break;
+            }
+        }
+        assert!(pursuer.is_done(planner.track()), "seed {seed}");
+        worst = worst.max(watch.report().acceleration.ratio);
+    }
+    assert!(worst > 0.5, "{worst}");
 }

@@ -4,7 +4,7 @@ const KEY = "ferrule-panel";
 const FIRST = {
   language: navigator.language.startsWith("es") ? "es" : "en",
   theme: matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
-  position: "work", units: null, step: "0", mdi: [], watch: [], traces: [], trigger: "", group: "move", page: "operate", colourBy: "tool", laid: "auto",
+  position: "work", units: null, step: "0", mdi: [], watch: [], traces: [], trigger: "", group: "move", page: "operate", colourBy: "tool", way: "planned", laid: "auto",
   stock: { isLive: false, box: [[null, null, null], [null, null, null]], diameter: null, shape: "table" },
 };
 

@@ -434,6 +434,8 @@ const TEXTS = {
   "view.side": ["Side", "Lado"],
   "view.size": ["Size", "Tamaño"],
   "view.top": ["Top", "Arriba"],
+  "view.way.planned": ["Path: planned", "Recorrido: planificado"],
+  "view.way.programmed": ["Path: programmed", "Recorrido: programado"],
   "watch": ["Watch list", "Lista de vigilancia"],
   "watch.add": ["Watch", "Vigilar"],
   "watch.clear": ["Clear", "Vaciar"],

@@ -1,6 +1,6 @@
 //! Geometry of small programs.
 
-use super::{Cut, Geometry, Limit, distance, is_cutter, read};
+use super::{Cut, Geometry, Limit, Wishes, distance, is_cutter, planned, read};
 use hal_job::world;
 use std::path::Path;
 
@@ -10,7 +10,8 @@ fn of(name: &str, text: &str, tolerance: f64) -> Geometry {
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join(name);
     std::fs::write(&file, text).unwrap();
-    let geometry = read(None, &file, world::program(&file).unwrap(), tolerance, &mut |_| Ok(()));
+    let wishes = Wishes { tolerance, ..Wishes::default() };
+    let geometry = read(None, &file, world::program(&file).unwrap(), wishes, &mut |_| Ok(()));
     std::fs::remove_file(&file).unwrap();
     geometry.unwrap()
 }
@@ -183,11 +184,12 @@ fn a_program_without_an_end_is_read_as_long_as_it_may_be() {
         let file = folder.join(name);
         std::fs::write(&file, text).unwrap();
         let (mut looks, mut most) = (0, 0);
-        let read = read(None, &file, world::program(&file).unwrap(), 0.0, &mut |bytes| {
-            looks += 1;
-            most = most.max(bytes);
-            if looks > 20 { Err(Limit::Gone) } else { Ok(()) }
-        });
+        let read =
+            read(None, &file, world::program(&file).unwrap(), Wishes::default(), &mut |bytes| {
+                looks += 1;
+                most = most.max(bytes);
+                if looks > 20 { Err(Limit::Gone) } else { Ok(()) }
+            });
         let geometry = read.unwrap();
         assert!(looks <= 21 && geometry.error.is_some(), "{name}: {looks}");
         assert!(most < 32 << 20, "{name}: {most} bytes");
@@ -195,4 +197,72 @@ fn a_program_without_an_end_is_read_as_long_as_it_may_be() {
         assert!(geometry.memory() >= kept && geometry.memory() >= geometry.bytes().len(), "{name}");
     }
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+const RATES: &str = "MAX_VELOCITY = 150\nMAX_ACCELERATION = 1500\n";
+
+/// Returns the planned path of a program on a machine whose X, Y and Z have these lines.
+fn planned_path(
+    name: &str,
+    axes: &str,
+    program: &str,
+    look: &mut dyn FnMut(usize) -> Result<(), Limit>,
+) -> Geometry {
+    let folder = std::env::temp_dir().join(format!("panel-planned-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let [ini, file] = ["m.ini", "p.ngc"].map(|file| folder.join(file));
+    let text = format!(
+        "[TRAJ]\nCOORDINATES = XYZ\nLINEAR_UNITS = mm\n[AXIS_X]\n{axes}[AXIS_Y]\n{axes}[AXIS_Z]\n{axes}"
+    );
+    std::fs::write(&ini, text).unwrap();
+    std::fs::write(&file, program).unwrap();
+    let wishes = Wishes { is_planned: true, tolerance: 0.001 };
+    let geometry = read(Some(&ini), &file, world::program(&file).unwrap(), wishes, look);
+    std::fs::remove_dir_all(&folder).unwrap();
+    geometry.unwrap()
+}
+
+/// At a corner the planned path is as far inside as motion passes it (`components/motion/motion/CORNERS.md`), and its points have the
+/// lines, kinds and feeds of the program.
+#[test]
+fn a_planned_path_is_rounded_as_motion_rounds_it() {
+    let tail = "G1 X40\nY40\nG0 Z5\nM2\n";
+    for (name, mode, [least, most]) in
+        [("exact", "G61", [0.0, 4e-3]), ("free", "G64", [0.015, 0.036])]
+    {
+        let program = format!("G21 G90 {mode} F600\n{tail}");
+        let path = planned_path(name, RATES, &program, &mut |_| Ok(()));
+        assert!(path.whole && path.error.is_none(), "{:?}", path.error);
+        let missed = path.points.iter().map(|p| (p.at[0] - 40.0).hypot(p.at[1]));
+        let missed = missed.fold(f64::INFINITY, f64::min);
+        assert!((least..=most).contains(&missed), "{mode}: {missed}");
+        let [first, .., last] = path.points.as_slice() else { panic!("{:?}", path.points) };
+        assert_eq!((first.at, first.kind, first.line), ([0.0; 3], 0, 0));
+        assert_eq!((last.at, last.kind, last.line, last.feed), ([40.0, 40.0, 5.0], 1, 4, 0.0));
+        let cut = &path.points[1];
+        assert_eq!((cut.kind, cut.line, cut.feed), (2, 2, 600.0));
+        assert!(path.points.len() < 100, "{}", path.points.len());
+    }
+}
+
+#[test]
+fn without_the_limits_of_the_axes_nothing_is_planned() {
+    let path = planned_path("none", "", "G21 G90 F600\nG1 X40\nY40\nM2\n", &mut |_| Ok(()));
+    assert_eq!(path.points.len(), 0);
+    assert_eq!(path.error, Some((0, planned::UNKNOWN.to_owned())));
+}
+
+/// The plan itself counts as memory, and it ends with its request.
+#[test]
+fn a_planned_path_ends_with_its_request() {
+    let program: String = (1..5000).map(|n| format!("G1 X{} Y{}\n", n % 7, n % 5)).collect();
+    let mut looks = Vec::new();
+    let path =
+        planned_path("ended", RATES, &format!("G21 G90 F600\n{program}M2\n"), &mut |bytes| {
+            looks.push(bytes);
+            if looks.len() > 20 { Err(Limit::Gone) } else { Ok(()) }
+        });
+    assert_eq!(looks.len(), 21);
+    assert_eq!(path.error.map(|(_, why)| why), Some(Limit::Gone.to_string()));
+    assert!(path.points.len() < 5000 && looks.last() > looks.first(), "{looks:?}");
 }

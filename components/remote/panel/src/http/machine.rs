@@ -93,15 +93,7 @@ pub(crate) async fn path(
     RawQuery(query): RawQuery,
 ) -> Result<Response, Error> {
     let (path, file) = panel.shown_program(&name)?;
-    let tolerance = match query.as_deref() {
-        None | Some("") => 0.0,
-        Some(query) => {
-            let number = query.strip_prefix("tolerance=").and_then(|t| t.parse::<f64>().ok());
-            number.filter(|t| t.is_finite() && *t >= 0.0).ok_or_else(|| {
-                Error::new(Code::Malformed, format!("'{query}' is not tolerance=NUMBER"))
-            })?
-        }
-    };
+    let wishes = wishes(query.as_deref().unwrap_or_default())?;
     let (cell, ini) = (panel.options.cell.clone(), panel.options.ini_file.clone());
     let is_inch = panel.is_inch;
     let read = move |work: &mut Work| {
@@ -116,7 +108,7 @@ pub(crate) async fn path(
         }
         let text = text_of(file).map_err(|e| refused(hal_output::reason(&e)))?;
         let mut look = |bytes| work.look(bytes);
-        let geometry = geometry::read(ini.as_deref(), &path, text, tolerance, &mut look);
+        let geometry = geometry::read(ini.as_deref(), &path, text, wishes, &mut look);
         let geometry = geometry.map_err(refused)?;
         Ok((geometry.bytes(), geometry.error, None))
     };
@@ -138,6 +130,23 @@ pub(crate) async fn path(
         add(CUTTERS, &json!(cutters).to_string());
     }
     Ok(response)
+}
+
+/// Reads a query: `tolerance=NUMBER` and `planned`, in any order.
+fn wishes(query: &str) -> Result<geometry::Wishes, Error> {
+    let mut wishes = geometry::Wishes::default();
+    for word in query.split('&').filter(|word| !word.is_empty()) {
+        let number = word.strip_prefix("tolerance=").and_then(|t| t.parse::<f64>().ok());
+        match (word, number.filter(|t| t.is_finite() && *t >= 0.0)) {
+            ("planned", _) => wishes.is_planned = true,
+            (_, Some(tolerance)) => wishes.tolerance = tolerance,
+            (_, None) => {
+                let text = format!("'{word}' is neither tolerance=NUMBER nor planned");
+                return Err(Error::new(Code::Malformed, text));
+            }
+        }
+    }
+    Ok(wishes)
 }
 
 /// Refuses a cutter-location file that is too large for a picture: an arm's path along it is planned in one piece.

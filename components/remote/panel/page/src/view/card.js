@@ -1,6 +1,6 @@
 // The card with the picture: path, limits, zeros, machine, tool, stock.
 
-import { card, el, setText } from "../dom.js";
+import { card, el, setText, show } from "../dom.js";
 import { AXES } from "../format.js";
 import { FreeFrame, frameOf, workPose } from "../frame.js";
 import { asMachine, robotOf } from "../robot/state.js";
@@ -14,6 +14,8 @@ import { View } from "./view.js";
 
 /** Distance, in millimetres, up to which the cell of a file and the machine have the same arm and tool. */
 const SAME_CELL_MM = 0.1;
+/** Distance, in millimetres, within which points of the planned path are left out. */
+const PLANNED_MM = 0.001;
 /** How far up the tool both are compared, in millimetres: its direction counts. */
 const SHANK_MM = 100;
 /** Colours of stock that is uncut, cut, and cut by a rapid move, and of the tool of a simulation. */
@@ -26,6 +28,7 @@ const COLOURS = {
 /** Makes the card with the picture. */
 export function viewCard(ctx) {
   const { info, store, t, prefs, signal } = ctx;
+  const mm = ctx.mm.read(1);
   const colours = COLOURS[prefs.get("theme")];
   const host = el("div", { class: "view", role: "img", "aria-label": t("view.label") });
   const note = el("p", { class: "note", role: "status" });
@@ -43,15 +46,17 @@ export function viewCard(ctx) {
     tools.append(el("button", { type: "button", onclick: () => view.look(name) }, t(`view.${name}`)));
   }
   const colourBy = el("button", { type: "button", onclick: () => prefs.set("colourBy", prefs.get("colourBy") === "feed" ? "tool" : "feed") });
+  const way = el("button", { type: "button", id: "view-way", hidden: true, onclick: () => prefs.set("way", prefs.get("way") === "planned" ? "programmed" : "planned") });
   tools.append(
     el("button", { type: "button", "aria-label": t("view.in"), onclick: () => view.zoom(1.4) }, "+"),
     el("button", { type: "button", "aria-label": t("view.out"), onclick: () => view.zoom(1 / 1.4) }, "−"),
     el("button", { type: "button", onclick: () => view.fit(true) }, t("view.machine")),
     el("button", { type: "button", onclick: () => view.fit() }, t("view.path")),
     colourBy,
+    way,
   );
 
-  const state = { version: undefined, path: null, zeros: "", pose: "", kinematics: null, joints: [] };
+  const state = { version: undefined, path: null, planned: null, zeros: "", pose: "", kinematics: null, joints: [] };
   let [low, high] = travel(info);
   let machine = null;
   let tool = new Tool(1, colours.tool);
@@ -60,7 +65,7 @@ export function viewCard(ctx) {
   if (low) view.setLimits(low, high);
   const simulation = simulationPart(ctx, {
     host, view, colours, place, kinematics, frame: () => state.path?.frame ?? frameOf(store.get("task")),
-    whyNot: (path) => whyNoStock(path, state.kinematics, ctx),
+    planned: chosen, whyNot: (path) => whyNoStock(path, state.kinematics, ctx),
   });
   box.append(simulation.node);
   build(null);
@@ -128,7 +133,8 @@ export function viewCard(ctx) {
     loading?.abort();
     loading = new AbortController();
     const { signal: mine } = loading;
-    state.path = null;
+    [state.path, state.planned] = [null, null];
+    show(way, false);
     view.setPath(null);
     simulation.setPath(null);
     trail.clear();
@@ -154,18 +160,49 @@ export function viewCard(ctx) {
       simulation.setPath(path);
       const problem = response.headers.get("X-Ferrule-Error");
       setText(note, problem ? decodeURIComponent(problem) : summary(path, low, high, ctx));
+      await plan(file, mine);
     } catch (error) {
       if (error.name !== "AbortError") setText(note, error.message);
     }
   }
+  /** Reads the path that motion plans, where the limits of the axes are known. */
+  async function plan(file, signal) {
+    if (state.path.frame) return;
+    const whole = state.path.isComplete;
+    let planned;
+    try {
+      const response = await request("GET", programPath(file, `/path?planned&tolerance=${PLANNED_MM * mm}`), { signal });
+      planned = new Path(await response.arrayBuffer());
+    } catch {
+      // The programmed path is there all the same.
+      return;
+    }
+    if (planned.count < 2 || planned.isComplete !== whole || signal.aborted) return;
+    state.planned = planned;
+    show(way, true);
+    host.dataset.planned = String(planned.count);
+    view.setLayers(state.path, options(), chosen());
+  }
+
+  /** Returns the planned path where it is known and chosen, or null. */
+  function chosen() {
+    return prefs.get("way") === "planned" ? state.planned : null;
+  }
+
+  function options() {
+    return { rapid: colours.rapid, colourBy: prefs.get("colourBy") };
+  }
+
   function draw() {
-    view.setPath(state.path, { rapid: colours.rapid, colourBy: prefs.get("colourBy") });
+    view.setPath(state.path, options(), chosen());
     if (state.path?.count > 1) host.setAttribute("aria-label", `${t("view.label")}: ${note.textContent}`);
   }
 
   prefs.listen((name) => {
     setText(colourBy, t(`view.by.${prefs.get("colourBy")}`));
+    setText(way, t(`view.way.${prefs.get("way")}`));
     if (name === "colourBy" && state.path) draw();
+    if (name === "way" && state.path) view.setLayers(state.path, options(), chosen());
   }, signal);
   store.listen(() => {
     const program = store.get("program");

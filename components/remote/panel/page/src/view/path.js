@@ -13,6 +13,8 @@ const [FURTHER, JOINTS] = [1 << 8, 1 << 9];
 export const RAPID = 1;
 /** Rapids show what is behind them. */
 const RAPID_ALPHA = 140;
+/** The programmed path shows the planned one. */
+const FAINT_ALPHA = 130;
 /** Most tools that have colours of their own. */
 const TOOL_COLOURS = [0x3fb1ff, 0x7ed957, 0xffb020, 0xc78bff, 0xff7b7b, 0x4fd6c8, 0xf58fd0, 0xd9d957];
 
@@ -148,9 +150,10 @@ function turn(further, i) {
   return Math.sqrt(sum);
 }
 
-/** Returns the lines of a path for a raster: rapids have their colour, cuts that of their feed or tool. */
-export function pathLines(path, { rapid, colourBy }) {
+/** Returns the lines of a path for a raster: rapids have their colour, cuts that of their feed or tool; a faint one has one colour. */
+export function pathLines(path, { rapid, colourBy, faint }) {
   const { points, origin, kinds, count } = path;
+  if (faint) return { points, origin, kinds, colours: new Uint32Array(count).fill(word(faint, FAINT_ALPHA)) };
   const colour = colourBy === "feed" ? byFeed(path) : byTool(path);
   const isRapid = word(rapid, RAPID_ALPHA);
   const colours = new Uint32Array(count);

@@ -33,6 +33,8 @@ export class Player {
     this.next = 1;
     /** Numbers of the points where rapid moves end that have cut the stock. */
     this.rapids = [];
+    /** Number of these moves: a planned one ends at several points. */
+    this.rapidMoves = 0;
     this.begin(0, 1);
   }
 
@@ -110,7 +112,11 @@ export class Player {
     if (!stock) return 0;
     const isRapid = path.kinds[i] === RAPID;
     const volume = stock.cut(this.tools(path.tools[i]), frame.part(from), frame.part(to), isRapid, axis && frame.vector(axis));
-    if (isRapid && volume > 0 && this.rapids.at(-1) !== i) this.rapids.push(i);
+    const last = this.rapids.at(-1);
+    if (isRapid && volume > 0 && last !== i) {
+      if (last !== i - 1 || path.lines[last] !== path.lines[i]) this.rapidMoves += 1;
+      this.rapids.push(i);
+    }
     return stock.work;
   }
 }

@@ -24,10 +24,10 @@ const BALL = /ball|spher|esf[eé]r|bola/i;
 
 /**
  * Makes the controls of stock and simulation. `place` puts the drawn machine to a pose of the tool, or back to where it is
- * with null; `kinematics` reads those of the machine, `frame` returns that of the part; `whyNot` returns why nothing is carved,
- * or an empty text.
+ * with null; `kinematics` reads those of the machine, `frame` returns that of the part; `planned` returns the path that is played
+ * in the place of the programmed one, or null; `whyNot` returns why nothing is carved, or an empty text.
  */
-export function simulationPart(ctx, { host, view, colours, place, kinematics, frame: frameNow, whyNot }) {
+export function simulationPart(ctx, { host, view, colours, place, kinematics, frame: frameNow, planned, whyNot }) {
   const { info, link, store, t, prefs, signal } = ctx;
   const mm = ctx.mm.read(1);
   const banner = el("p", { class: "simulated", role: "status", hidden: true });
@@ -87,8 +87,8 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
   }
 
   /** Returns what tells the direction of the tool along the path; null where it is upright by the machine's axes. */
-  function poser() {
-    return machine && path ? new Poser(path, (...place) => machine.toolAt(...place), store.get("motion").pose, machine.isBent) : null;
+  function poser(of = path) {
+    return machine && of ? new Poser(of, (...place) => machine.toolAt(...place), store.get("motion").pose, machine.isBent) : null;
   }
 
   /** Reads the kinematics as they are now. */
@@ -164,12 +164,13 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     try {
       await readTools();
       stock = await block();
-      const times = await path?.timelineInParts(60 * (info.max_linear_velocity ?? 100), rests());
+      const played = planned() ?? path;
+      const times = await played?.timelineInParts(60 * (info.max_linear_velocity ?? 100), rests());
       if (mine !== starts) {
         drop(stock);
         return;
       }
-      const player = new Player({ path, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null, poser: poser() });
+      const player = new Player({ path: played, times, tools: tools(), stock: stock?.field ?? null, frame: stock?.frame ?? null, poser: poser(played) });
       sim = { player, stock, state: "playing", pose: store.get("motion").pose, last: performance.now() };
     } catch (error) {
       drop(stock);
@@ -251,8 +252,8 @@ export function simulationPart(ctx, { host, view, colours, place, kinematics, fr
     if (live) live.picture.node.visible = !sim;
     const shown = sim?.stock ?? (sim ? null : live);
     drawStock(shown);
-    crashes.show(sim?.player.rapids ?? [], path);
-    const rapids = sim ? sim.player.rapids.length : live?.carver.rapids ?? 0;
+    crashes.show(sim?.player.rapids ?? [], sim?.player.path ?? path);
+    const rapids = sim ? sim.player.rapidMoves : live?.carver.rapids ?? 0;
     tell(shown, rapids);
     view.request();
   }

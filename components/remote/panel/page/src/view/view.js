@@ -42,10 +42,11 @@ export class View {
     this.controls.addEventListener("end", () => this.refine());
     this.limits = new Lines();
     this.zeros = new Lines();
-    this.path = null;
+    /** Lines of the paths, the ones behind first. */
+    this.layers = [];
     this.raster = null;
     this.box = new Box3(new Vector3(-50, -50, 0), new Vector3(50, 50, 50));
-    this.at = 0;
+    [this.step, this.at] = [0, 0];
     this.frame = null;
     this.isCoarse = false;
     this.sizes = new ResizeObserver(() => this.resize());
@@ -143,15 +144,20 @@ export class View {
     this.refine();
   }
 
-  /** Shows a path, or none. */
-  setPath(path, options) {
-    this.path = null;
-    this.pathBox = null;
-    if (path && path.count > 1) {
-      this.path = pathLines(path, options);
-      this.pathBox = new Box3(new Vector3(...path.low), new Vector3(...path.high));
-    }
+  /** Shows a path, or none; with a planned one, that one, and the other faintly behind it. */
+  setPath(path, options, planned = null) {
+    this.pathBox = path?.count > 1 ? new Box3(new Vector3(...path.low), new Vector3(...path.high)) : null;
+    this.setLayers(path, options, planned);
     this.fit();
+  }
+
+  /** Shows the same path otherwise, from where it is looked at now. */
+  setLayers(path, options, planned = null) {
+    this.layers = [];
+    if (!this.pathBox) return;
+    if (planned) this.layers.push(pathLines(path, { ...options, faint: this.colours.limit }));
+    this.layers.push(pathLines(planned ?? path, options));
+    this.refine();
   }
 
   /** Fits what is shown: the path, or the machine where there is none. */
@@ -168,7 +174,7 @@ export class View {
 
   /** Draws everything again, in parts. */
   refine() {
-    this.at = 0;
+    [this.step, this.at] = [0, 0];
     this.isCoarse = false;
     this.mustClear = true;
     this.request();
@@ -187,28 +193,26 @@ export class View {
   }
 
   drawBelow() {
-    const count = this.path?.kinds.length ?? 0;
+    const steps = this.layers.flatMap((lines) => PASSES.map((kinds) => ({ lines, kinds, count: lines.kinds.length })));
     if (this.isCoarse) {
       this.begin();
-      const stride = Math.ceil(count / COARSE);
-      if (count > 0) for (const kinds of PASSES) this.raster.draw(this.path, kinds, 0, count, stride);
+      for (const { lines, kinds, count } of steps) this.raster.draw(lines, kinds, 0, count, Math.ceil(count / COARSE));
       this.show();
       clearTimeout(this.timer);
       this.timer = setTimeout(() => this.refine(), 150);
       return;
     }
-    const total = PASSES.length * count;
-    if (!this.mustClear && this.at >= total) return;
+    if (!this.mustClear && this.step >= steps.length) return;
     if (this.mustClear) this.begin();
     this.mustClear = false;
     const end = performance.now() + PART_MS;
-    while (this.at < total && performance.now() < end) {
-      const pass = Math.floor(this.at / count);
-      const first = this.at - pass * count;
-      this.at = pass * count + this.raster.draw(this.path, PASSES[pass], first, Math.min(count, first + LOOK));
+    while (this.step < steps.length && performance.now() < end) {
+      const { lines, kinds, count } = steps[this.step];
+      this.at = this.raster.draw(lines, kinds, this.at, Math.min(count, this.at + LOOK));
+      if (this.at >= count) [this.step, this.at] = [this.step + 1, 0];
     }
     this.show();
-    if (this.at < total) this.request();
+    if (this.step < steps.length) this.request();
     else this.host.dispatchEvent(new CustomEvent("complete"));
   }
 

@@ -79,7 +79,14 @@ fn the_check_calls_no_function() {
         let known = read(Some(&ini), &file, [0.0; 9], &|| Ok(())).unwrap().0;
         assert_eq!(known, [(2, 1.0)], "{call}");
         let text = hal_job::world::program(&file).unwrap();
-        let shown = crate::geometry::read(Some(&ini), &file, text, 0.0, &mut |_| Ok(())).unwrap();
+        let shown = crate::geometry::read(
+            Some(&ini),
+            &file,
+            text,
+            crate::geometry::Wishes::default(),
+            &mut |_| Ok(()),
+        )
+        .unwrap();
         assert_eq!(shown.error.as_ref().map(|(line, _)| *line), Some(3), "{call}");
         assert!(
             !folder.join("mark").exists(),

@@ -1,17 +1,18 @@
-//! Duration of a program on its machine: the planner of motion plans the moves, and its follower follows the plan.
+//! Duration and path of a program on its machine: the planner of motion plans the moves, and its follower follows the plan, which
+//! takes time, or the plan is drawn.
 
+use crate::{
+    machine::Machine,
+    way::{Kind, Way},
+};
 use hal_gcode::{
     Call, Interpreter, Issued,
     axis::{Axis, Position},
     canon::{Frame, PathMode, Plane},
     state::FeedMode,
 };
-use hal_job::{
-    machine::Machine,
-    way::{Kind, Way},
-};
 use hal_trajectory::{
-    Deviation, Error, Follower, Limits, Machine as Motion, Mode, Move, Planner, Pose, Shape,
+    Curve, Deviation, Error, Follower, Limits, Machine as Motion, Mode, Move, Planner, Pose, Shape,
     Trivial,
 };
 
@@ -24,11 +25,27 @@ const SLOWEST: f64 = 1e-3;
 /// Number of cells that stay planned ahead of the follower. The follower runs when there are twice as many.
 const AHEAD: u64 = 1000;
 
-/// Distance of places of the planned path from each other at least, in millimetres.
-const NEAR: f64 = 0.005;
+/// Largest angle between two places of an arc that is drawn, in radians, and parts of a cell of another curve.
+const STEP: f64 = core::f64::consts::PI / 90.0;
+const PARTS: u32 = 4;
+
+/// Most places of a cell.
+const MAX_PLACES: f64 = 1000.0;
+
+/// A place of the planned path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// In machine coordinates, in millimetres and degrees.
+    pub at: Position,
+    /// Line of the call.
+    pub line: u32,
+    /// True in a rapid move, and not in its blend with a move at feed.
+    pub is_rapid: bool,
+}
 
 /// Clock that advances by the calls of a program.
-pub(super) struct Clock {
+#[derive(Debug)]
+pub struct Clock {
     planner: Planner<Trivial>,
     follower: Follower,
     period: f64,
@@ -46,14 +63,14 @@ pub(super) struct Clock {
     speeds: Vec<f64>,
     /// Travel per revolution, or per minute, of motion bound to a spindle, and its number.
     bound: Option<(f64, bool, u8)>,
-    /// Places of the planned path in X, Y and Z, if they are kept.
-    path: Option<Vec<[f64; 3]>>,
+    /// Drawing of the plan, in the place of its time.
+    drawing: Option<Drawing>,
 }
 
 impl Clock {
     /// Returns a clock that starts at the interpreter's position; `None` if the INI file does not state the speed and
     /// acceleration of every axis.
-    pub(super) fn new(it: &Interpreter, machine: &Machine) -> Option<Self> {
+    pub fn new(it: &Interpreter, machine: &Machine) -> Option<Self> {
         let state = &it.state;
         let motion = motion(machine)?;
         let start = pose(state.frame.machine_mm(state.position));
@@ -74,32 +91,41 @@ impl Clock {
                 .then_some(state.modal.feed_spindle),
             speeds: state.modal.spindles.iter().map(|s| s.speed).collect(),
             bound: None,
-            path: None,
+            drawing: None,
         })
     }
 
-    /// Keeps the places of the planned path from now on.
-    pub(super) fn keep_path(&mut self) {
-        self.path = Some(Vec::new());
+    /// Draws the plan from now on, and takes no time.
+    pub fn draw(&mut self) {
+        let places = vec![Place { at: self.way.at, line: 0, is_rapid: false }];
+        self.drawing = Some(Drawing { places, next: 0 });
     }
 
-    /// Returns the number of places that are kept.
-    pub(super) fn places(&self) -> usize {
-        self.path.as_ref().map_or(0, Vec::len)
+    /// Returns the places of the planned path since the last question, as far as it is final.
+    pub fn places(&mut self) -> impl Iterator<Item = Place> {
+        self.drawing
+            .as_mut()
+            .map(|d| core::mem::take(&mut d.places))
+            .unwrap_or_default()
+            .into_iter()
     }
 
-    /// Returns the planned path in machine coordinates, in millimetres, with a place at least every servo period or every
-    /// [`NEAR`].
-    pub(super) fn path(mut self) -> Vec<[f64; 3]> {
+    /// Plans the calls so far to their end.
+    pub fn finish(&mut self) {
         self.rest();
-        self.path.unwrap_or_default()
+    }
+
+    /// Returns the memory that the plan takes, in bytes.
+    pub fn memory(&self) -> usize {
+        let places = self.drawing.as_ref().map_or(0, |d| d.places.capacity());
+        self.planner.memory() + places * size_of::<Place>()
     }
 
     /// Takes a call into account.
     ///
     /// # Errors
     /// The planner refuses a move, as motion would.
-    pub(super) fn call(&mut self, issued: &Issued) -> Result<(), Error> {
+    pub fn call(&mut self, issued: &Issued) -> Result<(), Error> {
         let unit = self.frame.unit.millimetres();
         match &issued.call {
             Call::SetFeedRate(feed) => self.feed = *feed,
@@ -159,7 +185,7 @@ impl Clock {
 
     /// Returns the time in seconds, without refused moves, and the largest distance from the programmed path, in
     /// millimetres.
-    pub(super) fn result(mut self) -> (f64, Deviation) {
+    pub fn result(mut self) -> (f64, Deviation) {
         self.rest();
         let seconds = self.periods as f64 * self.period + self.dwells;
         (seconds, self.planner.deviation().unwrap_or_default())
@@ -213,7 +239,9 @@ impl Clock {
         };
         let rapid = kind == Kind::Rapid;
         let next = Move { shape, feed, rapid, mode: self.mode, line };
-        if self.ahead() > 2 * AHEAD {
+        if let Some(drawing) = &mut self.drawing {
+            drawing.follow(&mut self.planner);
+        } else if self.ahead() > 2 * AHEAD {
             while self.ahead() > AHEAD {
                 self.step();
             }
@@ -229,25 +257,59 @@ impl Clock {
     }
 
     fn step(&mut self) {
-        let step = self.follower.step(self.planner.track(), 1.0, false);
+        let _ = self.follower.step(self.planner.track(), 1.0, false);
         self.periods += 1;
-        let Some(path) = &mut self.path else { return };
-        let [x, y, z, ..] = step.pose.0;
-        let is_near = |last: &[f64; 3]| {
-            [x, y, z].iter().zip(last).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() < NEAR * NEAR
-        };
-        if !path.last().is_some_and(is_near) {
-            path.push([x, y, z]);
-        }
     }
 
-    /// Ends the planned path, and runs the follower to its end.
+    /// Ends the planned path, and runs the follower to its end, or draws it.
     fn rest(&mut self) {
         self.planner.finish();
+        if let Some(drawing) = &mut self.drawing {
+            return drawing.follow(&mut self.planner);
+        }
         while !self.follower.is_done(self.planner.track()) {
             self.step();
         }
         self.planner.forget(self.follower.oldest());
+    }
+}
+
+/// The planned path as places on its curves.
+#[derive(Debug)]
+struct Drawing {
+    places: Vec<Place>,
+    /// Number of the next cell.
+    next: u64,
+}
+
+impl Drawing {
+    /// Adds the cells that the planner has made, whose curves are final, and lets it forget them.
+    fn follow(&mut self, planner: &mut Planner<Trivial>) {
+        let track = planner.track();
+        while let Some(cell) = track.cell(self.next) {
+            self.next += 1;
+            let Some(curve) = track.curve(cell.curve) else { continue };
+            let parts = match curve {
+                Curve::Line { .. } => 1,
+                Curve::Arc { rate, .. } => {
+                    let parts = (cell.length * rate.abs() / STEP).ceil().min(MAX_PLACES);
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "up to MAX_PLACES"
+                    )]
+                    let whole = (parts as u32).max(1);
+                    whole
+                }
+                Curve::Poly { .. } => PARTS,
+            };
+            self.places.extend((1..=parts).map(|n| {
+                let s = cell.from + cell.length * (f64::from(n) / f64::from(parts));
+                let is_rapid = cell.feed == f64::INFINITY;
+                Place { at: position(curve.pose(s)), line: cell.line, is_rapid }
+            }));
+        }
+        planner.forget(self.next.saturating_sub(1));
     }
 }
 
@@ -279,6 +341,14 @@ const fn mode(path: PathMode, unit: f64) -> Mode {
             Mode::Blend(if tolerance > 0.0 { tolerance * unit } else { UNBOUNDED })
         }
     }
+}
+
+fn position(pose: Pose) -> Position {
+    let mut out = Position::default();
+    for (axis, value) in Axis::ALL.into_iter().zip(pose.0) {
+        out[axis] = value;
+    }
+    out
 }
 
 fn pose(p: Position) -> Pose {
