@@ -12,3 +12,4 @@ mod rounding;
 mod share;
 mod splines;
 mod times;
+mod tops;
