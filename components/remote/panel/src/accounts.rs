@@ -12,7 +12,7 @@ use clap::ValueEnum as _;
 use ring::hmac;
 use std::{
     collections::BTreeMap,
-    fs, io,
+    fmt, fs, io,
     os::unix::fs::PermissionsExt as _,
     path::Path,
     sync::{
@@ -87,7 +87,7 @@ impl Accounts {
         }
         Ok(Self {
             list,
-            nobody: nobody()?,
+            nobody: nobody().map_err(|why| why.to_string())?,
             limits: Mutex::default(),
             trying: Mutex::default(),
             waiting: AtomicUsize::new(0),
@@ -239,17 +239,34 @@ fn is_name(name: &str) -> bool {
     !name.is_empty() && name.len() <= MAX_NAME && name.chars().all(usual)
 }
 
-fn hash(password: &str) -> Result<String, String> {
+/// Reason why a password has no hash.
+#[derive(Debug)]
+enum NoHash {
+    /// The system has no random numbers.
+    Random(getrandom::Error),
+    /// The password cannot be hashed.
+    Hash(argon2::password_hash::Error),
+}
+
+impl fmt::Display for NoHash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Random(why) => write!(f, "the system has no random numbers: {why}"),
+            Self::Hash(why) => write!(f, "the password cannot be hashed: {why}"),
+        }
+    }
+}
+
+fn hash(password: &str) -> Result<String, NoHash> {
     let mut salt = [0; 16];
-    getrandom::fill(&mut salt).map_err(|e| format!("the system has no random numbers: {e}"))?;
-    let fail = |e: argon2::password_hash::Error| format!("the password cannot be hashed: {e}");
-    let salt = SaltString::encode_b64(&salt).map_err(fail)?;
-    let hash = Argon2::default().hash_password(password.as_bytes(), &salt).map_err(fail)?;
+    getrandom::fill(&mut salt).map_err(NoHash::Random)?;
+    let salt = SaltString::encode_b64(&salt).map_err(NoHash::Hash)?;
+    let hash = Argon2::default().hash_password(password.as_bytes(), &salt).map_err(NoHash::Hash)?;
     Ok(hash.to_string())
 }
 
 /// Returns a hash of no password of anybody: an unknown user takes as long as a wrong password. It is made once.
-fn nobody() -> Result<String, String> {
+fn nobody() -> Result<String, NoHash> {
     static NOBODY: OnceLock<String> = OnceLock::new();
     if let Some(known) = NOBODY.get() {
         return Ok(known.clone());
@@ -284,7 +301,8 @@ pub(crate) fn add(path: &Path, account: &str, input: &mut impl io::BufRead) -> R
     let others = text.lines().filter(|line| line.split_whitespace().next() != Some(name));
     let role = role.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default();
     let mut text: String = others.map(|line| format!("{line}\n")).collect();
-    text.push_str(&format!("{name} {role} {}\n", hash(password)?));
+    let hash = hash(password).map_err(|why| why.to_string())?;
+    text.push_str(&format!("{name} {role} {hash}\n"));
     hal_output::install(path, text.as_bytes(), 0o600)
         .map_err(|e| format!("{file}: {}", hal_output::reason(&e)))
 }
