@@ -33,7 +33,7 @@ pub struct Event<C> {
 pub trait Model {
     /// A call with its answer.
     type Call;
-    /// What the calls before have left.
+    /// State that the calls before have left.
     type State: Clone + Default + Ord;
 
     /// Returns the state after a call; `None` if the call is not answered so in this state.
@@ -71,7 +71,7 @@ pub fn explain<M: Model>(model: &M, history: &[Event<M::Call>]) -> Result<Vec<us
     }
 }
 
-/// Which calls are done: all before `first`, and of those after it the ones of the bits.
+/// The calls that are done: all before `first`, and of those after it the ones of the bits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Place {
     first: usize,
@@ -162,9 +162,9 @@ pub struct Right;
 /// A call that concerns a right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RightCall {
-    /// It was taken with this number.
+    /// Taken with this number.
     Take(u64),
-    /// It was not given, because somebody has it.
+    /// Not given, because somebody has it.
     NotTaken,
     /// The holder of the first number handed it over under the second.
     Hand(u64, u64),

@@ -79,7 +79,7 @@ pub fn program_of(machine: &Machine, path: &Path) -> Result<Text, String> {
 /// # Errors
 /// The file lies elsewhere, or cannot be opened.
 pub fn program_from_afar(machine: &Machine, path: &Path) -> Result<Text, String> {
-    // Without an INI file nothing says where the machine's programs are: whoever names the file has chosen the folder.
+    // Without an INI file nothing says where the machine's programs are: the caller has chosen the folder.
     let Some(places) = &machine.places else { return program_of(machine, path) };
     let wrong = |why: &dyn core::fmt::Display| format!("{}: {why}", path.display());
     let whole = |path: &Path| std::path::absolute(path).map_err(|e| wrong(&hal_output::reason(&e)));

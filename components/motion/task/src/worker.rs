@@ -24,7 +24,7 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-/// How a command was given.
+/// Circumstances in which a command was given.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Given {
     /// Stop epoch.

@@ -32,7 +32,7 @@ pub(crate) struct Holder {
     begun: Option<u32>,
 }
 
-/// What the servo thread says of the lease: the number that it sees, and a pulse that it had made by then.
+/// Report of the servo thread on the lease: the number that it sees, and a pulse that it had made by then.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Beating {
     pub(crate) lease: u32,

@@ -90,7 +90,7 @@ fn a_person_signs_in_while_strangers_guess() {
                     tried.load(Relaxed),
                     begun.elapsed().as_secs_f64()
                 );
-                // Who has signed in there before is told to wait by nobody's guesses.
+                // Guesses of others make nobody wait who has signed in there before.
                 assert!(cookie.is_empty() || refused == 0, "{who}: {times:?}");
             }
             ended.store(true, Relaxed);

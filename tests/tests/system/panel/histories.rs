@@ -26,13 +26,13 @@ const LOSS_NS: u64 = 2_000_000_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
     None,
-    /// An operator who has lost the lease is told that commands are obeyed.
+    /// Commands of an operator who has lost the lease are answered as if they were obeyed.
     CommandWithoutLease,
     /// A connection that is cut is another than the holder's.
     LostRelease,
 }
 
-/// What a call asks for.
+/// Request of an operator of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Asked {
     Take,

@@ -20,7 +20,7 @@ use std::{
 };
 use tokio::time::{Instant, Sleep, sleep};
 
-/// How long a body may take.
+/// Longest time of a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Limit {
     /// As a whole.
@@ -29,7 +29,7 @@ pub(super) enum Limit {
     EachPart(Duration),
 }
 
-/// Whether a body was cut off.
+/// True once a body was cut off.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CutOff(Arc<AtomicBool>);
 

@@ -38,9 +38,9 @@ enum Fault {
     LostExpiry,
     /// A lease ends although its beats come.
     EarlyExpiry,
-    /// Who is refused the lease is told to have it.
+    /// An operator who is refused the lease is answered as if it were given.
     TwoHolders,
-    /// A command is obeyed, whoever has the lease.
+    /// A command is obeyed without the lease.
     CommandWithoutLease,
     /// A lease outlives a restart.
     HolderAfterRestart,

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 /// Time between two beats in milliseconds.
 const BEAT_MS: u32 = 20;
 
-/// What an operator asks the plugin. Leases have their numbers in the history.
+/// Request of an operator to the plugin. Leases have their numbers in the history.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Request {
     /// The lease.
@@ -17,7 +17,7 @@ pub(super) enum Request {
     Give(u64),
     /// A command of the plugin that needs it.
     Use(u64, &'static str),
-    /// Whose it is.
+    /// The number of who has it.
     Look,
     /// A pulse that comes back.
     Beat(u64, u32),
@@ -32,7 +32,7 @@ pub(super) struct Message {
     pub(super) answer: Option<RightCall>,
 }
 
-/// One direction of a connection: messages arrive in their order, late, or never.
+/// A direction of a connection: messages arrive in their order, late, or never.
 #[derive(Debug, Default)]
 pub(super) struct Way {
     messages: VecDeque<(u32, Message)>,

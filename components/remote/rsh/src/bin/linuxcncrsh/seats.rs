@@ -13,7 +13,7 @@ const MAX_LINKED: usize = 128;
 const EACH: usize = 8;
 const TOGETHER: usize = 2;
 
-/// Who is at the other end of a connection.
+/// The other end of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Who {
     /// The user of this program, or root.
@@ -22,7 +22,7 @@ pub(crate) enum Who {
     Other(Option<u32>),
 }
 
-/// What a seat is for.
+/// Purpose of a seat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Connection(Who),
