@@ -457,8 +457,8 @@ fn connections_take_a_client_of_the_engine_with_their_hello_and_never_all_of_the
     }
     let serves = || scratch.told("getp motion.motion-enabled");
     assert_eq!(serves().trim(), "FALSE");
-    let greeted =
-        silent.iter_mut().filter(|line| line.ask("hello EMC me 1.0").starts_with("HELLO ACK"));
+    let said = silent.iter_mut().map(|line| line.ask("hello EMC me 1.0"));
+    let greeted = said.filter(|said| said.starts_with("HELLO ACK"));
     assert_eq!(greeted.count(), GREETED);
     assert_eq!(serves().trim(), "FALSE");
     drop(silent);
@@ -483,8 +483,11 @@ fn another_user_opens_programs_of_the_machine_alone_and_has_a_part_of_the_connec
     let begin = || {
         let mut line = Line::new(port);
         assert!(line.ask("hello one me 1.0").starts_with("HELLO ACK"));
-        for text in ["set echo off", "set verbose on", "set set_wait done", "set enable two"] {
-            line.ask(text);
+        line.ask("set echo off");
+        line.ask("set verbose on");
+        for text in ["set enable two", "set set_wait done"] {
+            let reply = line.ask(text);
+            assert!(reply.ends_with(" ACK\n\r"), "{text}: {reply} {}", line.ask("get error"));
         }
         line
     };
