@@ -1,5 +1,7 @@
 //! Accounts: who may sign in with a password, and with which role.
 
+mod turn;
+
 use crate::{
     limits::{Limits, SignInPlace},
     session::Role,
@@ -22,6 +24,7 @@ use std::{
     time::Duration,
 };
 use tokio::time::Instant;
+use turn::Turns;
 
 /// Longest name of a user in bytes.
 const MAX_NAME: usize = 64;
@@ -56,8 +59,8 @@ pub(crate) struct Accounts {
     nobody: String,
     /// Failures of late.
     limits: Mutex<Limits>,
-    /// Kept while a password is tried: one after the other.
-    trying: Mutex<()>,
+    /// Turns in which passwords are tried: one after the other.
+    turns: Turns,
     /// Number of strangers that wait for it.
     waiting: AtomicUsize,
 }
@@ -89,7 +92,7 @@ impl Accounts {
             list,
             nobody: nobody().map_err(|why| why.to_string())?,
             limits: Mutex::default(),
-            trying: Mutex::default(),
+            turns: Turns::default(),
             waiting: AtomicUsize::new(0),
         })
     }
@@ -118,13 +121,13 @@ impl Accounts {
             lock(&self.limits).succeed(Instant::now(), source, account);
             return Err(Wrong::Haste(FULL_WAIT));
         }
-        let trying = lock(&self.trying);
+        let turn = self.turns.take(is_known);
         let found = self.list.get(user);
         let stored = found.map_or(&self.nobody, |account| &account.hash);
         let stored = PasswordHash::new(stored).map_err(|_| Wrong::Login)?;
         let short = password.len() <= MAX_PASSWORD;
         let fits = short && Argon2::default().verify_password(password.as_bytes(), &stored).is_ok();
-        drop(trying);
+        drop(turn);
         let role = found.filter(|_| fits).map(|account| account.role).ok_or(Wrong::Login)?;
         lock(&self.limits).succeed(Instant::now(), source, account);
         Ok(role)

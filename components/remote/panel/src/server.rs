@@ -16,7 +16,7 @@ use crate::{
     lease::Clients,
     limits::Peer,
     options::Options,
-    pool::Pool,
+    pool::{MAX_SEATS, Pool},
     private, scope,
     security::Security,
     session::{Sessions, secret},
@@ -68,6 +68,10 @@ const MAX_CONNECTIONS: usize = 1024;
 pub(crate) const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Longest head of a request in bytes.
 const MAX_HEAD: usize = 32 << 10;
+/// Number of threads for work that waits: one for each seat, and some for files and tables of the system. Each leaves memory
+/// behind, and goes when it has nothing to do for a while.
+const MAX_THREADS: usize = MAX_SEATS + 16;
+const IDLE_THREAD: Duration = Duration::from_secs(2);
 /// Wait after the system has refused a connection.
 const REFUSED: Duration = Duration::from_millis(100);
 
@@ -157,7 +161,12 @@ pub fn run(options: &Options) -> Result<(), String> {
     let place = Place::find(options.instance.as_deref())?;
     let is_inch = ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false));
     let mut info = info::info(place.name(), ini.as_ref(), is_inch);
-    let runtime = runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
+    let runtime = runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .max_blocking_threads(MAX_THREADS)
+        .thread_keep_alive(IDLE_THREAD)
+        .enable_all()
+        .build();
     let runtime = runtime.map_err(|e| hal_output::reason(&e))?;
     runtime.block_on(async {
         // Before anybody learns that the panel is there.
