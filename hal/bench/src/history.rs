@@ -176,7 +176,7 @@ pub enum RightCall {
     Lose(u64),
     /// Somebody looked, and saw this number; 0 is nobody's.
     Seen(u64),
-    /// Whoever keeps it began again: nobody has it.
+    /// A new begin of the keeper: nobody has it.
     Restart,
 }
 

@@ -299,17 +299,6 @@ impl Bench {
         Ok(core::mem::take(&mut *self.table.borrow().replies.borrow_mut()))
     }
 
-    /// Runs a command as one that a client which speaks for people elsewhere has given.
-    ///
-    /// # Errors
-    /// The reason why the command failed.
-    pub fn command_from_afar(&self, name: &str, args: &[&str]) -> Result<Vec<String>, String> {
-        self.table.borrow().is_from_afar.set(true);
-        let done = self.command(name, args);
-        self.table.borrow().is_from_afar.set(false);
-        done
-    }
-
     /// Returns the progress of the last command that took a ticket.
     #[must_use]
     pub fn ticket(&self) -> Option<TicketState> {

@@ -121,9 +121,9 @@ pub(crate) enum Order {
 /// Rights of a program of the user at the engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rights {
-    /// Those of the machine's owner.
+    /// The rights of the machine's owner.
     Owner,
-    /// Those of people elsewhere, who have begun its job.
+    /// The rights of people elsewhere, who have begun its job.
     FromAfar,
 }
 

@@ -5,13 +5,13 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 /// The line before a turn.
 #[derive(Debug, Default)]
 pub(super) struct Turns {
-    line: Mutex<Line>,
+    line: Mutex<Queue>,
     /// Notified at the end of a turn.
     ended: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct Line {
+struct Queue {
     is_taken: bool,
     /// Number of known devices that wait.
     known: usize,
@@ -22,7 +22,7 @@ struct Line {
 pub(super) struct Turn<'t>(&'t Turns);
 
 impl Turns {
-    fn lock(&self) -> MutexGuard<'_, Line> {
+    fn lock(&self) -> MutexGuard<'_, Queue> {
         self.line.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -24,7 +24,7 @@ pub(crate) enum Who {
 
 /// Purpose of a seat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+enum Purpose {
     Connection(Who),
     Link,
 }
@@ -32,7 +32,7 @@ enum Kind {
 /// The seats.
 #[derive(Clone, Debug)]
 pub(crate) struct Seats {
-    taken: Arc<Mutex<BTreeMap<Kind, usize>>>,
+    taken: Arc<Mutex<BTreeMap<Purpose, usize>>>,
     most: usize,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct Seats {
 #[derive(Debug)]
 pub(crate) struct Taken {
     seats: Seats,
-    kind: Kind,
+    kind: Purpose,
 }
 
 impl Seats {
@@ -49,7 +49,7 @@ impl Seats {
         Self { taken: Arc::default(), most: most.min(MAX_SESSIONS) }
     }
 
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<Kind, usize>> {
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<Purpose, usize>> {
         self.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -57,7 +57,7 @@ impl Seats {
     pub(crate) fn connect(&self, who: Who) -> Option<Taken> {
         let mut taken = self.lock();
         let count = |fits: &dyn Fn(Who) -> bool| -> usize {
-            let of = |kind: &Kind| matches!(kind, Kind::Connection(who) if fits(*who));
+            let of = |kind: &Purpose| matches!(kind, Purpose::Connection(who) if fits(*who));
             taken.iter().filter(|(kind, _)| of(kind)).map(|(_, count)| count).sum()
         };
         let is_free = match who {
@@ -69,17 +69,17 @@ impl Seats {
             }
         };
         let is_free = is_free && count(&|_| true) < self.most;
-        is_free.then(|| self.take(&mut taken, Kind::Connection(who)))
+        is_free.then(|| self.take(&mut taken, Purpose::Connection(who)))
     }
 
     /// Takes a seat for a client of the engine.
     pub(crate) fn link(&self) -> Option<Taken> {
         let mut taken = self.lock();
-        let is_free = taken.get(&Kind::Link).is_none_or(|count| *count < MAX_LINKED);
-        is_free.then(|| self.take(&mut taken, Kind::Link))
+        let is_free = taken.get(&Purpose::Link).is_none_or(|count| *count < MAX_LINKED);
+        is_free.then(|| self.take(&mut taken, Purpose::Link))
     }
 
-    fn take(&self, taken: &mut BTreeMap<Kind, usize>, kind: Kind) -> Taken {
+    fn take(&self, taken: &mut BTreeMap<Purpose, usize>, kind: Purpose) -> Taken {
         *taken.entry(kind).or_default() += 1;
         Taken { seats: self.clone(), kind }
     }
