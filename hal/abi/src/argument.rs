@@ -28,6 +28,10 @@ pub mod arg_bounds {
     pub const ABOVE: u32 = 4;
 }
 
+/// Name under which a command that is executing asks whether a client that speaks for people elsewhere has given it. No
+/// argument has this name: the engine alone gives the value.
+pub const FROM_AFAR: &str = "@from-afar";
+
 /// An argument of `loadrt` or of a command.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

@@ -34,7 +34,7 @@ mod sync;
 mod ticket;
 mod worker;
 
-pub use argument::{ArgSpec, arg, arg_bounds};
+pub use argument::{ArgSpec, FROM_AFAR, arg, arg_bounds};
 pub use cell::{Cell, Slot};
 pub use foreign::{ForeignFile, ForeignLoader, Load, edit};
 pub use homing::{Homing, HomingJoint, HomingSettings, homing_call, homing_flags, homing_state};

@@ -274,7 +274,12 @@ pub(super) unsafe extern "C" fn arg_call(
     name: Str,
     out: *mut ArgValue,
 ) -> Status {
-    let value = table(ctx).borrow().call_args.borrow_mut().get(&text(name));
+    let value = match &*text(name) {
+        abi::FROM_AFAR if table(ctx).borrow().is_from_afar.get() => {
+            Some(ArgValue { given: 1, int: 1, size: abi::size::<ArgValue>(), ..ArgValue::NONE })
+        }
+        name => table(ctx).borrow().call_args.borrow_mut().get(name),
+    };
     let none = ArgValue { size: abi::size::<ArgValue>(), ..ArgValue::NONE };
     // SAFETY: the caller passes a pointer to a live value.
     unsafe { out.write(value.unwrap_or(none)) };

@@ -27,6 +27,7 @@
 
 mod describe;
 mod find;
+pub mod history;
 mod host;
 mod random;
 mod response;

@@ -63,6 +63,8 @@ pub(super) struct Table {
     pub(super) tickets: RefCell<Vec<Box<Ticket>>>,
     pub(super) awaited: Cell<bool>,
     pub(super) call_args: RefCell<Args>,
+    /// People elsewhere have given the command.
+    pub(super) is_from_afar: Cell<bool>,
 }
 
 /// Arguments as given, checked against their declaration, and the lists that argument values point

@@ -23,6 +23,17 @@ pub(super) struct Memory {
 
 #[expect(clippy::unwrap_used, clippy::panic, reason = "a table for tests")]
 impl Bench {
+    /// Runs a command as one that a client which speaks for people elsewhere has given.
+    ///
+    /// # Errors
+    /// The reason why the command failed.
+    pub fn command_from_afar(&self, name: &str, args: &[&str]) -> Result<Vec<String>, String> {
+        self.table.borrow().is_from_afar.set(true);
+        let done = self.command(name, args);
+        self.table.borrow().is_from_afar.set(false);
+        done
+    }
+
     /// Runs one step of a worker and returns the number of items that it did. The clock does not
     /// advance.
     ///

@@ -2,7 +2,7 @@
 
 use crate::{
     Error, Touch, Uses,
-    abi::{ArgValue, CallHost, Record, Status, Str, Ticket, host_flags, level},
+    abi::{ArgValue, CallHost, FROM_AFAR, Record, Status, Str, Ticket, host_flags, level},
 };
 
 /// Realtime. Logs messages from any thread. Never blocks; the engine writes the log later.
@@ -129,6 +129,12 @@ impl Call<'_> {
     #[must_use]
     pub fn float(&self, name: &str) -> Option<f64> {
         self.value(name).map(|v| v.float)
+    }
+
+    /// Returns whether a client that speaks for people elsewhere has given the command.
+    #[must_use]
+    pub fn is_from_afar(&self) -> bool {
+        self.bit(FROM_AFAR).unwrap_or(false)
     }
 
     /// Returns a boolean argument that was given or has a default.

@@ -66,6 +66,9 @@ pub(crate) fn declare(b: &mut Builder<'_>, inbox: &Inbox, has_storage: bool) -> 
     };
     let shared = inbox.clone();
     b.command("usbjobs.send", "Sends a file as a job.", SEND, move |call| {
+        if call.is_from_afar() {
+            return Err(Error::new("a file is named at the machine, and not from afar"));
+        }
         refused()?;
         let path = call.text("file").unwrap_or_default();
         let name = call.text("job").filter(|name| !name.is_empty());

@@ -73,6 +73,16 @@ const WATCH: &[&ArgSpec] = &[
 
 const SAVE: &[&ArgSpec] = &[&Arg::text("file", "File to write.").required()];
 
+/// Returns the file that is written, which people elsewhere do not name.
+fn file(call: &Call<'_>) -> Result<PathBuf, Error> {
+    match call.is_from_afar() {
+        true => {
+            Err(Error::new("a file that is written is named at the machine, and not from afar"))
+        }
+        false => Ok(PathBuf::from(call.text("file").unwrap_or_default())),
+    }
+}
+
 /// Declares the commands.
 pub(crate) fn open(
     b: &mut Builder<'_>,
@@ -102,7 +112,7 @@ pub(crate) fn open(
     let doc =
         "Writes the marks and the model to a file for halgcode align; align.solve comes first.";
     b.command("align.save", doc, SAVE, move |call| {
-        let path = PathBuf::from(call.text("file").unwrap_or_default());
+        let path = file(call)?;
         let text = lock(&shared).text().map_err(Error::new)?;
         let written = hal_output::write(&path, text.as_bytes());
         let name = path.display();
@@ -123,7 +133,7 @@ pub(crate) fn open(
 Writes pictures of the camera at the present position to a file, at most ten in a second, until the time is over: a line of JSON (number, \
 kind, size, place, the map from the machine to pixels, marks found), then the picture as PNG or JPEG. Nothing is measured.";
     b.command("align.watch", doc, WATCH, move |call| {
-        let path = PathBuf::from(call.text("file").unwrap_or_default());
+        let path = file(call)?;
         watched.watch(path, clock.now_ns(), call.float("seconds").unwrap_or(0.0));
         Ok(())
     })

@@ -164,6 +164,10 @@ fn a_view_shows_the_marks_at_the_present_position_and_measures_nothing() {
         pass();
         assert!(!file.exists(), "nobody watches");
         let watch = [format!("file={}", file.display()), "seconds=0.5".to_owned()];
+        for command in ["align.watch", "align.save"] {
+            let why = bench.command_from_afar(command, &[&watch[0]]).unwrap_err();
+            assert!(why.contains("not from afar"), "{command}: {why}");
+        }
         if watches {
             bench.command("align.watch", &[&watch[0], &watch[1]]).unwrap();
             pass();

@@ -1,7 +1,7 @@
 //! The files, tools and values that a program sees.
 
 use crate::machine::Machine;
-use hal_beneath::{Beneath, FileName};
+use hal_beneath::{Beneath, FileName, RelativeName};
 use hal_gcode::{Environment, Source, Text, tool::Tool};
 use hal_remap::Functions;
 use std::{
@@ -72,6 +72,31 @@ pub fn program_of(machine: &Machine, path: &Path) -> Result<Text, String> {
     let name = FileName::parse(name).map_err(|why| wrong(&why))?;
     let file = Beneath::open(uploads).and_then(|folder| folder.read_sole(&name.into()));
     text_of(file.map_err(|why| why.to_string())?).map_err(|e| wrong(&hal_output::reason(&e)))
+}
+
+/// Opens a program of a machine for people elsewhere: a file of the folder of programs, and no link to another.
+///
+/// # Errors
+/// The file lies elsewhere, or cannot be opened.
+pub fn program_from_afar(machine: &Machine, path: &Path) -> Result<Text, String> {
+    // Without an INI file nothing says where the machine's programs are: the caller has chosen the folder.
+    let Some(places) = &machine.places else { return program_of(machine, path) };
+    let wrong = |why: &dyn core::fmt::Display| format!("{}: {why}", path.display());
+    let whole = |path: &Path| std::path::absolute(path).map_err(|e| wrong(&hal_output::reason(&e)));
+    let (folder, file) = (whole(&places.programs)?, whole(path)?);
+    let name = file.strip_prefix(&folder).ok().and_then(Path::to_str).ok_or_else(|| {
+        let programs = folder.display();
+        wrong(&format!(
+            "programs are opened from afar in {programs} alone ([DISPLAY]PROGRAM_PREFIX)"
+        ))
+    })?;
+    let name = RelativeName::parse(name).map_err(|why| wrong(&why))?;
+    let uploads = whole(&places.uploads)?;
+    let opened = Beneath::open(&folder).and_then(|folder| match file.starts_with(&uploads) {
+        true => folder.read_sole(&name),
+        false => folder.read(&name),
+    });
+    text_of(opened.map_err(|why| why.to_string())?).map_err(|e| wrong(&hal_output::reason(&e)))
 }
 
 /// Returns the text of a file that is open, which is read in parts.

@@ -2,7 +2,7 @@
 
 use crate::{
     core::{Mode, user::Command},
-    worker::Shared,
+    worker::{Given, Shared},
 };
 use hal_component::{Arg, Builder, Call, Error, StopEpoch, abi::ArgSpec};
 use hal_job::dry_run::Target;
@@ -273,6 +273,7 @@ pub(crate) fn open(
             if shared_state.inbox.len() >= MAX_WAITING {
                 return Err(Error::new("too many commands wait for the task"));
             }
+            let given = Given { epoch: given, is_from_afar: call.is_from_afar() };
             shared_state.inbox.push_back((command, given, call.ticket()?));
             Ok(())
         })?;

@@ -148,6 +148,15 @@ struct Entry {
     origin: Origin,
 }
 
+/// A line of MDI that waits.
+#[derive(Clone, Debug)]
+struct MdiLine {
+    text: Box<str>,
+    given: StopEpoch,
+    ticket: Ticket,
+    is_from_afar: bool,
+}
+
 /// An order that motion has taken and not finished.
 #[derive(Clone, Debug)]
 struct Flight {
@@ -230,11 +239,15 @@ pub(crate) struct Core {
     /// The request for the next tool.
     preparing: Option<u64>,
     pub(crate) held: Held,
-    mdi: VecDeque<(Box<str>, StopEpoch, Ticket)>,
+    mdi: VecDeque<MdiLine>,
     /// The line of MDI that began last.
     mdi_text: Box<str>,
     /// Mode that comes back after lines of MDI from another mode.
     mode_before: Option<Mode>,
+    /// People elsewhere have given the command in execution.
+    pub(crate) is_from_afar: bool,
+    /// People elsewhere have begun the job, or the check before it.
+    is_job_from_afar: bool,
     asked: Vec<(Asked, Ticket)>,
     /// Commands to switch on that wait for a reset of the e-stop.
     on_after_reset: Vec<(StopEpoch, Ticket)>,
@@ -306,6 +319,8 @@ impl Core {
             mdi: VecDeque::new(),
             mdi_text: Box::default(),
             mode_before: None,
+            is_from_afar: false,
+            is_job_from_afar: false,
             asked: Vec::new(),
             on_after_reset: Vec::new(),
             serial: 0,

@@ -118,6 +118,15 @@ pub(crate) enum Order {
     ToolOffset([f64; 9]),
 }
 
+/// Rights of a program of the user at the engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rights {
+    /// The rights of the machine's owner.
+    Owner,
+    /// The rights of people elsewhere, who have begun its job.
+    FromAfar,
+}
+
 /// Reason for which an order was not accepted.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Refusal {
@@ -230,7 +239,7 @@ pub(crate) trait Outside {
     /// Takes the answer to such a question, once: `None` while there is none, `Some(None)` if nothing has the name.
     fn take_value(&mut self, question: u64) -> Option<Option<f64>>;
     /// Begins a user's program.
-    fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String>;
+    fn begin_program(&mut self, code: u16, p: f64, q: f64, rights: Rights) -> Result<(), String>;
     /// Returns how far the user's program has come.
     fn program(&mut self) -> Progress;
     /// Ends the user's program.

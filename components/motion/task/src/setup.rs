@@ -128,7 +128,18 @@ fn rules(machine: &Machine) -> Result<Rules, String> {
         has_top_speed,
         change_position,
         safe_height: number("TASK", "SAFE_HEIGHT")?,
+        has_full_codes: ini.map_or(Ok(false), has_full_codes)?,
     })
+}
+
+/// Returns whether programs of users have the owner's rights in every job.
+fn has_full_codes(ini: &Ini) -> Result<bool, String> {
+    let Some(entry) = ini.all("REMOTE", "USER_CODES").next() else { return Ok(false) };
+    match entry.value.trim() {
+        "limited" => Ok(false),
+        "full" => Ok(true),
+        _ => Err(wrong(entry, "limited or full")),
+    }
 }
 
 /// Parses three, six or nine coordinates.

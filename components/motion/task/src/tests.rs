@@ -201,6 +201,7 @@ impl Rig {
             has_top_speed: [false; 8],
             change_position: None,
             safe_height: None,
+            has_full_codes: false,
         };
         machine.limits[2].1 = Some(80.0);
         machine.limits[8].1 = Some(0.0);

@@ -24,11 +24,20 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
+/// Circumstances in which a command was given.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given {
+    /// Stop epoch.
+    pub(crate) epoch: StopEpoch,
+    /// By people elsewhere.
+    pub(crate) is_from_afar: bool,
+}
+
 /// State that commands and the worker share.
 #[derive(Default)]
 pub(crate) struct SharedState {
-    /// Commands, each with the stop epoch in which it was given.
-    pub(crate) inbox: VecDeque<(Command, StopEpoch, TicketHandle)>,
+    /// Commands, each with how it was given.
+    pub(crate) inbox: VecDeque<(Command, Given, TicketHandle)>,
     /// The core of a machine whose files have been read.
     pub(crate) opened: Option<(Box<Core>, Files)>,
     pub(crate) report: Report,
@@ -123,12 +132,14 @@ impl Work for Worker {
         self.world.refresh();
         // A stop among the commands raises the epoch; those after it were given after it.
         let mut renewed = None;
-        for (command, arrived, handle) in commands {
+        for (command, Given { epoch: arrived, is_from_afar }, handle) in commands {
             let ticket = self.world.ticket(handle);
             let since = renewed.filter(|(before, _)| *before == arrived);
             let given = since.map_or(arrived, |(_, now)| now);
             let is_stop = command.is_stop();
+            core.is_from_afar = is_from_afar;
             core.command(command, given, ticket, &mut self.world);
+            core.is_from_afar = false;
             if is_stop {
                 renewed = Some((arrived, self.world.epoch()));
             }

@@ -6,9 +6,10 @@ mod user;
 
 use hal_ini::Ini;
 use hal_protocol::{
-    Client, Direction, Edit, ItemInfo, Kind, Link as _, Orders, Place, Reply, Request, ThreadInfo,
+    Client, Direction, Edit, Failure, ItemInfo, Kind, Link as _, Orders, Place, Reply, Request,
+    ThreadInfo, Unlisted,
 };
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, fmt};
 
 pub use epoch::EpochPage;
 pub use user::{is_own, user_at};
@@ -30,13 +31,31 @@ const ROBOT_STOPS: &[(&str, &str, &str)] =
     &[("remote.hold", "remote-hold", "robot.hold"), ("remote.abort", "remote-abort", "robot.stop")];
 const ROBOT_JOB: (&str, &str, &str) = ("robot.busy", "remote-job", "remote.job");
 
+/// Reason why the orders of a machine are not known.
+#[derive(Clone, Debug)]
+pub enum NoOrders {
+    /// The engine refuses to list its commands, or does not answer.
+    Engine(Failure),
+    /// The commands are not those of a machine that can be commanded.
+    Unlisted(Unlisted),
+}
+
+impl fmt::Display for NoOrders {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Engine(why) => why.fmt(f),
+            Self::Unlisted(why) => why.fmt(f),
+        }
+    }
+}
+
 /// Finds the orders of a machine.
 ///
 /// # Errors
 /// The engine does not answer, or something moves that nothing stops.
-pub fn orders(client: &mut Client) -> Result<Orders, String> {
-    let answer = client.call(Orders::list()).map_err(|e| e.to_string())?;
-    Orders::listed(&answer).map_err(|why| why.to_string())
+pub fn orders(client: &mut Client) -> Result<Orders, NoOrders> {
+    let answer = client.call(Orders::list()).map_err(NoOrders::Engine)?;
+    Orders::listed(&answer).map_err(NoOrders::Unlisted)
 }
 
 /// Loads and wires the plugin as a whole, or leaves the machine as it is. Messages name the program that asks.
@@ -46,7 +65,7 @@ pub fn orders(client: &mut Client) -> Result<Orders, String> {
 pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), String> {
     let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
     // A machine that cannot be stopped is not commanded.
-    orders(&mut client)?;
+    orders(&mut client).map_err(|why| why.to_string())?;
     let mut requests = Vec::new();
     let Reply::Threads(threads) = list(&mut client, Kind::Threads)? else {
         return Err("the engine lists no threads".to_owned());

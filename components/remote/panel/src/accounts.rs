@@ -1,5 +1,7 @@
 //! Accounts: who may sign in with a password, and with which role.
 
+mod turn;
+
 use crate::{
     limits::{Limits, SignInPlace},
     session::Role,
@@ -12,7 +14,7 @@ use clap::ValueEnum as _;
 use ring::hmac;
 use std::{
     collections::BTreeMap,
-    fs, io,
+    fmt, fs, io,
     os::unix::fs::PermissionsExt as _,
     path::Path,
     sync::{
@@ -22,6 +24,7 @@ use std::{
     time::Duration,
 };
 use tokio::time::Instant;
+use turn::Turns;
 
 /// Longest name of a user in bytes.
 const MAX_NAME: usize = 64;
@@ -56,8 +59,8 @@ pub(crate) struct Accounts {
     nobody: String,
     /// Failures of late.
     limits: Mutex<Limits>,
-    /// Kept while a password is tried: one after the other.
-    trying: Mutex<()>,
+    /// Turns in which passwords are tried: one after the other.
+    turns: Turns,
     /// Number of strangers that wait for it.
     waiting: AtomicUsize,
 }
@@ -87,9 +90,9 @@ impl Accounts {
         }
         Ok(Self {
             list,
-            nobody: nobody()?,
+            nobody: nobody().map_err(|why| why.to_string())?,
             limits: Mutex::default(),
-            trying: Mutex::default(),
+            turns: Turns::default(),
             waiting: AtomicUsize::new(0),
         })
     }
@@ -118,13 +121,13 @@ impl Accounts {
             lock(&self.limits).succeed(Instant::now(), source, account);
             return Err(Wrong::Haste(FULL_WAIT));
         }
-        let trying = lock(&self.trying);
+        let turn = self.turns.take(is_known);
         let found = self.list.get(user);
         let stored = found.map_or(&self.nobody, |account| &account.hash);
         let stored = PasswordHash::new(stored).map_err(|_| Wrong::Login)?;
         let short = password.len() <= MAX_PASSWORD;
         let fits = short && Argon2::default().verify_password(password.as_bytes(), &stored).is_ok();
-        drop(trying);
+        drop(turn);
         let role = found.filter(|_| fits).map(|account| account.role).ok_or(Wrong::Login)?;
         lock(&self.limits).succeed(Instant::now(), source, account);
         Ok(role)
@@ -239,17 +242,34 @@ fn is_name(name: &str) -> bool {
     !name.is_empty() && name.len() <= MAX_NAME && name.chars().all(usual)
 }
 
-fn hash(password: &str) -> Result<String, String> {
+/// Reason why a password has no hash.
+#[derive(Debug)]
+enum NoHash {
+    /// The system has no random numbers.
+    Random(getrandom::Error),
+    /// The password cannot be hashed.
+    Hash(argon2::password_hash::Error),
+}
+
+impl fmt::Display for NoHash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Random(why) => write!(f, "the system has no random numbers: {why}"),
+            Self::Hash(why) => write!(f, "the password cannot be hashed: {why}"),
+        }
+    }
+}
+
+fn hash(password: &str) -> Result<String, NoHash> {
     let mut salt = [0; 16];
-    getrandom::fill(&mut salt).map_err(|e| format!("the system has no random numbers: {e}"))?;
-    let fail = |e: argon2::password_hash::Error| format!("the password cannot be hashed: {e}");
-    let salt = SaltString::encode_b64(&salt).map_err(fail)?;
-    let hash = Argon2::default().hash_password(password.as_bytes(), &salt).map_err(fail)?;
+    getrandom::fill(&mut salt).map_err(NoHash::Random)?;
+    let salt = SaltString::encode_b64(&salt).map_err(NoHash::Hash)?;
+    let hash = Argon2::default().hash_password(password.as_bytes(), &salt).map_err(NoHash::Hash)?;
     Ok(hash.to_string())
 }
 
 /// Returns a hash of no password of anybody: an unknown user takes as long as a wrong password. It is made once.
-fn nobody() -> Result<String, String> {
+fn nobody() -> Result<String, NoHash> {
     static NOBODY: OnceLock<String> = OnceLock::new();
     if let Some(known) = NOBODY.get() {
         return Ok(known.clone());
@@ -284,7 +304,8 @@ pub(crate) fn add(path: &Path, account: &str, input: &mut impl io::BufRead) -> R
     let others = text.lines().filter(|line| line.split_whitespace().next() != Some(name));
     let role = role.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default();
     let mut text: String = others.map(|line| format!("{line}\n")).collect();
-    text.push_str(&format!("{name} {role} {}\n", hash(password)?));
+    let hash = hash(password).map_err(|why| why.to_string())?;
+    text.push_str(&format!("{name} {role} {hash}\n"));
     hal_output::install(path, text.as_bytes(), 0o600)
         .map_err(|e| format!("{file}: {}", hal_output::reason(&e)))
 }

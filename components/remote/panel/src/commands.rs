@@ -158,6 +158,11 @@ impl Row {
         matches!(self.effect, Begins | Powers) && !ends
     }
 
+    /// Returns whether the plugin `remote` judges the lease of it.
+    pub(crate) const fn is_judged(&self) -> bool {
+        self.is_announced() || matches!(self.action, Jog | ToolChanged)
+    }
+
     /// Returns whether the plugin `remote` must know of it before it begins, as work that a lost lease ends. Of jogs it knows
     /// by itself.
     pub(crate) const fn is_announced(&self) -> bool {

@@ -3,9 +3,12 @@
 mod line;
 
 use crate::error::{Code, Error};
-use hal_protocol::{Answer, Client, Link as _, Orders, Place, Reply, Request, Stop};
+use hal_protocol::{
+    Answer, Client, Failure, Link as _, Orders, Place, Reply, Request, Stop, Unlisted,
+};
 use line::{Job, Next, PendingReply, RequestLine};
 use std::{
+    fmt, io,
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
     thread,
     time::Duration,
@@ -43,6 +46,30 @@ impl Ending {
             Self::Robot(name) => {
                 vec![Request::Command { name: name.to_owned(), args: Vec::new() }]
             }
+        }
+    }
+}
+
+/// Reason why this program has no way to the engine, or none to its machine.
+#[derive(Debug)]
+pub(crate) enum Unjoined {
+    /// There is no engine, or it refuses the client.
+    Connect(Failure),
+    /// The engine refuses to list its commands, or has ended.
+    List(Error),
+    /// The commands are not those of a machine that can be commanded.
+    Unlisted(Unlisted),
+    /// The thread cannot begin.
+    Thread(io::Error),
+}
+
+impl fmt::Display for Unjoined {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Connect(why) => why.fmt(f),
+            Self::List(why) => f.write_str(&why.text),
+            Self::Unlisted(why) => why.fmt(f),
+            Self::Thread(why) => f.write_str(&hal_output::reason(why)),
         }
     }
 }
@@ -110,19 +137,19 @@ impl Engine {
     ///
     /// # Errors
     /// There is no engine, or the machine moves and cannot be stopped.
-    pub(crate) fn join(place: &Place) -> Result<Self, String> {
-        Self::on(Client::connect_from_afar(place).map_err(|e| e.to_string())?)
+    pub(crate) fn join(place: &Place) -> Result<Self, Unjoined> {
+        Self::on(Client::connect_from_afar(place).map_err(Unjoined::Connect)?)
     }
 
     /// Connects for links that this program makes by itself, and starts the thread.
     ///
     /// # Errors
     /// As [`Self::join`].
-    pub(crate) fn join_for_wiring(place: &Place) -> Result<Self, String> {
-        Self::on(Client::connect(place, "").map_err(|e| e.to_string())?)
+    pub(crate) fn join_for_wiring(place: &Place) -> Result<Self, Unjoined> {
+        Self::on(Client::connect(place, "").map_err(Unjoined::Connect)?)
     }
 
-    fn on(mut client: Client) -> Result<Self, String> {
+    fn on(mut client: Client) -> Result<Self, Unjoined> {
         let mut call = move |request: Request| {
             (!client.is_gone()).then(|| client.call(request).map_err(Error::from))
         };
@@ -135,7 +162,7 @@ impl Engine {
         orders: Orders,
         components: Vec<(u32, String)>,
         call: impl FnMut(Request) -> Option<Result<Reply, Error>> + Send + 'static,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, Unjoined> {
         let known = Known { orders: Arc::new(orders), components, outdated: None };
         let shared = Arc::new(Shared {
             line: Mutex::default(),
@@ -145,7 +172,7 @@ impl Engine {
         let engine = Self(Arc::new(Ends(shared.clone())));
         let thread = thread::Builder::new().name("engine".to_owned());
         let begun = thread.spawn(move || serve(&shared, call));
-        begun.map_err(|e| hal_output::reason(&e))?;
+        begun.map_err(Unjoined::Thread)?;
         Ok(engine)
     }
 
@@ -234,9 +261,9 @@ fn components(
 /// Finds the commands of the machine.
 fn orders(
     call: &mut impl FnMut(Request) -> Option<Result<Reply, Error>>,
-) -> Result<Orders, String> {
-    let answer = call(Orders::list()).ok_or_else(gone).flatten().map_err(|e| e.text)?;
-    Orders::listed(&answer).map_err(|why| why.to_string())
+) -> Result<Orders, Unjoined> {
+    let answer = call(Orders::list()).ok_or_else(gone).flatten().map_err(Unjoined::List)?;
+    Orders::listed(&answer).map_err(Unjoined::Unlisted)
 }
 
 /// Executes requests until the engine or this program ends.
@@ -319,7 +346,7 @@ fn look(shared: &Shared, call: &mut impl FnMut(Request) -> Option<Result<Reply, 
             known.orders = Arc::new(orders);
             known.outdated = None;
         }
-        Err(why) => known.outdated = Some(why),
+        Err(why) => known.outdated = Some(why.to_string()),
     }
     true
 }

@@ -1,10 +1,14 @@
 //! Pins of the panel: pulses from the servo thread, the beats that answer them, and the pins of teleoperation.
 
+use crate::lease::Beating;
 use hal_protocol::{Client, Direction, Kind, Link as _, PinPage, Place, Reply, Request, Type};
 use std::{
     sync::{
         Arc,
-        atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
+        atomic::{
+            AtomicBool, AtomicU32,
+            Ordering::{Acquire, Relaxed, Release},
+        },
     },
     thread,
 };
@@ -95,6 +99,12 @@ impl Heart {
         self.keeps.store(u32::try_from(lease).unwrap_or(0), Relaxed);
     }
 
+    /// Returns what the servo thread says of the lease.
+    pub(crate) fn beating(&self) -> Beating {
+        let pulse = self.pulse.load(Acquire); // Pairs with Release in the thread of the pins.
+        Beating { lease: self.lease.load(Relaxed), pulse }
+    }
+
     /// Sends a pulse back that was made under this lease, if it is that of a teleoperated job whose client is there.
     fn echo(&self, pulse: u32, lease: u32) {
         let is_own = lease != 0 && lease == self.keeps.load(Relaxed);
@@ -135,8 +145,9 @@ pub(crate) fn start(place: &Place, teleop: (bool, u16)) -> Result<Arc<Heart>, St
             // In this order: a lease that still lasts is the one under which the pulse was made.
             let pulse = count(page.get(PULSE));
             let lease = count(page.get(LEASE));
-            shared.pulse.store(pulse, Relaxed);
+            // The lease first: what is read behind a pulse is then no older than the pulse.
             shared.lease.store(lease, Relaxed);
+            shared.pulse.store(pulse, Release); // Pairs with Acquire in `beating`.
             shared.permit.store(page.get(PERMIT) & 1 != 0, Relaxed);
             shared.hold.store(page.get(HOLD) & 1 != 0, Relaxed);
             shared.allowed.store(page.get(ALLOWED) & 1 != 0, Relaxed);

@@ -17,6 +17,9 @@ use tokio::{sync::watch, time::Instant};
 /// Time without an answer to a pulse after which an operator may take the lease from another.
 const SILENCE: Duration = Duration::from_secs(5);
 
+/// Age in milliseconds that a lease has when the servo thread has seen it for certain.
+const SEEN_MS: u32 = 20;
+
 /// Holder of the lease.
 #[derive(Clone, Debug)]
 pub(crate) struct Holder {
@@ -25,6 +28,15 @@ pub(crate) struct Holder {
     /// Number that the plugin `remote` gave.
     pub(crate) number: u64,
     answered: Instant,
+    /// Pulse of the servo thread after the lease began, if the engine said it.
+    begun: Option<u32>,
+}
+
+/// Report of the servo thread on the lease: the number that it sees, and a pulse that it had made by then.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beating {
+    pub(crate) lease: u32,
+    pub(crate) pulse: u32,
 }
 
 /// A client: a page, another program at the socket, or a user of teleoperation.
@@ -150,15 +162,18 @@ impl Clients {
         }
     }
 
-    /// Notes that the engine, whose lease has number `now`, has ended the one of this client that it had `confirmed`.
-    pub(crate) fn check(&self, client: u64, now: u32, confirmed: &mut Option<u64>) {
-        let held = self.number(client);
-        if held.is_some_and(|number| number == u64::from(now)) {
-            *confirmed = held;
-        } else if let Some(number) = confirmed.take()
-            && held == Some(number)
-        {
-            self.lost(number);
+    /// Notes that the servo thread has ended the lease of this client: one that it had `confirmed`, or that it should have seen
+    /// by now. This program may have stood still since the lease began.
+    pub(crate) fn check(&self, client: u64, now: Beating, confirmed: &mut Option<u64>) {
+        let held = self.with(|table| table.holder.clone()).filter(|h| h.client == client);
+        let Some(held) = held else { return *confirmed = None };
+        let is_old =
+            |begun: u32| now.pulse.wrapping_sub(begun).cast_signed() > SEEN_MS.cast_signed();
+        if held.number == u64::from(now.lease) {
+            *confirmed = Some(held.number);
+        } else if *confirmed == Some(held.number) || held.begun.is_some_and(is_old) {
+            *confirmed = None;
+            self.lost(held.number);
         }
     }
 
@@ -227,7 +242,16 @@ impl Clients {
         };
         let number = answer.lines.iter().find_map(|line| line.strip_prefix("lease=")?.parse().ok());
         let number = number.ok_or_else(|| Error::new(Code::Refused, "the engine gave no lease"))?;
-        let holder = Holder { client, user: user.to_owned(), number, answered: Instant::now() };
+        let args = vec![format!("lease={number}")];
+        let beat = engine.call(Request::Command { name: "remote.beat".to_owned(), args }).await;
+        let begun = match beat {
+            Ok(Reply::Answer(answer)) => answer.lines.iter().find_map(|line| {
+                line.split(' ').find_map(|word| word.strip_prefix("pulse=")?.parse().ok())
+            }),
+            _ => None,
+        };
+        let user = user.to_owned();
+        let holder = Holder { client, user, number, answered: Instant::now(), begun };
         let there = self.with(|table| {
             let there = table.clients.contains_key(&client);
             if there {

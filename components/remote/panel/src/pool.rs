@@ -14,7 +14,7 @@ use std::{
 use tokio::{task::spawn_blocking, time::Instant};
 
 /// Seats of all, and of one person. A seat is kept until the answer has been sent.
-const MAX_SEATS: usize = 64;
+pub(crate) const MAX_SEATS: usize = 64;
 const MAX_OWN_SEATS: usize = 4;
 /// Longest turn while others wait.
 const TURN: Duration = Duration::from_millis(50);

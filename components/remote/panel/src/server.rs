@@ -16,7 +16,7 @@ use crate::{
     lease::Clients,
     limits::Peer,
     options::Options,
-    pool::Pool,
+    pool::{MAX_SEATS, Pool},
     private, scope,
     security::Security,
     session::{Sessions, secret},
@@ -39,6 +39,7 @@ use hyper_util::{
 use places::Places;
 use serde_json::{Map, Value as Json};
 use std::{
+    io,
     net::SocketAddr,
     path::{Path, PathBuf},
     sync::{
@@ -64,9 +65,13 @@ pub(crate) use wire::SendBuffer;
 /// Number of connections; more wait until one ends.
 const MAX_CONNECTIONS: usize = 1024;
 /// Longest time that a client may take for the head of a request.
-const HEAD_TIME: Duration = Duration::from_secs(10);
+pub(crate) const HEAD_TIME: Duration = Duration::from_secs(10);
 /// Longest head of a request in bytes.
 const MAX_HEAD: usize = 32 << 10;
+/// Number of threads for work that waits: one for each seat, and some for files and tables of the system. Each leaves memory
+/// behind, and goes when it has nothing to do for a while.
+const MAX_THREADS: usize = MAX_SEATS + 16;
+const IDLE_THREAD: Duration = Duration::from_secs(2);
 /// Wait after the system has refused a connection.
 const REFUSED: Duration = Duration::from_millis(100);
 
@@ -147,7 +152,7 @@ pub fn run(options: &Options) -> Result<(), String> {
     let folders = Folders::find(options, ini.as_ref())?;
     let options = &private::placed(options, &folders)?;
     if let (Some(account), Some(file)) = (&options.add_account, &options.accounts) {
-        return accounts::add(file, account, &mut std::io::stdin().lock());
+        return accounts::add(file, account, &mut io::stdin().lock());
     }
     let security = Security::open(options)?;
     let settings = teleop::Settings::read(options, ini.as_ref())?;
@@ -156,11 +161,16 @@ pub fn run(options: &Options) -> Result<(), String> {
     let place = Place::find(options.instance.as_deref())?;
     let is_inch = ini.as_ref().is_some_and(|ini| ini.is_inch().unwrap_or(false));
     let mut info = info::info(place.name(), ini.as_ref(), is_inch);
-    let runtime = runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
+    let runtime = runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .max_blocking_threads(MAX_THREADS)
+        .thread_keep_alive(IDLE_THREAD)
+        .enable_all()
+        .build();
     let runtime = runtime.map_err(|e| hal_output::reason(&e))?;
     runtime.block_on(async {
         // Before anybody learns that the panel is there.
-        let signals = Signals::new()?;
+        let signals = Signals::new().map_err(|e| hal_output::reason(&e))?;
         let listener = TcpListener::bind(options.listen).await;
         let listener =
             listener.map_err(|e| format!("{}: {}", options.listen, hal_output::reason(&e)))?;
@@ -170,7 +180,7 @@ pub fn run(options: &Options) -> Result<(), String> {
         let audit = Audit::open(&audit)?;
         let teleop_port = teleop.unwrap_or(teleop::ADDRESS).port();
         hal_lease::load(&place, ini.as_ref(), "halpanel")?;
-        let engine = Engine::join(&place)?;
+        let engine = Engine::join(&place).map_err(|why| why.to_string())?;
         let on_loss = on_loss(&engine).await;
         info.insert("on_loss".to_owned(), Json::from(LOSSES.get(on_loss).copied()));
         let address_file = options.address_file.clone().unwrap_or_else(|| beside("url"));
@@ -179,7 +189,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             security,
             options: options.clone(),
             engine,
-            wiring: Engine::join_for_wiring(&place)?,
+            wiring: Engine::join_for_wiring(&place).map_err(|why| why.to_string())?,
             epochs: Epochs::open(&place),
             on_loss: on_loss.into(),
             machine: status::observe(&place)?,
@@ -249,9 +259,11 @@ struct Signals {
 
 impl Signals {
     /// Takes the signals from now on.
-    fn new() -> Result<Self, String> {
-        let take = |kind| signal(kind).map_err(|e| hal_output::reason(&e));
-        Ok(Self { end: take(SignalKind::terminate())?, interrupt: take(SignalKind::interrupt())? })
+    fn new() -> io::Result<Self> {
+        Ok(Self {
+            end: signal(SignalKind::terminate())?,
+            interrupt: signal(SignalKind::interrupt())?,
+        })
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod alone;
 mod cuts;
+mod histories;
 mod job;
 mod jogs;
 mod rig;

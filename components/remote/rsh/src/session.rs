@@ -115,6 +115,12 @@ pub fn is_stop(line: &str) -> bool {
 }
 
 impl Session {
+    /// Returns whether the client has said hello with the password.
+    #[must_use]
+    pub const fn is_greeted(&self) -> bool {
+        self.greeted
+    }
+
     /// Executes a line. Returns the reply, and what comes next.
     pub fn line(
         &mut self,

@@ -135,6 +135,11 @@ impl Args {
         Ok(Self { given, shown: BTreeMap::new() })
     }
 
+    /// Notes that people elsewhere have given the command. No word of a client has this name, because no declaration has.
+    pub(crate) fn come_from_afar(&mut self) {
+        self.given.push((hal_abi::FROM_AFAR.into(), ArgumentValue::Int(1)));
+    }
+
     /// Returns an argument in the form of the binary interface.
     pub(crate) fn get(&mut self, name: &str) -> ArgValue {
         let none = ArgValue { size: hal_abi::size::<ArgValue>(), ..ArgValue::NONE };

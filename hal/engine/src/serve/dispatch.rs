@@ -26,7 +26,8 @@ impl Engine {
         request: Request,
         client: Option<&mut Client>,
     ) -> Result<Answer, Error> {
-        if client.as_ref().is_some_and(|c| c.speaks_from_afar) {
+        let is_from_afar = client.as_ref().is_some_and(|c| c.speaks_from_afar);
+        if is_from_afar {
             guarded::permit(self.model.graph(), &request)?;
         }
         if let Some(reply) = self.dry_run_reply(&request) {
@@ -43,7 +44,7 @@ impl Engine {
             ByClass::Wait(request) => self.wait(&request),
             ByClass::Edit(request) => self.edit(request).map(Answer::Now),
             ByClass::Query(request) => self.query(request).map(Answer::Now),
-            ByClass::Action(request) => self.act(request).map(Answer::Now),
+            ByClass::Action(request) => self.act(request, is_from_afar).map(Answer::Now),
             ByClass::Outside(request) => self.act_outside(request).map(Answer::Now),
         }
     }

@@ -63,8 +63,12 @@ impl Engine {
         })
     }
 
-    /// Acts on the machine.
-    pub(crate) fn act(&mut self, request: ActionRequest) -> Result<Reply, Error> {
+    /// Acts on the machine, for people elsewhere or for those here.
+    pub(crate) fn act(
+        &mut self,
+        request: ActionRequest,
+        is_from_afar: bool,
+    ) -> Result<Reply, Error> {
         match request {
             ActionRequest::Apply { files, edits, dry } => return self.apply(&files, edits, dry),
             ActionRequest::Stop => {
@@ -77,7 +81,9 @@ impl Engine {
             ActionRequest::MessageLevel { level } => {
                 self.runtime.shared().mailbox.level.store(level, Ordering::Relaxed);
             }
-            ActionRequest::Command { name, args } => return self.command(&name, &args),
+            ActionRequest::Command { name, args } => {
+                return self.command(&name, &args, is_from_afar);
+            }
             ActionRequest::Shutdown => self.clients.shutdown = true,
         }
         Ok(Reply::Done)
@@ -143,11 +149,12 @@ impl Engine {
         Ok(())
     }
 
-    /// `COMPONENT.VERB name=value …`.
+    /// `COMPONENT.VERB name=value …`, given by people elsewhere or by those here.
     pub(in crate::serve) fn command(
         &mut self,
         name: &str,
         words: &[String],
+        is_from_afar: bool,
     ) -> Result<Reply, Error> {
         let owner = crate::graph::find(&self.model.graph().commands, "command", name)?;
         let component = self.model.graph().component(owner);
@@ -158,7 +165,10 @@ impl Engine {
             name: name.into(),
             near: None,
         })?;
-        let args = Args::parse(&command.args, &[], words)?;
+        let mut args = Args::parse(&command.args, &[], words)?;
+        if is_from_afar {
+            args.come_from_afar();
+        }
         let outcome = {
             let _within = self.runtime.control().run(command.doing.clone());
             command.code.call(args)?

@@ -357,7 +357,7 @@ fn attach(
 pub(crate) fn leave(engine: &mut Engine, c: &mut Client) {
     for line in core::mem::take(&mut c.at_end) {
         // What has ended by itself needs no end: nobody is left to tell.
-        drop(engine.command(&line.name, &line.args));
+        drop(engine.command(&line.name, &line.args, c.speaks_from_afar));
     }
     c.take_page(engine);
     for ring in engine.model.rings_mut().map(|(_, ring)| ring) {

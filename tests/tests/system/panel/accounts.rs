@@ -15,7 +15,7 @@ use std::{
 const NOBODY: u32 = 65_534;
 
 /// Adds an account to the file `people`, which nobody else reaches.
-fn add(printer: &Printer, account: &str, password: &str) {
+pub(super) fn add(printer: &Printer, account: &str, password: &str) {
     let scratch = &printer.scratch;
     scratch.write("password", format!("{password}\n"));
     let mut command = scratch.command(&[], "halpanel");
@@ -112,7 +112,12 @@ fn what_does_not_fit_is_refused_before_anything_listens() {
 }
 
 /// Tries to sign in; returns the code of the refusal and the cookies.
-fn tries(printer: &Printer, cookie: &str, user: &str, password: &str) -> (String, Vec<String>) {
+pub(super) fn tries(
+    printer: &Printer,
+    cookie: &str,
+    user: &str,
+    password: &str,
+) -> (String, Vec<String>) {
     let headers = format!("{}Cookie: {cookie}\r\n", printer.host());
     let body = json!({ "user": user, "password": password }).to_string();
     let answer = printer.request("POST", "/api/v1/session", &headers, body.as_bytes());

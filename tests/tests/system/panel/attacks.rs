@@ -3,7 +3,7 @@
 
 use super::printer::{Printer, Session};
 use hal_tests::{
-    scratch::Scratch,
+    scratch::{Scratch, until},
     user::{as_user, is_root},
     web::{self, Socket, encoded},
 };
@@ -70,11 +70,17 @@ fn prepare(scratch: &Scratch) {
 
 impl Stage {
     fn start() -> Self {
+        Self::start_with("")
+    }
+
+    /// Starts the machine with further entries of its INI file.
+    fn start_with(entries: &str) -> Self {
+        let traj = format!("{entries}[TRAJ]\nNO_FORCE_HOMING = 1");
         let edit = |ini: &str| {
             let lines = ini.lines().map(|line| match line.split_once('=') {
                 Some((name, _)) if name.trim() == "PROGRAM_PREFIX" => "PROGRAM_PREFIX = programs",
                 _ if line == "[RS274NGC]" => "[RS274NGC]\nUSER_M_PATH = codes:open",
-                _ if line == "[TRAJ]" => "[TRAJ]\nNO_FORCE_HOMING = 1",
+                _ if line == "[TRAJ]" => &traj,
                 _ => line,
             });
             lines.map(|line| format!("{line}\n")).collect()
@@ -331,4 +337,76 @@ fn a_machine_whose_files_mix_code_and_output_does_not_start() {
     let is_refused =
         output.stderr.contains("in a folder of uploads or output, where nothing is run");
     assert!(is_refused && !scratch.path().join("ran.txt").exists(), "{output:?}");
+}
+
+/// A program of the machine's owner that sets a pin of motion, and says at its end that it has.
+const SETS: &str = "#!/bin/sh\n'HALCMD' setp motion.digital-in-00 $(printf %.0f $1) 2> said.txt\ncode=$?\n\
+                    touch done.txt\nexit $code\n";
+
+impl Stage {
+    /// Executes M120 with this value, from afar or at the machine; returns why it failed, and the value of the pin then.
+    fn set(&mut self, value: u32, from_afar: bool) -> (String, String) {
+        let text = format!("M120 P{value} Q0");
+        drop(fs::remove_file(self.at("done.txt")));
+        let mut id = Value::Null;
+        if from_afar {
+            let args = json!({ "text": text });
+            let mdi = json!({ "type": "command", "name": "mdi", "args": args });
+            let reply = self.socket.ask(mdi);
+            assert_eq!(reply["pending"], true, "{reply}");
+            id = reply["id"].clone();
+        } else {
+            let mut halcmd = self.printer.scratch.command(&[], "halcmd");
+            let output =
+                self.printer.scratch.run(halcmd.arg("task.mdi").arg(format!("text={text}")));
+            assert_eq!(output.status, Some(0), "{output:?}");
+        }
+        until("M120 has ended", || {
+            self.printer.halcmd("run 100ms");
+            self.at("done.txt").exists()
+        });
+        let jobs = || self.printer.halcmd("task.status").contains("interpreter=idle");
+        until("the line has ended", || {
+            self.printer.halcmd("run 100ms");
+            jobs()
+        });
+        let why = match from_afar {
+            true => {
+                let done = self.socket.wait(|m| m["type"] == "done" && m["id"] == id).unwrap();
+                done["error"]["text"].as_str().unwrap_or_default().to_owned()
+            }
+            false => String::new(),
+        };
+        (why, self.printer.halcmd("getp motion.digital-in-00").trim().to_owned())
+    }
+}
+
+#[test]
+fn the_owners_programs_have_the_rights_of_who_has_begun_the_job() {
+    for (entries, is_limited) in [
+        ("", true),
+        ("[REMOTE]\nUSER_CODES = limited\n", true),
+        ("[REMOTE]\nUSER_CODES = full\n", false),
+    ] {
+        let mut s = Stage::start_with(entries);
+        let halcmd = s.printer.scratch.command(&[], "halcmd").get_program().to_owned();
+        let text = SETS.replace("HALCMD", halcmd.to_str().unwrap());
+        s.printer.scratch.write("codes/M120", text);
+        mode(&s.at("codes/M120"), 0o755);
+        assert_eq!(s.order("mode", &json!({ "mode": "mdi" })), "");
+        // At the machine it may.
+        assert_eq!(s.set(1, false).1, "TRUE", "{entries}");
+        let (why, value) = s.set(0, true);
+        let said = s.printer.scratch.read("said.txt");
+        if is_limited {
+            assert!(
+                why.contains("M120 ended with exit status") && why.contains("USER_CODES"),
+                "{why}"
+            );
+            assert!(said.contains("it is not changed from afar"), "{said}");
+            assert_eq!(value, "TRUE");
+        } else {
+            assert_eq!((&*why, &*said, &*value), ("", "", "FALSE"));
+        }
+    }
 }

@@ -19,6 +19,8 @@ mod five_axis;
 mod fixture;
 mod garbage;
 mod guarded;
+mod guesses;
+mod histories;
 mod holds;
 mod integrator;
 mod load;

@@ -6,6 +6,7 @@ use hal_tests::{
     programs::root,
     scratch::{Running, Scratch, until},
     tools,
+    user::{as_user, is_root},
 };
 use rustix::process::{Pid, Signal};
 use std::{
@@ -437,4 +438,88 @@ fn malformed_input_moves_nothing_and_ends_nothing() {
     assert_eq!(line.ask("get error"), "ERROR OK\r\n");
     // A line that is too long is left out, and the next one is not.
     assert_eq!(line.ask(&format!("set mdi {long}\r\nget machine")), "MACHINE OFF\r\n");
+}
+
+/// Connections that are opened at once, and sessions that say hello: a program has fewer of the engine's 256 clients.
+const SILENT: usize = 250;
+const GREETED: usize = 128;
+
+#[test]
+fn connections_take_a_client_of_the_engine_with_their_hello_and_never_all_of_them() {
+    let scratch = Scratch::copy_of(&folder());
+    let (_running, port) = start(&scratch, "");
+    let connect = || TcpStream::connect(("127.0.0.1", port)).unwrap();
+    let mut silent: Vec<_> = (0..SILENT).map(|_| Line { stream: connect() }).collect();
+    // All of them are served, and show the machine, before anybody has said hello.
+    for line in &mut silent {
+        assert_eq!(line.ask("get estop"), "ESTOP ON\r\n");
+        assert_eq!(line.ask("set mode mdi"), "SET NAK\r\n");
+    }
+    let serves = || scratch.told("getp motion.motion-enabled");
+    assert_eq!(serves().trim(), "FALSE");
+    let said = silent.iter_mut().map(|line| line.ask("hello EMC me 1.0"));
+    let greeted = said.filter(|said| said.starts_with("HELLO ACK"));
+    assert_eq!(greeted.count(), GREETED);
+    assert_eq!(serves().trim(), "FALSE");
+    drop(silent);
+    until("a client is free again", || {
+        Line { stream: connect() }.ask("hello EMC me 1.0").starts_with("HELLO ACK")
+    });
+}
+
+/// A user without rights: `nobody`.
+const NOBODY: u32 = 65_534;
+
+#[test]
+fn another_user_opens_programs_of_the_machine_alone_and_has_a_part_of_the_connections() {
+    if !is_root() {
+        return;
+    }
+    let scratch = Scratch::copy_of(&folder());
+    let secret = scratch.path().with_extension("secret.ngc");
+    fs::write(&secret, "M2\n").unwrap();
+    std::os::unix::fs::symlink(&secret, scratch.path().join("link.ngc")).unwrap();
+    let (_running, port) = start(&scratch, " -w one -e two");
+    let begin = || {
+        let mut line = Line::new(port);
+        assert!(line.ask("hello one me 1.0").starts_with("HELLO ACK"));
+        line.ask("set echo off");
+        line.ask("set verbose on");
+        for text in ["set enable two", "set set_wait done"] {
+            let reply = line.ask(text);
+            assert!(reply.ends_with(" ACK\n\r"), "{text}: {reply} {}", line.ask("get error"));
+        }
+        line
+    };
+    let refusal = |line: &mut Line, file: &str| {
+        let reply = line.ask(&format!("set open {file}"));
+        if reply == "SET OPEN ACK\n\r" { String::new() } else { line.ask("get error") }
+    };
+    let (inside, outside) = (scratch.path().join("square.ngc"), secret.display().to_string());
+    let inside = inside.display().to_string();
+    as_user(NOBODY, || {
+        let mut line = begin();
+        assert_eq!(refusal(&mut line, &inside), "");
+        for (file, why) in [
+            (&*outside, "programs are opened from afar in "),
+            ("/etc/passwd", "([DISPLAY]PROGRAM_PREFIX)"),
+            ("link.ngc", "a symbolic link is here or on the way"),
+            ("../machine.ini", "the name has '..'"),
+        ] {
+            let said = refusal(&mut line, file);
+            assert!(said.contains(why), "{file}: {said}");
+        }
+        // A part of the connections; one more ends without a word.
+        let others: Vec<_> = (1..32).map(|_| begin()).collect();
+        until("one more is closed", || {
+            let mut more = TcpStream::connect(("127.0.0.1", port)).unwrap();
+            more.write_all(b"get plat\r\n").unwrap_or_default();
+            more.read(&mut [0; 1]).unwrap_or(0) == 0
+        });
+        drop(others);
+    });
+    // The machine's own user opens what they can read, as with LinuxCNC.
+    let mut own = begin();
+    assert_eq!(refusal(&mut own, &outside), "");
+    fs::remove_file(secret).unwrap();
 }

@@ -52,6 +52,8 @@ fn a_job_is_presented_by_configfs() {
 fn without_a_folder_commands_are_refused() {
     let mut bench = Bench::new();
     bench.load::<UsbJobs>(&[]).unwrap();
+    let error = bench.command_from_afar("usbjobs.send", &["file=/etc/hostname"]).unwrap_err();
+    assert_eq!(error, "a file is named at the machine, and not from afar");
     let error = bench.command("usbjobs.send", &["file=/etc/hostname"]).unwrap_err();
     assert_eq!(error, "usbjobs has no storage: load it with folder=PATH");
 }

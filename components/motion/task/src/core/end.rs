@@ -104,9 +104,9 @@ impl Core {
         let tickets = job.and_then(|j| j.ticket).into_iter();
         let (ended, later) = core::mem::take(&mut self.mdi)
             .into_iter()
-            .partition::<VecDeque<_>, _>(|(_, given, _)| !is_stopped || given.is_stopped_by(now));
+            .partition::<VecDeque<_>, _>(|line| !is_stopped || line.given.is_stopped_by(now));
         self.mdi = later;
-        for ticket in tickets.chain(ended.into_iter().map(|(.., ticket)| ticket)) {
+        for ticket in tickets.chain(ended.into_iter().map(|line| line.ticket)) {
             out.finish(ticket, Err(why.to_owned()));
         }
         let flight = self.flight.front().map(|f| f.origin.clone());

@@ -3,7 +3,7 @@
 use super::{Core, Entry, Flight, Reading, Surface, Waiting, overrides::Scale};
 use crate::{
     convert::Action,
-    outside::{Level, Order, Outside, Refusal},
+    outside::{Level, Order, Outside, Refusal, Rights},
 };
 use hal_component::{IoRequest, Wait};
 use hal_gcode::{Call, tool::Tool};
@@ -220,7 +220,11 @@ impl Core {
                 return sent;
             }
             Action::UserCode { code, p, q } => {
-                out.begin_program(*code, *p, *q)?;
+                let rights = match self.is_job_from_afar && !self.rules.has_full_codes {
+                    true => Rights::FromAfar,
+                    false => Rights::Owner,
+                };
+                out.begin_program(*code, *p, *q, rights)?;
                 self.waiting = Some(Waiting::Program(*code));
             }
             Action::Pause(why) => {

@@ -15,4 +15,6 @@ pub(crate) struct Rules {
     pub(crate) change_position: Option<[Option<f64>; 9]>,
     /// Height in machine units for moves over the part, before a start in the middle of a program.
     pub(crate) safe_height: Option<f64>,
+    /// Programs of users have the owner's rights, also in jobs that people elsewhere have begun.
+    pub(crate) has_full_codes: bool,
 }

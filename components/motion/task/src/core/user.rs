@@ -1,6 +1,8 @@
 //! Commands of operators.
 
-use super::{Asked, Core, EndedBy, MDI_LEN, Mode, Power, Ticket, file_name, overrides::Scale};
+use super::{
+    Asked, Core, EndedBy, MDI_LEN, MdiLine, Mode, Power, Ticket, file_name, overrides::Scale,
+};
 use crate::outside::{Order, Outside, Refusal};
 use hal_component::{IoRequest, StopEpoch};
 use hal_job::{dry_run::Target, world};
@@ -143,7 +145,9 @@ impl Core {
             Command::RunFrom(target) => self.run_from(target, ticket, out).map(|()| Report::Later),
             Command::Recover => self.recover(ticket, out).map(|()| Report::Later),
             Command::Confirm(token) => {
-                self.confirm(token, ticket, given, out).map(|()| Report::Later)
+                self.confirm(token, ticket, given, out)?;
+                self.is_job_from_afar = self.is_from_afar;
+                Ok(Report::Later)
             }
             Command::Pause => self.pause(out),
             Command::Resume => self.resume(ticket, given, out),
@@ -298,7 +302,10 @@ impl Core {
     fn open(&mut self, path: PathBuf) -> Result<Report, String> {
         self.needs_no_job("no program can be opened")?;
         // A file that cannot be read is refused here, not when it runs.
-        world::program_of(&self.world.machine, &path)?;
+        match self.is_from_afar {
+            true => drop(world::program_from_afar(&self.world.machine, &path)?),
+            false => drop(world::program_of(&self.world.machine, &path)?),
+        }
         self.program = Some(path);
         Ok(Report::Now)
     }
@@ -315,6 +322,7 @@ impl Core {
         self.take_stopped_spindles(given, out);
         let path = self.program.clone().unwrap_or_default();
         self.check_before_start(path, ticket, given, stepping, out)?;
+        self.is_job_from_afar = self.is_from_afar;
         Ok(Report::Later)
     }
 
@@ -327,7 +335,8 @@ impl Core {
         if self.mdi.len() >= MDI_LEN {
             return Err(format!("{MDI_LEN} lines of MDI wait already"));
         }
-        self.mdi.push_back((text, given, ticket));
+        let is_from_afar = self.is_from_afar;
+        self.mdi.push_back(MdiLine { text, given, ticket, is_from_afar });
         Ok(Report::Later)
     }
 
@@ -368,7 +377,8 @@ impl Core {
         if self.is_busy() {
             return;
         }
-        let Some((text, given, ticket)) = self.mdi.pop_front() else { return };
+        let Some(line) = self.mdi.pop_front() else { return };
+        let MdiLine { text, given, ticket, is_from_afar } = line;
         let late = out.epoch();
         if given.is_stopped_by(late) || given.is_paused_by(late) {
             return out.finish(ticket, Err(LATE.to_owned()));
@@ -379,6 +389,7 @@ impl Core {
         self.take_over(out);
         self.interpreter.mdi(&text);
         self.mdi_text = text;
+        self.is_job_from_afar = is_from_afar;
         self.begin_job(false, Some(ticket), given, false, out);
     }
 }

@@ -1,6 +1,7 @@
 //! Programs and lines of MDI.
 
 use super::*;
+use std::os::unix::fs::PermissionsExt as _;
 
 #[test]
 fn a_program_runs_and_its_second_run_is_the_same() {
@@ -226,6 +227,73 @@ fn the_tool_table_is_written_when_its_line_is_executed() {
     assert_eq!(rig.fake.tables.len(), 1);
     assert!(rig.fake.tables[0].contains("T2 P2 D+1.000000 X+0.000000 Y+0.000000 Z+33.000000"));
     assert!(rig.sent().iter().any(|s| s.starts_with("ToolOffset([0.0, 0.0, 33.0")));
+}
+
+#[test]
+fn a_job_of_people_elsewhere_runs_user_codes_with_their_rights() {
+    let rig = || {
+        let rig = Rig::with("M101 P1\nM2\n", |rules| rules.needs_homing = false);
+        let path = rig.folder.join("M101");
+        std::fs::write(&path, "#!/bin/sh\n").unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        rig
+    };
+    let began = |rig: &mut Rig, far: bool, command: Command| {
+        rig.core.is_from_afar = far;
+        rig.send(command);
+        rig.core.is_from_afar = false;
+        for _ in 0..50 {
+            rig.step();
+        }
+        rig.sent().join(" ")
+    };
+    for (far, wanted) in [(false, "M101 1 -1"), (true, "M101 1 -1 from afar")] {
+        for begin in [Command::Run, Command::Step] {
+            let mut rig = rig();
+            assert_eq!(began(&mut rig, far, begin.clone()), wanted, "{begin:?}");
+        }
+        let mut rig = rig();
+        rig.good(Command::Mode(Mode::Mdi));
+        assert_eq!(began(&mut rig, far, Command::Mdi("M101 P1".into())), wanted);
+        // A line of somebody else that waits behind it has the rights of who gave it.
+        let behind = if far { "M101 2 -1" } else { "M101 2 -1 from afar" };
+        assert_eq!(began(&mut rig, !far, Command::Mdi("M101 P2".into())), "");
+        rig.fake.program = Progress::Done;
+        assert_eq!(began(&mut rig, false, Command::OptionalStop(true)), behind);
+    }
+}
+
+#[test]
+fn people_elsewhere_open_programs_of_the_folder_of_programs_alone() {
+    let mut rig = Rig::new("M2\n");
+    let (programs, other) = (rig.folder.join("nc_files"), rig.folder.join("job.ngc"));
+    std::fs::create_dir_all(programs.join("uploads")).unwrap();
+    for name in ["own.ngc", "uploads/sent.ngc"] {
+        std::fs::write(programs.join(name), "M2\n").unwrap();
+    }
+    std::os::unix::fs::symlink(&other, programs.join("link.ngc")).unwrap();
+    std::fs::write(rig.folder.join("m.ini"), "[EMC]\n").unwrap();
+    let ini = hal_ini::Ini::read(&rig.folder.join("m.ini")).unwrap();
+    let places = hal_job::places::Places::read(&ini, &rig.folder).unwrap();
+    rig.core.world.machine.places = Some(places);
+    let wanted = format!("opened from afar in {} alone", programs.display());
+    rig.core.is_from_afar = true;
+    rig.good(Command::Open(programs.join("own.ngc")));
+    rig.good(Command::Open(programs.join("uploads/sent.ngc")));
+    for (path, why) in [
+        (other.clone(), &*wanted),
+        ("/etc/passwd".into(), &*wanted),
+        (programs.join("../job.ngc"), "the name has '..'"),
+        (programs.join("link.ngc"), "a symbolic link is here or on the way"),
+        (programs.clone(), "the name is empty"),
+        (programs.join("none.ngc"), "No such file"),
+    ] {
+        let said = rig.refused(Command::Open(path.clone()));
+        assert!(said.contains(why), "{}: {said}", path.display());
+    }
+    assert_eq!(rig.core.program, Some(programs.join("uploads/sent.ngc")));
+    rig.core.is_from_afar = false;
+    rig.good(Command::Open(other));
 }
 
 #[test]

@@ -43,6 +43,7 @@ impl Component for Jobs {
             has_top_speed: [false; 8],
             change_position: None,
             safe_height: None,
+            has_full_codes: false,
         };
         let core =
             Core::new(World { machine, hal: BTreeMap::new(), functions: None }, rules).unwrap();

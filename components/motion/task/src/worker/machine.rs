@@ -10,7 +10,7 @@ use crate::{
     command_record::record,
     core::{Core, Interpreting, is_stop},
     journal_file::JournalFile,
-    outside::{FileAction, Level, MotionState, Order, Outside, Progress, Refusal, Ticket},
+    outside::{FileAction, Level, MotionState, Order, Outside, Progress, Refusal, Rights, Ticket},
     programs::UserProgram,
 };
 use hal_component::{
@@ -259,8 +259,8 @@ impl Outside for Machine {
         self.values.answer(question)
     }
 
-    fn begin_program(&mut self, code: u16, p: f64, q: f64) -> Result<(), String> {
-        self.program.begin(&self.files.codes, code, p, q)
+    fn begin_program(&mut self, code: u16, p: f64, q: f64, rights: Rights) -> Result<(), String> {
+        self.program.begin(&self.files.codes, code, [p, q], rights)
     }
 
     fn program(&mut self) -> Progress {

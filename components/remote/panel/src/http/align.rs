@@ -68,7 +68,7 @@ pub(crate) async fn picture(
     let file = panel.view_file();
     let begun = Instant::now();
     loop {
-        let view = panel.pictures.newest(&panel.engine, &file).await?;
+        let view = panel.pictures.newest(&panel.wiring, &file).await?;
         if let Some(view) = view.filter(|view| after.is_none() || view.number != after) {
             return Ok(answer(&view));
         }

@@ -1,16 +1,21 @@
 //! Checks of every request, and headers of every answer.
 
+use super::timed::{self, CutOff, Limit};
 use crate::{
     error::{Code, Error},
-    server::Panel,
+    server::{HEAD_TIME, Panel},
 };
 use axum::{
     extract::{Request, State},
-    http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header},
+    http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header},
     middleware::Next,
     response::{IntoResponse as _, Response},
 };
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
+
+/// Longest time that the body of a request may take, and the longest time between two parts of an upload.
+const BODY_TIME: Duration = HEAD_TIME;
+const PART_TIME: Duration = Duration::from_secs(30);
 
 /// Headers of every answer.
 const HEADERS: &[(&str, &str)] = &[
@@ -35,7 +40,7 @@ pub(crate) async fn guard(
     next: Next,
 ) -> Response {
     let mut response = match check(&panel, request.headers()) {
-        Ok(()) => named(next.run(request).await),
+        Ok(()) => in_time(request, next).await,
         Err(e) => e.into_response(),
     };
     let headers = response.headers_mut();
@@ -44,6 +49,25 @@ pub(crate) async fn guard(
     }
     headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
     response
+}
+
+/// Answers a request whose body comes in time. An upload may be long, and an operator's: it goes on as long as something of it comes.
+async fn in_time(request: Request, next: Next) -> Response {
+    let is_upload = request.method() == Method::PUT;
+    let limit = if is_upload { Limit::EachPart(PART_TIME) } else { Limit::Whole(BODY_TIME) };
+    let mut cut_off = CutOff::default();
+    let request = request.map(|body| {
+        let (body, its) = timed::body(body, limit);
+        cut_off = its;
+        body
+    });
+    let response = next.run(request).await;
+    if cut_off.has_happened() && !is_upload {
+        let seconds = BODY_TIME.as_secs();
+        let text = format!("the body of the request has not come within {seconds} s");
+        return Error::new(Code::Malformed, text).into_response();
+    }
+    named(response)
 }
 
 /// Gives a refusal of the libraries below, which is a text, the form of all others.

@@ -10,6 +10,7 @@ pub(crate) mod pictures;
 mod programs;
 mod sent;
 mod sign_in;
+mod timed;
 
 use crate::{
     error::{Code, Error},

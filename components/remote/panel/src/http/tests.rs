@@ -11,15 +11,25 @@ use crate::{
     socket::orders::rights::file,
 };
 use axum::{
-    body::Body,
+    body::{Body, Bytes, HttpBody},
     http::{Request, header},
 };
 use hal_golden::rights::RightsTable;
 use hal_protocol::{Answer, Reply};
-use hyper::service::Service as _;
+use hyper::{body::Frame, service::Service as _};
 use hyper_util::service::TowerToHyperService;
 use serde_json::{Value as Json, json};
-use std::sync::Arc;
+use std::{
+    convert::Infallible,
+    pin::Pin,
+    sync::Arc,
+    task::{Context, Poll},
+    time::Duration,
+};
+use tokio::{
+    runtime,
+    time::{Instant, Interval, interval},
+};
 
 const WHO: [(&str, Role); 6] = [
     ("stranger", Role::Viewer),
@@ -128,4 +138,44 @@ fn every_path_has_the_rights_of_its_rule() {
         }
     });
     table.finish(&file("api.md"));
+}
+
+/// A body that sends a byte with each tick, and never ends.
+struct Slow(Interval);
+
+impl HttpBody for Slow {
+    type Data = Bytes;
+    type Error = Infallible;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
+        self.0.poll_tick(context).map(|_| Some(Ok(Frame::data(Bytes::from_static(b" ")))))
+    }
+}
+
+#[test]
+fn a_body_that_does_not_come_is_not_awaited() {
+    let panel = Arc::new(Panel::that(Engine::that(|_| Ok(Reply::Done)), "slow-bodies"));
+    let mut runtime = runtime::Builder::new_current_thread();
+    let runtime = runtime.enable_time().start_paused(true).build().unwrap();
+    runtime.block_on(async {
+        let service = TowerToHyperService::new(router(&panel));
+        for (path, every, wanted) in [
+            ("/session", 1_000_000, (400, 10)),
+            ("/session", 1, (400, 10)),
+            // What needs no body does not wait for one.
+            ("/tools", 1_000_000, (405, 0)),
+        ] {
+            let mut ticks = interval(Duration::from_secs(every));
+            ticks.reset();
+            let request = asked(0, &panel, "POST", path).map(|_| Body::new(Slow(ticks)));
+            let began = Instant::now();
+            let answer = service.call(request).await.unwrap();
+            let found = (answer.status().as_u16(), began.elapsed().as_secs());
+            assert_eq!(found, wanted, "{path}, a byte every {every} s");
+        }
+    });
+    std::fs::remove_dir_all(panel.place.folder()).unwrap();
 }

@@ -325,7 +325,7 @@ impl Connection {
 
     /// Notes that the engine has ended the lease of this client.
     fn check_lease(&mut self) {
-        let now = self.panel.heart.lease.load(Relaxed);
+        let now = self.panel.heart.beating();
         self.panel.clients.check(self.client, now, &mut self.confirmed);
     }
 

@@ -167,6 +167,9 @@ impl Order {
             return Err(not_allowed());
         }
         let lease = lease.unwrap_or(0);
+        if row.needs_lease() && !row.is_judged() {
+            self.confirm(lease).await?;
+        }
         let requests = match row.action {
             Action::Engine(requests) => requests(&given)?,
             Action::Jog => given.jog(lease)?,
@@ -195,6 +198,8 @@ impl Order {
             let request = orders.stamped(request, epoch);
             let reply = match row.action {
                 Action::EndJogs => self.panel.engine.end_jogs(request).await?,
+                // The name was that of a program of this panel's folder, which need not be the engine's.
+                Action::Open(_) => self.panel.wiring.call(request).await?,
                 _ => self.panel.engine.call_unless_stopped(request, self.stops).await?,
             };
             if let Reply::Answer(answer) = reply {
@@ -203,6 +208,20 @@ impl Order {
             }
         }
         Ok(self.done(id, &lines, tickets))
+    }
+
+    /// Asks the plugin `remote` whether this is still its lease. This program may have stood still meanwhile, and somebody else may have taken
+    /// the lease by another program.
+    async fn confirm(&self, lease: u64) -> Result<(), Error> {
+        let args = vec![format!("lease={lease}")];
+        let asked = Request::Command { name: "remote.beat".to_owned(), args };
+        match self.panel.engine.call_unless_stopped(asked, self.stops).await {
+            Err(why) if why.code == Code::Refused => {
+                self.panel.clients.lost(lease);
+                Err(no_lease())
+            }
+            asked => asked.map(drop),
+        }
     }
 
     /// Tells the plugin `remote` that work begins under the lease, and ends a hold for what resumes it. Returns whether that

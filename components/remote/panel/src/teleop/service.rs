@@ -171,7 +171,7 @@ impl Service {
     fn check_lease(&mut self) {
         let Some(owner) = &self.owner else { return };
         let clients = &self.panel.clients;
-        clients.check(owner.client, self.panel.heart.lease.load(Relaxed), &mut self.confirmed);
+        clients.check(owner.client, self.panel.heart.beating(), &mut self.confirmed);
     }
 
     /// Shows the state at the pins, and keeps the lease of an owner that is there.

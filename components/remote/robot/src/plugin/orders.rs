@@ -119,6 +119,11 @@ pub(crate) fn open(
             let mut inbox = lock(&inbox);
             // A stop finds room always.
             let order = (row.order)(call);
+            if matches!(order, RobotOrder::Load(_)) && call.is_from_afar() {
+                return Err(Error::new(
+                    "a program is loaded at the machine or by the panel, and not from afar",
+                ));
+            }
             if order.begins_a_move() && shared.loads.load(Relaxed) {
                 return Err(Error::new("a program is being loaded: wait until it is"));
             }

@@ -146,6 +146,8 @@ fn numbers_that_are_none_change_nothing() {
     rig.pass(10);
     assert!(rig.0.failure().unwrap().starts_with("robot.tool-length has changed"));
     // A length that a load refuses reaches no joint of the next connection.
+    let why = rig.0.command_from_afar("robot.load", &["file=part.nc"]).unwrap_err();
+    assert_eq!(why, "a program is loaded at the machine or by the panel, and not from afar");
     let why = rig.refused("robot.load", &["file=nowhere.nc"]);
     assert_eq!(why, "the length of the tool is NaN: from 0 to 500 mm");
     let joint = rig.0.get::<f64>("robot.joint.1");

@@ -170,13 +170,14 @@ fn cancelled(refusals: usize, name: &str) -> Vec<String> {
 #[test]
 fn a_cancellation_is_repeated_until_the_engine_takes_it() {
     let told = cancelled(3, "cancel");
-    let expected = ["remote.take"].into_iter().chain(["motion.abort"; 5]).collect::<Vec<_>>();
+    let expected =
+        ["remote.take", "remote.beat"].into_iter().chain(["motion.abort"; 5]).collect::<Vec<_>>();
     assert_eq!(told, expected);
     // After a while the lease goes too.
     let told = cancelled(40, "insist");
     let aborts = told.iter().filter(|name| *name == "motion.abort").count();
     let given = told.iter().position(|name| name == "remote.give");
-    assert_eq!((aborts, given), (42, Some(26)), "{told:?}");
+    assert_eq!((aborts, given), (42, Some(27)), "{told:?}");
 }
 
 /// Cancels a job at the end of its command, within this time; returns the commands that the engine got. A step never ends.

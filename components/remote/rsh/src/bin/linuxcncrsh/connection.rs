@@ -1,13 +1,13 @@
 //! A connection: its lines, one after the other.
 
-use crate::engine::{Engine, Served};
+use crate::engine::{Engine, Served, lock};
 use hal_lease::EpochPage;
-use hal_protocol::Client;
 use rsh::{Lines, Machine as _, Next, Session, is_stop};
 use std::{
     collections::VecDeque,
     io::{ErrorKind, Read as _, Write as _},
     net::TcpStream,
+    sync::Arc,
     time::Duration,
 };
 
@@ -23,7 +23,7 @@ pub(crate) struct Input {
     lines: Lines,
     /// Stop epochs in which the lines that wait have arrived; `None` is that of their execution.
     epochs: VecDeque<Option<u64>>,
-    page: Option<EpochPage>,
+    source: Arc<Served>,
     /// True after the last byte.
     ended: bool,
     /// True once a stop has ended a wait: what was sent before it is left out.
@@ -31,11 +31,9 @@ pub(crate) struct Input {
 }
 
 impl Input {
-    fn new(stream: TcpStream, source: &Served) -> Self {
-        let client = Client::connect(&source.place, "");
-        let page = client.ok().and_then(|mut client| EpochPage::open(&mut client));
+    pub(crate) fn new(stream: TcpStream, source: Arc<Served>) -> Self {
         let (lines, epochs) = (Lines::default(), VecDeque::new());
-        Self { stream, lines, epochs, page, ended: false, stopped: false }
+        Self { stream, lines, epochs, source, ended: false, stopped: false }
     }
 
     /// Forgets when the lines that wait have arrived: a line before them is the stop that ended that epoch.
@@ -51,7 +49,8 @@ impl Input {
             Ok(0) => self.ended = true,
             Ok(n) => {
                 self.lines.push(bytes.get(..n).unwrap_or_default());
-                let epoch = self.page.as_mut().and_then(EpochPage::read).map(|(_, epoch)| epoch);
+                let epoch = lock(&self.source.epochs).as_mut().and_then(EpochPage::read);
+                let epoch = epoch.map(|(_, epoch)| epoch);
                 self.epochs.resize(self.lines.waiting().count(), epoch);
             }
             Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
@@ -102,9 +101,9 @@ impl Input {
 }
 
 /// Serves a connection until its end. Then the session has no control any more: its jogs stop.
-pub(crate) fn run(stream: TcpStream, id: u64, source: &Served) {
+pub(crate) fn run(stream: TcpStream, id: u64, is_own: bool, source: &Arc<Served>) {
     let prepared = stream.set_write_timeout(Some(PATIENCE)).and_then(|()| stream.set_nodelay(true));
-    let Ok(mut engine) = Engine::new(source, id, Input::new(stream, source)) else { return };
+    let mut engine = Engine::new(source, id, is_own, stream);
     // A connection that is cut ends as one that is closed.
     drop(prepared.and_then(|()| lines(&mut engine, source)));
     engine.give();
@@ -119,6 +118,10 @@ fn lines(engine: &mut Engine, source: &Served) -> std::io::Result<()> {
             continue;
         }
         let (reply, next) = session.line(&line, &source.passwords, engine);
+        if session.is_greeted() && engine.link().is_none() {
+            // There is no machine for it: the hello was of no use.
+            return engine.input.reply("HELLO NAK\r\n");
+        }
         engine.input.reply(&reply)?;
         match next {
             Next::Line => {}

@@ -100,9 +100,24 @@ impl Control {
         }
     }
 
-    /// Returns whether a session has control.
+    /// Returns whether a session has control, which the plugin confirms: this program may have stood still meanwhile, and
+    /// somebody else may have taken the lease by another program.
     pub(crate) fn has(&self, session: u64) -> bool {
-        self.lock().held.is_some_and(|held| held.session == session)
+        let mut table = self.lock();
+        let is_held = |table: &Holders| table.held.is_some_and(|held| held.session == session);
+        is_held(&table) && {
+            table.beat();
+            is_held(&table)
+        }
+    }
+
+    /// Opens a program for the machine's own user; returns the number of the ticket.
+    pub(crate) fn open(&self, request: Request) -> Result<Option<u64>, String> {
+        match self.lock().client.call(request) {
+            Ok(Reply::Answer(answer)) => Ok(answer.ticket),
+            Ok(_) => Ok(None),
+            Err(why) => Err(why.text),
+        }
     }
 
     /// Jogs under the lease of a session.

@@ -1,15 +1,23 @@
 //! The machine of a session: snapshots, commands and control.
 
-use crate::{connection::Input, control::Control};
+use crate::{
+    connection::Input,
+    control::Control,
+    seats::{Seats, Taken},
+};
+use hal_lease::EpochPage;
 use hal_protocol::{
     Client, Failure, Kind, Link as _, Orders, Place, Reply, Request, Snapshot, Stop, TicketInfo,
 };
 use rsh::{Facts, Jog, Machine, Passwords, Record, Snapshots};
 use std::{
-    sync::Arc,
+    net::TcpStream,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::{Duration, SystemTime},
 };
 
+/// Command that opens a program.
+const OPEN: &str = "task.open";
 /// Time within which lines that were sent at once arrive.
 const AT_ONCE: Duration = Duration::from_millis(100);
 
@@ -20,41 +28,102 @@ pub(crate) struct Served {
     pub(crate) facts: Facts,
     pub(crate) passwords: Passwords,
     pub(crate) control: Arc<Control>,
+    /// Records of the machine, for sessions without a client of the engine.
+    pub(crate) records: Mutex<Records>,
+    /// The record of motion, for the stop epochs of lines.
+    pub(crate) epochs: Mutex<Option<EpochPage>>,
+    pub(crate) seats: Seats,
+}
+
+/// The records that sessions show.
+#[derive(Debug)]
+pub(crate) struct Records {
+    motion: Snapshot,
+    /// The record of the task, where there is one.
+    task: Option<Snapshot>,
+}
+
+impl Records {
+    pub(crate) fn open(client: &mut Client) -> Result<Self, Failure> {
+        let motion = client.snapshot("motion.status")?;
+        Ok(Self { motion, task: client.snapshot("task.status").ok() })
+    }
+
+    /// Returns a state without values.
+    fn state(&self, facts: Facts) -> Snapshots {
+        Snapshots {
+            motion: Record::new(self.motion.info()),
+            task: self.task.as_ref().map(|task| Record::new(task.info())).unwrap_or_default(),
+            facts,
+        }
+    }
+
+    fn read(&mut self, state: &mut Snapshots) {
+        // A record that its component does not end is read the next time.
+        self.motion.wait(state.motion.values_mut());
+        match &self.task {
+            Some(task) => drop(task.wait(state.task.values_mut())),
+            None => state.fill_task(),
+        }
+    }
+}
+
+/// A session's client of the engine, which it has from its hello on.
+struct Link {
+    client: Client,
+    records: Records,
+    /// Commands of the machine.
+    orders: Orders,
+    /// Kept while the client lives.
+    _seat: Taken,
 }
 
 /// The machine of one session.
 pub(crate) struct Engine {
-    client: Client,
-    motion: Snapshot,
-    /// The record of the task, where there is one.
-    task: Option<Snapshot>,
-    /// Commands of the machine.
-    orders: Orders,
+    source: Arc<Served>,
+    link: Option<Link>,
     /// Stop epoch in which the line in execution has arrived.
     pub(crate) given: Option<u64>,
     state: Snapshots,
-    control: Arc<Control>,
     session: u64,
+    /// True for a program of the user of this program, or of root.
+    is_own: bool,
     pub(crate) input: Input,
 }
 
+/// Error code (ENOTCONN) of a request without a client of the engine.
+const ENOTCONN: i32 = -107;
+
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Engine {
-    pub(crate) fn new(source: &Served, session: u64, input: Input) -> Result<Self, String> {
-        let mut client = Client::connect_from_afar(&source.place).map_err(|e| e.to_string())?;
-        let orders = hal_lease::orders(&mut client)?;
-        let motion = client.snapshot("motion.status").map_err(|e| e.to_string())?;
-        let task = client.snapshot("task.status").ok();
-        let state = Snapshots {
-            motion: Record::new(motion.info()),
-            task: task.as_ref().map(|task| Record::new(task.info())).unwrap_or_default(),
-            facts: source.facts.clone(),
-        };
-        let control = source.control.clone();
-        Ok(Self { client, motion, task, orders, given: None, state, control, session, input })
+    pub(crate) fn new(source: &Arc<Served>, session: u64, is_own: bool, stream: TcpStream) -> Self {
+        let state = lock(&source.records).state(source.facts.clone());
+        let (source, input) = (source.clone(), Input::new(stream, source.clone()));
+        Self { source, link: None, given: None, state, session, is_own, input }
+    }
+
+    /// Opens a client of the engine, once. `None` if it takes none, or enough sessions have one.
+    pub(crate) fn link(&mut self) -> Option<()> {
+        if self.link.is_none() {
+            let seat = self.source.seats.link()?;
+            let mut client = Client::connect_from_afar(&self.source.place).ok()?;
+            let orders = hal_lease::orders(&mut client).ok()?;
+            let records = Records::open(&mut client).ok()?;
+            self.state = records.state(self.source.facts.clone());
+            self.link = Some(Link { client, records, orders, _seat: seat });
+        }
+        Some(())
+    }
+
+    fn linked(&mut self) -> Result<&mut Link, Failure> {
+        self.link.as_mut().ok_or_else(|| Failure::new(ENOTCONN, "hello comes first"))
     }
 
     fn ask(&mut self, request: Request) -> Result<Option<u64>, Failure> {
-        match self.client.call(request)? {
+        match self.linked()?.client.call(request)? {
             Reply::Answer(answer) => Ok(answer.ticket),
             _ => Ok(None),
         }
@@ -62,18 +131,17 @@ impl Engine {
 
     /// Finds the commands of a machine that has changed.
     fn renew(&mut self) -> Result<(), String> {
-        self.orders = hal_lease::orders(&mut self.client)?;
+        let link = self.linked().map_err(|why| why.text)?;
+        link.orders = hal_lease::orders(&mut link.client).map_err(|why| why.to_string())?;
         Ok(())
     }
 }
 
 impl Machine for Engine {
     fn poll(&mut self) {
-        // A record that its component does not end is read the next time.
-        self.motion.wait(self.state.motion.values_mut());
-        match &self.task {
-            Some(task) => drop(task.wait(self.state.task.values_mut())),
-            None => self.state.fill_task(),
+        match &mut self.link {
+            Some(link) => link.records.read(&mut self.state),
+            None => lock(&self.source.records).read(&mut self.state),
         }
     }
 
@@ -82,9 +150,15 @@ impl Machine for Engine {
     }
 
     fn command(&mut self, name: &str, args: Vec<String>) -> Result<Option<u64>, String> {
-        let request = self.orders.request(name, args).map_err(|why| why.to_string())?;
+        let given = self.given;
+        let orders = &self.linked().map_err(|why| why.text)?.orders;
+        let request = orders.request(name, args).map_err(|why| why.to_string())?;
         let Some(request) = request else { return Ok(None) };
-        let request = self.orders.stamped(request, self.given);
+        let request = orders.stamped(request, given);
+        if self.is_own && name == OPEN {
+            // It may read whatever this program may. The engine holds all others to the machine's folder of programs.
+            return self.source.control.open(request);
+        }
         self.ask(request).map_err(|why| why.text)
     }
 
@@ -95,7 +169,8 @@ impl Machine for Engine {
         let (mut tickets, mut refused) = (Vec::new(), Vec::new());
         // A machine that has changed since its commands were found has others.
         for round in 0..2 {
-            let names: Vec<_> = self.orders.stops().commands(stop).to_vec();
+            let orders = &self.linked().map_err(|why| why.text)?.orders;
+            let names: Vec<_> = orders.stops().commands(stop).to_vec();
             for name in names {
                 if sent.contains(&name) {
                     continue;
@@ -122,7 +197,7 @@ impl Machine for Engine {
     fn jog(&mut self, jog: Jog) -> Result<(), String> {
         let mut args = vec![jog.target.arg(), format!("velocity={}", jog.velocity)];
         args.extend(jog.distance.map(|distance| format!("distance={distance}")));
-        self.control.jog(self.session, args)
+        self.source.control.jog(self.session, args)
     }
 
     #[expect(
@@ -132,7 +207,8 @@ impl Machine for Engine {
     fn wait(&mut self, ticket: u64, most: Option<Duration>) -> Result<(), String> {
         let begun = std::time::Instant::now();
         loop {
-            let reply = self.client.call(Request::Ticket { id: ticket, wait: false });
+            let link = self.linked().map_err(|why| why.text)?;
+            let reply = link.client.call(Request::Ticket { id: ticket, wait: false });
             match reply.map_err(|e| e.text)? {
                 Reply::Ticket(TicketInfo::Pending) => {}
                 Reply::Ticket(TicketInfo::Failed(why)) => return Err(why),
@@ -146,19 +222,20 @@ impl Machine for Engine {
     }
 
     fn take(&mut self) -> Result<(), String> {
-        self.control.take(self.session)
+        self.source.control.take(self.session)
     }
 
     fn give(&mut self) {
-        self.control.give(self.session);
+        self.source.control.give(self.session);
     }
 
     fn has_control(&self) -> bool {
-        self.control.has(self.session)
+        self.source.control.has(self.session)
     }
 
     fn shut_down(&mut self) -> Result<(), String> {
-        self.client.call(Request::Shutdown).map(drop).map_err(|e| e.text)
+        let link = self.linked().map_err(|why| why.text)?;
+        link.client.call(Request::Shutdown).map(drop).map_err(|e| e.text)
     }
 
     fn time(&self) -> f64 {

@@ -5,27 +5,25 @@ mod connection;
 mod control;
 mod engine;
 mod options;
+mod seats;
 
 use control::Control;
-use engine::Served;
+use engine::{Records, Served};
 use hal_ini::Ini;
+use hal_lease::EpochPage;
 use hal_protocol::{Client, Place};
 use options::Options;
 use rsh::{Facts, Passwords};
+use seats::{MAX_SESSIONS, Seats, Who};
 use std::{
     io::Write as _,
-    net::{Ipv4Addr, TcpListener},
+    net::{Ipv4Addr, TcpListener, TcpStream},
     process::ExitCode,
-    sync::{
-        Arc,
-        atomic::{AtomicUsize, Ordering::Relaxed},
-    },
+    sync::{Arc, Mutex},
     thread,
     time::Duration,
 };
 
-/// Number of connections at once, whatever the options say.
-const MAX_SESSIONS: usize = 256;
 /// Interval between two looks whether the engine still runs.
 const LOOK: Duration = Duration::from_millis(200);
 
@@ -50,7 +48,7 @@ fn run(options: &Options) -> Result<(), String> {
         }
         None => (String::new(), Ini::parse("", b"").map_err(|e| e.to_string())?),
     };
-    let watched = Client::connect(&place, "").map_err(|e| e.to_string())?;
+    let mut watched = Client::connect(&place, "").map_err(|e| e.to_string())?;
     hal_lease::load(&place, Some(&ini), "linuxcncrsh")?;
     let control = Control::start(&place)?;
     let passwords = Passwords {
@@ -58,16 +56,26 @@ fn run(options: &Options) -> Result<(), String> {
         enable: options.enablepw.clone(),
         name: options.name.clone(),
     };
-    let source = Arc::new(Served { place, facts: Facts::new(path, ini), passwords, control });
+    let records = Records::open(&mut watched).map_err(|e| e.to_string())?;
+    let epochs = Mutex::new(EpochPage::open(&mut watched));
+    let most = usize::try_from(options.sessions).unwrap_or(MAX_SESSIONS);
+    let source = Arc::new(Served {
+        place,
+        facts: Facts::new(path, ini),
+        passwords,
+        control,
+        records: Mutex::new(records),
+        epochs,
+        seats: Seats::new(most),
+    });
     let port = options.port;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
         .map_err(|e| format!("127.0.0.1:{port}: {}", hal_output::reason(&e)))?;
     let address = listener.local_addr().map_err(|e| hal_output::reason(&e))?;
     // Nobody has to read it.
     drop(hal_output::print(&format!("linuxcncrsh listens at {address}\n")));
-    let most = usize::try_from(options.sessions).unwrap_or(MAX_SESSIONS).min(MAX_SESSIONS);
     let only_own = options.has_known_passwords();
-    let accept = move || serve(&listener, &source, most, only_own);
+    let accept = move || serve(&listener, &source, only_own);
     thread::Builder::new().spawn(accept).map_err(|e| hal_output::reason(&e))?;
     while !watched.is_gone() {
         pause(LOOK);
@@ -76,46 +84,37 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 /// Serves connections, each in a thread of its own.
-fn serve(listener: &TcpListener, source: &Arc<Served>, most: usize, only_own: bool) {
-    let count = Arc::new(AtomicUsize::new(0));
+fn serve(listener: &TcpListener, source: &Arc<Served>, only_own: bool) {
     for (id, stream) in (1..).zip(listener.incoming()) {
         let Ok(stream) = stream else {
             pause(LOOK);
             continue;
         };
-        if only_own && !hal_lease::is_own(&stream) {
+        let who = who(&stream);
+        if only_own && who != Who::Own {
             let text = "Only programs of the user of linuxcncrsh are served with its well-known passwords.\r\n";
             // Who is refused need not read it.
             drop((&stream).write_all(text.as_bytes()));
             continue;
         }
-        if count.load(Relaxed) >= most {
-            continue;
-        }
-        let (source, counted) = (source.clone(), Counted::begin(&count));
+        let Some(seat) = source.seats.connect(who) else { continue };
+        let source = source.clone();
         let work = move || {
-            connection::run(stream, id, &source);
-            drop(counted);
+            connection::run(stream, id, who == Who::Own, &source);
+            drop(seat);
         };
         // A thread that cannot begin drops what it was given.
         drop(thread::Builder::new().name("session".to_owned()).spawn(work));
     }
 }
 
-/// A connection that counts until it ends in any way.
-struct Counted(Arc<AtomicUsize>);
-
-impl Counted {
-    fn begin(count: &Arc<AtomicUsize>) -> Self {
-        count.fetch_add(1, Relaxed);
-        Self(count.clone())
+/// Returns who is at the other end.
+fn who(stream: &TcpStream) -> Who {
+    if hal_lease::is_own(stream) {
+        return Who::Own;
     }
-}
-
-impl Drop for Counted {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Relaxed);
-    }
+    let ends = stream.peer_addr().and_then(|theirs| Ok((theirs, stream.local_addr()?)));
+    Who::Other(ends.ok().and_then(|(theirs, ours)| hal_lease::user_at(theirs, ours)))
 }
 
 #[expect(
