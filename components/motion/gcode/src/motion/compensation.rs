@@ -140,7 +140,7 @@ impl Run<'_> {
         let (x, z) = (x * comp.radius, z * comp.radius);
         match &mut call {
             Call::StraightFeed(end) | Call::StraightTraverse(end) => {
-                (end.x, end.z) = (end.x + x, end.z + z)
+                (end.x, end.z) = (end.x + x, end.z + z);
             }
             Call::ArcFeed { end, centre_first, centre_second, .. } => {
                 (end.x, end.z) = (end.x + x, end.z + z);
