@@ -1,5 +1,5 @@
 //! The first recipe of `components/README.md`, followed in a copy of the tree: its crate builds, and its component runs.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_tests::{
     programs::{cargo, programs, root},

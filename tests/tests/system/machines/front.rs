@@ -1,5 +1,5 @@
 //! The front command `ferrule`: the demonstration, a machine with its panel, the doctor, the report.
-#![expect(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use flate2::read::GzDecoder;
 use hal_golden::check;
@@ -76,7 +76,8 @@ fn started(scratch: &Scratch, words: &[&str]) -> Running {
 #[test]
 fn a_start_has_the_panel_and_ends_with_the_machine() {
     let scratch = with_demo("front");
-    let stops: [(&str, fn(&Scratch, &Running)); 3] = [
+    type Stop = fn(&Scratch, &Running);
+    let stops: [(&str, Stop); 3] = [
         ("ferrule stop", |scratch, _| assert_eq!(ferrule(scratch, &["stop"]).status, Some(0))),
         ("SIGTERM", |_, running| running.signal(Signal::TERM)),
         ("SIGINT", |_, running| running.signal(Signal::INT)),

@@ -116,6 +116,8 @@ struct Stage {
     numbers: BTreeMap<String, u64>,
     operators: [Operator; 2],
     fault: Fault,
+    /// Connections that last, though their operators have left.
+    kept: Vec<Socket>,
     history: Vec<Event<RightCall>>,
     moment: u64,
     rights: u64,
@@ -134,7 +136,8 @@ impl Stage {
         let operators = [Operator::new(&printer), Operator::new(&printer)];
         let (history, own) = (Vec::new(), None);
         let numbers = BTreeMap::new();
-        Self { printer, beside, own, numbers, operators, fault, history, moment: 0, rights: 0 }
+        let (moment, rights, kept) = (0, 0, Vec::new());
+        Self { printer, beside, own, numbers, operators, fault, kept, history, moment, rights }
     }
 
     fn moment(&mut self) -> u64 {
@@ -245,8 +248,7 @@ impl Stage {
         let new = Operator::new(&self.printer);
         let old = core::mem::replace(&mut self.operators[n], new);
         match self.fault {
-            // The connection lasts, and what is left of it is dropped with the process.
-            Fault::LostRelease => core::mem::forget(old.socket),
+            Fault::LostRelease => self.kept.push(old.socket),
             _ => drop(old.socket),
         }
         let Some(right) = before else { return };

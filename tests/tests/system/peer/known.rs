@@ -38,7 +38,7 @@ impl Known {
             (Some(_), Some(_)) => self.different += 1,
             (None, Some(_)) => self.wrong.push(format!("{name}: listed as different, but equal")),
             (Some(how), None) => {
-                self.wrong.push(format!("{name}: differs without a reason\n{how}"))
+                self.wrong.push(format!("{name}: differs without a reason\n{how}"));
             }
         }
     }

@@ -1,4 +1,5 @@
 //! A simulated controller in a program of its own.
+#![expect(clippy::unwrap_used, reason = "tests")]
 
 use std::{
     io::{BufRead as _, BufReader},
