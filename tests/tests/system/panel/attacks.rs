@@ -384,7 +384,7 @@ impl Stage {
 #[test]
 fn the_owners_programs_have_the_rights_of_who_has_begun_the_job() {
     for (entries, is_limited) in [
-        ("", true),
+        ("", false),
         ("[REMOTE]\nUSER_CODES = limited\n", true),
         ("[REMOTE]\nUSER_CODES = full\n", false),
     ] {
