@@ -128,7 +128,7 @@ fn rules(machine: &Machine) -> Result<Rules, String> {
         has_top_speed,
         change_position,
         safe_height: number("TASK", "SAFE_HEIGHT")?,
-        has_full_codes: ini.map_or(Ok(false), has_full_codes)?,
+        has_full_codes: ini.map_or(Ok(true), has_full_codes)?,
     })
 }
 
