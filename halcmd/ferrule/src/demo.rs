@@ -4,7 +4,7 @@ mod cut;
 
 use crate::{
     beside,
-    error::Error,
+    failure::Failure,
     options::Demo,
     start::{start, virtual_of},
 };
@@ -35,7 +35,7 @@ const PART: &str = "programs/pedal.ngc";
 const RECORD: (&str, &[u8]) = ("record.hal", include_bytes!("demo/record.hal"));
 
 /// Cuts the part, and then serves the machine to a browser if a person is there.
-pub(crate) fn demo(given: &Demo) -> Result<ExitCode, Error> {
+pub(crate) fn demo(given: &Demo) -> Result<ExitCode, Failure> {
     let folder = &given.folder;
     write_files(folder)?;
     hal_output::print(
@@ -86,34 +86,34 @@ fn now() -> f64 {
 }
 
 /// Writes the files of the machine. One that a person has changed stays as it is, and so does a folder of something else.
-fn write_files(folder: &Path) -> Result<(), Error> {
+fn write_files(folder: &Path) -> Result<(), Failure> {
     let is_ours = folder.join("demo.ini").is_file();
     let all = FILES.iter().chain([&RECORD]);
     if let Some((name, _)) = all.clone().find(|(name, _)| !is_ours && folder.join(name).exists()) {
-        return Err(Error::Other { path: folder.join(name) });
+        return Err(Failure::Other { path: folder.join(name) });
     }
     let programs = folder.join(PROGRAMS);
-    fs::create_dir_all(&programs).map_err(|e| Error::file(&programs, &e))?;
+    fs::create_dir_all(&programs).map_err(|e| Failure::file(&programs, &e))?;
     for (name, text) in all {
         let path = folder.join(name);
         if !path.exists() {
-            hal_output::write(&path, text).map_err(|e| Error::file(&path, &e))?;
+            hal_output::write(&path, text).map_err(|e| Failure::file(&path, &e))?;
         }
     }
     Ok(())
 }
 
 /// Runs a program to its end. What it says of its work stays its own; what goes wrong is shown.
-fn run(name: &'static str, command: &mut Command) -> Result<(), Error> {
+fn run(name: &'static str, command: &mut Command) -> Result<(), Failure> {
     let done = command.stdin(Stdio::null()).output();
-    let done = done.map_err(|e| Error::NotStarted { name, why: hal_output::reason(&e) })?;
+    let done = done.map_err(|e| Failure::NotStarted { name, why: hal_output::reason(&e) })?;
     if done.status.success() {
         return Ok(());
     }
     let said = String::from_utf8_lossy(&done.stderr).trim_end().to_owned();
-    Err(Error::Ended { name, status: format!("{}:\n{said}", done.status) })
+    Err(Failure::Ended { name, status: format!("{}:\n{said}", done.status) })
 }
 
-fn unread(path: &Path, why: &dyn core::fmt::Display) -> Error {
-    Error::File { path: path.into(), why: why.to_string() }
+fn unread(path: &Path, why: &dyn core::fmt::Display) -> Failure {
+    Failure::File { path: path.into(), why: why.to_string() }
 }

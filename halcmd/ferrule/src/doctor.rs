@@ -3,7 +3,7 @@
 mod computer;
 mod findings;
 
-use crate::{error::Error, options::Doctor};
+use crate::{failure::Failure, options::Doctor};
 use computer::Computer;
 use findings::{Finding, Grade};
 use std::{
@@ -12,7 +12,7 @@ use std::{
 };
 
 /// Looks at the computer and prints what it has found. The status is 1 if something is missing.
-pub(crate) fn doctor(given: &Doctor) -> Result<ExitCode, Error> {
+pub(crate) fn doctor(given: &Doctor) -> Result<ExitCode, Failure> {
     let findings = findings::all(&Computer::read(&given.root));
     hal_output::print(&text(&findings))?;
     if given.fix {
@@ -50,13 +50,13 @@ fn text(findings: &[Finding]) -> String {
 }
 
 /// Asks about each line that mends something, and runs it.
-fn mend(findings: &[Finding]) -> Result<(), Error> {
+fn mend(findings: &[Finding]) -> Result<(), Failure> {
     let lines: Vec<&String> = findings.iter().flat_map(|f| &f.lines).collect();
     if lines.is_empty() {
         return Ok(());
     }
     if !hal_output::is_person() {
-        return Err(Error::NoTerminal { what: "--fix", instead: "type the lines yourself" });
+        return Err(Failure::NoTerminal { what: "--fix", instead: "type the lines yourself" });
     }
     for line in lines {
         hal_output::print(&format!("\n{line}\nrun this? [y/N] "))?;

@@ -5,13 +5,13 @@
 mod beside;
 mod demo;
 mod doctor;
-mod error;
+mod failure;
 mod options;
 mod report;
 mod start;
 
 use clap::Parser as _;
-use error::Error;
+use failure::Failure;
 use options::{Ferrule, Task};
 use std::{io::Write as _, process::ExitCode};
 
@@ -26,7 +26,7 @@ fn main() -> ExitCode {
     })
 }
 
-fn run(task: &Task) -> Result<ExitCode, Error> {
+fn run(task: &Task) -> Result<ExitCode, Failure> {
     match task {
         Task::Start(given) => start::start(given),
         Task::Demo(given) => demo::demo(given),

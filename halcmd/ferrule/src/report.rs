@@ -3,7 +3,7 @@
 
 mod private;
 
-use crate::{beside, doctor, error::Error, options::Report};
+use crate::{beside, doctor, failure::Failure, options::Report};
 use flate2::{Compression, write::GzEncoder};
 use hal_protocol::Place;
 use private::Private;
@@ -23,9 +23,9 @@ const FILES: usize = 200;
 const TAIL: usize = 256 << 10;
 
 /// Collects the report, shows what is in it, and writes it if the person agrees.
-pub(crate) fn report(given: &Report) -> Result<ExitCode, Error> {
+pub(crate) fn report(given: &Report) -> Result<ExitCode, Failure> {
     if !given.yes && !hal_output::is_person() {
-        return Err(Error::NoTerminal {
+        return Err(Failure::NoTerminal {
             what: "ferrule report",
             instead: "--yes writes it without",
         });
@@ -50,13 +50,13 @@ pub(crate) fn report(given: &Report) -> Result<ExitCode, Error> {
     if !given.yes && !agrees("write it?")? {
         return Ok(ExitCode::FAILURE);
     }
-    let bytes = packed(&parts).map_err(|e| Error::file(&given.output, &e))?;
+    let bytes = packed(&parts).map_err(|e| Failure::file(&given.output, &e))?;
     hal_output::install(&given.output, &bytes, 0o600)
-        .map_err(|e| Error::file(&given.output, &e))?;
+        .map_err(|e| Failure::file(&given.output, &e))?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn agrees(question: &str) -> Result<bool, Error> {
+fn agrees(question: &str) -> Result<bool, Failure> {
     hal_output::print(&format!("{question} [y/N] "))?;
     let mut answer = String::new();
     // Without an answer nothing is written.
@@ -83,8 +83,8 @@ fn versions() -> String {
 }
 
 /// Returns what the running instance says of itself, and the end of its log.
-fn instance(given: &Report) -> Result<Vec<(String, String)>, Error> {
-    let place = Place::find(given.instance.as_deref()).map_err(Error::Instance)?;
+fn instance(given: &Report) -> Result<Vec<(String, String)>, Failure> {
+    let place = Place::find(given.instance.as_deref()).map_err(Failure::Instance)?;
     let mut parts = Vec::new();
     let questions =
         [("status.txt", &["status"][..]), ("show.txt", &["show"]), ("saved.hal", &["save"])];
@@ -105,16 +105,16 @@ fn instance(given: &Report) -> Result<Vec<(String, String)>, Error> {
 }
 
 /// Returns the text files of a machine: those of its folder, not those of folders below.
-fn files(machine: &Path) -> Result<Vec<(String, String)>, Error> {
+fn files(machine: &Path) -> Result<Vec<(String, String)>, Failure> {
     let folder = if machine.is_dir() {
         machine.to_owned()
     } else if machine.is_file() {
         machine.parent().map(Path::to_owned).unwrap_or_default()
     } else {
-        return Err(Error::NoMachine { path: machine.to_owned() });
+        return Err(Failure::NoMachine { path: machine.to_owned() });
     };
     let folder = if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder };
-    let entries = fs::read_dir(&folder).map_err(|e| Error::file(&folder, &e))?;
+    let entries = fs::read_dir(&folder).map_err(|e| Failure::file(&folder, &e))?;
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     paths.retain(|path| {
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());

@@ -1,6 +1,6 @@
 //! `ferrule start`: an instance, and the panel beside it, for as long as the instance runs.
 
-use crate::{beside, error::Error, options::Start};
+use crate::{beside, failure::Failure, options::Start};
 use hal_ini::Ini;
 use hal_protocol::{Client, Link as _, Place, Reply, Request};
 use rustix::{
@@ -35,13 +35,13 @@ enum Panel {
 }
 
 /// Starts the machine, and returns when it has ended.
-pub(crate) fn start(given: &Start) -> Result<ExitCode, Error> {
+pub(crate) fn start(given: &Start) -> Result<ExitCode, Failure> {
     if !given.machine.is_file() {
-        return Err(Error::NoMachine { path: given.machine.clone() });
+        return Err(Failure::NoMachine { path: given.machine.clone() });
     }
-    let place = Place::find(given.instance.as_deref()).map_err(Error::Instance)?;
+    let place = Place::find(given.instance.as_deref()).map_err(Failure::Instance)?;
     if Client::connect(&place, "").is_ok() {
-        return Err(Error::Runs { name: place.name().to_owned() });
+        return Err(Failure::Runs { name: place.name().to_owned() });
     }
     let is_ini = given.machine.extension().is_some_and(|e| e == "ini");
     let ini = is_ini.then(|| Ini::read(&given.machine)).transpose()?;
@@ -57,7 +57,7 @@ pub(crate) fn start(given: &Start) -> Result<ExitCode, Error> {
             ("--programs", given.programs.is_some()),
         ];
         if let Some((option, _)) = option.into_iter().find(|(_, is_given)| *is_given) {
-            return Err(Error::PanelOfIni { option });
+            return Err(Failure::PanelOfIni { option });
         }
     }
     let ending = ending()?;
@@ -85,7 +85,7 @@ pub(crate) fn start(given: &Start) -> Result<ExitCode, Error> {
             && let Some(status) = panel.ended()?
         {
             instance.stop()?;
-            return Err(Error::Ended { name: "halpanel", status: status.to_string() });
+            return Err(Failure::Ended { name: "halpanel", status: status.to_string() });
         }
         if !told && address_file.is_file() {
             tell(given, &address_file)?;
@@ -102,7 +102,7 @@ fn interface(ini: &Ini) -> Option<String> {
     Some(Path::new(program).file_name()?.to_string_lossy().into_owned())
 }
 
-fn instance_command(given: &Start, shown: Option<&str>, panel: Panel) -> Result<Command, Error> {
+fn instance_command(given: &Start, shown: Option<&str>, panel: Panel) -> Result<Command, Failure> {
     let mut command = beside::command("halrun")?;
     if given.is_virtual {
         command.args(["--virtual", "--pace", "1"]);
@@ -121,7 +121,7 @@ fn instance_command(given: &Start, shown: Option<&str>, panel: Panel) -> Result<
     Ok(command)
 }
 
-fn panel_command(given: &Start, is_ini: bool) -> Result<Command, Error> {
+fn panel_command(given: &Start, is_ini: bool) -> Result<Command, Failure> {
     let mut command = beside::command("halpanel")?;
     let listen = given.listen.unwrap_or_else(|| free(USUAL));
     command.arg("--listen").arg(listen.to_string());
@@ -161,17 +161,17 @@ fn free(usual: SocketAddr) -> SocketAddr {
 }
 
 /// Takes the signals that end a program: the flag says that one has come.
-fn ending() -> Result<Arc<AtomicBool>, Error> {
+fn ending() -> Result<Arc<AtomicBool>, Failure> {
     let ending = Arc::new(AtomicBool::new(false));
     for signal in [consts::SIGINT, consts::SIGTERM, consts::SIGHUP] {
         flag::register(signal, Arc::clone(&ending))
-            .map_err(|error| Error::Signals(hal_output::reason(&error)))?;
+            .map_err(|error| Failure::Signals(hal_output::reason(&error)))?;
     }
     Ok(ending)
 }
 
 /// Waits until the machine's script is done. Returns false if the instance has ended, or is to end, before that.
-fn come_up(place: &Place, instance: &mut Running, ending: &AtomicBool) -> Result<bool, Error> {
+fn come_up(place: &Place, instance: &mut Running, ending: &AtomicBool) -> Result<bool, Failure> {
     let mut client = None;
     loop {
         if instance.ended()?.is_some() || ending.load(Relaxed) {
@@ -194,8 +194,8 @@ fn wait() {
 }
 
 /// Says where the panel is. The token is for the person at the terminal: a log gets the name of the file that has it.
-fn tell(given: &Start, address_file: &Path) -> Result<(), Error> {
-    let address = fs::read_to_string(address_file).map_err(|e| Error::file(address_file, &e))?;
+fn tell(given: &Start, address_file: &Path) -> Result<(), Failure> {
+    let address = fs::read_to_string(address_file).map_err(|e| Failure::file(address_file, &e))?;
     let address = address.trim();
     let is_person = rustix::termios::isatty(std::io::stdout());
     let shown = if is_person {
@@ -245,19 +245,19 @@ struct Running {
 }
 
 impl Running {
-    fn begin(name: &'static str, command: &mut Command) -> Result<Self, Error> {
+    fn begin(name: &'static str, command: &mut Command) -> Result<Self, Failure> {
         let started = command.stdin(Stdio::null()).process_group(0).spawn();
         let child = started.map_err(|e| failed(name, &e))?;
         Ok(Self { name, child })
     }
 
     /// Returns its status, if it has ended.
-    fn ended(&mut self) -> Result<Option<ExitStatus>, Error> {
+    fn ended(&mut self) -> Result<Option<ExitStatus>, Failure> {
         self.child.try_wait().map_err(|e| failed(self.name, &e))
     }
 
     /// Asks the program to end if it has not, and returns its status.
-    fn stop(mut self) -> Result<ExitCode, Error> {
+    fn stop(mut self) -> Result<ExitCode, Failure> {
         if self.ended()?.is_none()
             && let Some(pid) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw)
         {
@@ -270,8 +270,8 @@ impl Running {
     }
 }
 
-fn failed(name: &'static str, error: &std::io::Error) -> Error {
-    Error::NotStarted { name, why: hal_output::reason(error) }
+fn failed(name: &'static str, error: &std::io::Error) -> Failure {
+    Failure::NotStarted { name, why: hal_output::reason(error) }
 }
 
 /// Returns the options of a start of a machine in a folder, on the virtual clock.

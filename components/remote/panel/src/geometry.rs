@@ -12,7 +12,7 @@ use hal_job::{
     run::{Answers, start, step},
     way::{Kind, Way},
 };
-use planned::Plan;
+use planned::PlannedPath;
 use std::path::Path;
 
 /// Number of points of a program; its later ones are left out.
@@ -107,7 +107,7 @@ pub(crate) fn read(
     let first = Point { at: place(way.at), line: 0, feed: 0.0, tool, kind: 0, offset, further };
     let mut plan = None;
     if wishes.is_planned {
-        plan = Plan::new(&it, &world.machine, first);
+        plan = PlannedPath::new(&it, &world.machine, first);
         if plan.is_none() {
             geometry.error = Some((0, planned::UNKNOWN.to_owned()));
             return Ok(geometry);
@@ -168,7 +168,7 @@ pub(crate) fn read(
             Some(format!("it has more than {MAX_POINTS} points"))
         } else if n + geometry.points.len() >= next_look {
             next_look = n + geometry.points.len() + LOOK;
-            look(geometry.memory() + plan.as_ref().map_or(0, Plan::memory))
+            look(geometry.memory() + plan.as_ref().map_or(0, PlannedPath::memory))
                 .err()
                 .map(|limit| limit.to_string())
         } else {

@@ -1,6 +1,6 @@
 //! What each axis did, from the recording.
 
-use crate::error::Error;
+use crate::failure::Failure;
 use hal_trace::{Channel, Trace, measure::number};
 
 /// Axes of the machine, with the step line, the position and the speed of each.
@@ -17,7 +17,7 @@ pub(super) fn duration(trace: &Trace) -> f64 {
 }
 
 /// Returns a line for each axis: its range and its way in millimetres, its steps, and its greatest speed.
-pub(super) fn table(trace: &Trace) -> Result<String, Error> {
+pub(super) fn table(trace: &Trace) -> Result<String, Failure> {
     let mut text = String::from("axis   from mm    to mm   way mm    steps   fastest mm/s\n");
     for (axis, step, place, speed) in AXES {
         let steps = rising(channel(trace, step)?);
@@ -34,9 +34,9 @@ pub(super) fn table(trace: &Trace) -> Result<String, Error> {
     Ok(text)
 }
 
-fn channel<'t>(trace: &'t Trace, name: &str) -> Result<&'t Channel, Error> {
+fn channel<'t>(trace: &'t Trace, name: &str) -> Result<&'t Channel, Failure> {
     let found = trace.find(name).and_then(|place| trace.channels().get(place));
-    found.ok_or_else(|| Error::NotRecorded { line: name.to_owned() })
+    found.ok_or_else(|| Failure::NotRecorded { line: name.to_owned() })
 }
 
 fn numbers(channel: &Channel) -> Vec<f64> {

@@ -15,14 +15,14 @@ const FEED: u8 = 2;
 
 /// The plan, and the moves of it that are not drawn yet.
 #[derive(Debug)]
-pub(super) struct Plan {
+pub(super) struct PlannedPath {
     clock: Clock,
     /// Attributes of the moves, the first of which has this number.
     moves: VecDeque<Point>,
     first: u32,
 }
 
-impl Plan {
+impl PlannedPath {
     /// Begins at a point; `None` without the limits of the axes.
     pub(super) fn new(it: &Interpreter, machine: &Machine, begin: Point) -> Option<Self> {
         let mut clock = Clock::new(it, machine)?;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 /// Reason why a command has not done its work.
 #[derive(Debug)]
-pub(crate) enum Error {
+pub(crate) enum Failure {
     /// A program of Ferrule is not beside this one.
     NoProgram { name: &'static str },
     /// A program could not be started.
@@ -35,13 +35,13 @@ pub(crate) enum Error {
     Signals(String),
 }
 
-impl Error {
+impl Failure {
     pub(crate) fn file(path: impl Into<PathBuf>, why: &std::io::Error) -> Self {
         Self::File { path: path.into(), why: hal_output::reason(why) }
     }
 }
 
-impl core::fmt::Display for Error {
+impl core::fmt::Display for Failure {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::NoProgram { name } => {
@@ -80,15 +80,15 @@ impl core::fmt::Display for Error {
     }
 }
 
-impl core::error::Error for Error {}
+impl core::error::Error for Failure {}
 
-impl From<hal_output::Unwritten> for Error {
+impl From<hal_output::Unwritten> for Failure {
     fn from(unwritten: hal_output::Unwritten) -> Self {
         Self::Output(unwritten)
     }
 }
 
-impl From<hal_ini::Error> for Error {
+impl From<hal_ini::Error> for Failure {
     fn from(error: hal_ini::Error) -> Self {
         Self::Ini(error)
     }
