@@ -70,7 +70,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("the engine's answer does not match the request", "never, or it is a defect"),
 ];
 const TCL: &str = "tests/tests/system/language/tcl.rs";
-const WORKERS: &str = "hal/engine/tests/workers.rs";
+const WORKERS: &str = "hal/engine/tests/it/workers.rs";
 const SAMPLES: &str = "tests/tests/system/engine/samples.rs";
 const GUARDED: &str = "tests/tests/system/panel/guarded.rs";
 const FAULTS: &str = "tests/tests/system/faults/libraries.rs";

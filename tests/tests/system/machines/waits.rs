@@ -63,7 +63,7 @@ fn a_wait_without_an_end_of_its_own_ends_a_run_that_nobody_sees() {
         (
             "M3 S100\nG95 G1 X1 F1",
             "unlinkp spindle.0.speed-in\n",
-            "the measured speed of spindle 0",
+            "the turns of spindle 0, which the path follows",
         ),
     ] {
         let program = format!("G21 G90 F600\n{program}\nM2\n");
