@@ -42,6 +42,29 @@ pub const DESKTOP: Screen = Screen { width: 1440, height: 1000, is_phone: false 
 /// A screen of a pocket.
 pub const PHONE: Screen = Screen { width: 390, height: 844, is_phone: true };
 
+/// Starts the browser's driver. The port that it chooses may be taken by another program before it listens there; then it ends,
+/// and another one is started.
+fn driver(scratch: &Scratch) -> (Running, u16) {
+    loop {
+        let mut command = Command::new("chromedriver");
+        command.arg("--port=0").current_dir(scratch.path());
+        let mut driver = scratch.start(&mut command);
+        let mut port = None;
+        until("chromedriver says its port, or ends", || {
+            port = driver.said().0.lines().find_map(|l| {
+                let (_, rest) = l.split_once("successfully on port ")?;
+                rest.trim_end_matches('.').parse().ok()
+            });
+            port.is_some() || !driver.is_running()
+        });
+        if let Some(port) = port {
+            return (driver, port);
+        }
+        let (_, why) = driver.said();
+        assert!(why.contains("Address already in use"), "chromedriver has ended: {why}");
+    }
+}
+
 /// A window of the browser with one page.
 #[derive(Debug)]
 pub struct Browser {
@@ -58,18 +81,9 @@ impl Browser {
 
     /// Opens a window.
     pub fn open(scratch: &Scratch, screen: Screen) -> Self {
-        let mut command = Command::new("chromedriver");
-        command.arg("--port=0").current_dir(scratch.path());
-        let driver = scratch.start(&mut command).lasting("chromedriver");
-        let mut port = None;
-        until("chromedriver says its port", || {
-            port = driver.said().0.lines().find_map(|l| {
-                let (_, rest) = l.split_once("successfully on port ")?;
-                rest.trim_end_matches('.').parse().ok()
-            });
-            port.is_some()
-        });
-        let mut browser = Self { driver, port: port.unwrap(), session: String::new() };
+        let (driver, port) = driver(scratch);
+        let mut browser =
+            Self { driver: driver.lasting("chromedriver"), port, session: String::new() };
         let profile = scratch.path().join(format!("profile-{}", browser.port));
         let mut arguments: Vec<_> = ARGUMENTS.iter().map(|&a| a.to_owned()).collect();
         arguments.push(format!("--user-data-dir={}", profile.display()));

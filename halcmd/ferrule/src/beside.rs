@@ -21,5 +21,5 @@ pub(crate) fn command(name: &'static str) -> Result<Command, Failure> {
 /// Becomes another program.
 pub(crate) fn instead(name: &'static str, words: &[String]) -> Result<ExitCode, Failure> {
     let error = command(name)?.args(words).exec();
-    Err(Failure::NotStarted { name, why: hal_output::reason(&error) })
+    Err(Failure::NotStarted { name, why: hal_output::reason(&error).into() })
 }

@@ -106,14 +106,15 @@ fn write_files(folder: &Path) -> Result<(), Failure> {
 /// Runs a program to its end. What it says of its work stays its own; what goes wrong is shown.
 fn run(name: &'static str, command: &mut Command) -> Result<(), Failure> {
     let done = command.stdin(Stdio::null()).output();
-    let done = done.map_err(|e| Failure::NotStarted { name, why: hal_output::reason(&e) })?;
+    let done =
+        done.map_err(|e| Failure::NotStarted { name, why: hal_output::reason(&e).into() })?;
     if done.status.success() {
         return Ok(());
     }
     let said = String::from_utf8_lossy(&done.stderr).trim_end().to_owned();
-    Err(Failure::Ended { name, status: format!("{}:\n{said}", done.status) })
+    Err(Failure::Ended { name, status: format!("{}:\n{said}", done.status).into() })
 }
 
 fn unread(path: &Path, why: &dyn core::fmt::Display) -> Failure {
-    Failure::File { path: path.into(), why: why.to_string() }
+    Failure::File { path: path.into(), why: why.to_string().into() }
 }

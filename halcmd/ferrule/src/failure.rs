@@ -1,4 +1,4 @@
-//! What can go wrong, in the user's words.
+//! Failures of the commands, in the user's words.
 
 use std::path::PathBuf;
 
@@ -8,23 +8,23 @@ pub(crate) enum Failure {
     /// A program of Ferrule is not beside this one.
     NoProgram { name: &'static str },
     /// A program could not be started.
-    NotStarted { name: &'static str, why: String },
+    NotStarted { name: &'static str, why: Box<str> },
     /// A program has ended with this status before it did its work.
-    Ended { name: &'static str, status: String },
+    Ended { name: &'static str, status: Box<str> },
     /// A file or folder could not be read or written.
-    File { path: PathBuf, why: String },
+    File { path: PathBuf, why: Box<str> },
     /// There is no such machine.
     NoMachine { path: PathBuf },
     /// The INI file is wrong.
     Ini(hal_ini::Error),
     /// The name of the instance is wrong.
-    Instance(String),
+    Instance(Box<str>),
     /// An instance of this name runs.
-    Runs { name: String },
+    Runs { name: Box<str> },
     /// The interface that the INI file names is the panel, whose options stand there.
     PanelOfIni { option: &'static str },
     /// The recording of the demonstration lacks a line.
-    NotRecorded { line: String },
+    NotRecorded { line: Box<str> },
     /// The folder of the demonstration holds another file of this name.
     Other { path: PathBuf },
     /// A question needs a person at a terminal.
@@ -32,12 +32,12 @@ pub(crate) enum Failure {
     /// Standard output does not take the text.
     Output(hal_output::Unwritten),
     /// Signals cannot be taken.
-    Signals(String),
+    Signals(Box<str>),
 }
 
 impl Failure {
     pub(crate) fn file(path: impl Into<PathBuf>, why: &std::io::Error) -> Self {
-        Self::File { path: path.into(), why: hal_output::reason(why) }
+        Self::File { path: path.into(), why: hal_output::reason(why).into() }
     }
 }
 

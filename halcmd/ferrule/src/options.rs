@@ -11,7 +11,7 @@ pub(crate) struct Ferrule {
     pub(crate) task: Task,
 }
 
-/// What is to be done.
+/// Commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Task {
     /// Start a machine with its panel, and say where the panel is.
@@ -98,7 +98,7 @@ pub(crate) struct Demo {
 /// Options of `ferrule doctor`.
 #[derive(Debug, Args)]
 pub(crate) struct Doctor {
-    /// Mend what can be mended, each after a question.
+    /// Fix what can be fixed, each after a question.
     #[arg(long)]
     pub(crate) fix: bool,
     /// Look at the system below this folder.

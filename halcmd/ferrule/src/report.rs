@@ -84,7 +84,8 @@ fn versions() -> String {
 
 /// Returns what the running instance says of itself, and the end of its log.
 fn instance(given: &Report) -> Result<Vec<(String, String)>, Failure> {
-    let place = Place::find(given.instance.as_deref()).map_err(Failure::Instance)?;
+    let place =
+        Place::find(given.instance.as_deref()).map_err(|why| Failure::Instance(why.into()))?;
     let mut parts = Vec::new();
     let questions =
         [("status.txt", &["status"][..]), ("show.txt", &["show"]), ("saved.hal", &["save"])];

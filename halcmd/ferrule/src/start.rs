@@ -25,7 +25,7 @@ const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 20_000_000 };
 /// Address of the panel where nothing else is said, as halpanel has it.
 const USUAL: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 7776);
 
-/// Who starts the panel.
+/// Program that starts the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Panel {
     /// This program.
@@ -39,9 +39,10 @@ pub(crate) fn start(given: &Start) -> Result<ExitCode, Failure> {
     if !given.machine.is_file() {
         return Err(Failure::NoMachine { path: given.machine.clone() });
     }
-    let place = Place::find(given.instance.as_deref()).map_err(Failure::Instance)?;
+    let place =
+        Place::find(given.instance.as_deref()).map_err(|why| Failure::Instance(why.into()))?;
     if Client::connect(&place, "").is_ok() {
-        return Err(Failure::Runs { name: place.name().to_owned() });
+        return Err(Failure::Runs { name: place.name().into() });
     }
     let is_ini = given.machine.extension().is_some_and(|e| e == "ini");
     let ini = is_ini.then(|| Ini::read(&given.machine)).transpose()?;
@@ -85,7 +86,7 @@ pub(crate) fn start(given: &Start) -> Result<ExitCode, Failure> {
             && let Some(status) = panel.ended()?
         {
             instance.stop()?;
-            return Err(Failure::Ended { name: "halpanel", status: status.to_string() });
+            return Err(Failure::Ended { name: "halpanel", status: status.to_string().into() });
         }
         if !told && address_file.is_file() {
             tell(given, &address_file)?;
@@ -165,7 +166,7 @@ fn ending() -> Result<Arc<AtomicBool>, Failure> {
     let ending = Arc::new(AtomicBool::new(false));
     for signal in [consts::SIGINT, consts::SIGTERM, consts::SIGHUP] {
         flag::register(signal, Arc::clone(&ending))
-            .map_err(|error| Failure::Signals(hal_output::reason(&error)))?;
+            .map_err(|error| Failure::Signals(hal_output::reason(&error).into()))?;
     }
     Ok(ending)
 }
@@ -271,7 +272,7 @@ impl Running {
 }
 
 fn failed(name: &'static str, error: &std::io::Error) -> Failure {
-    Failure::NotStarted { name, why: hal_output::reason(error) }
+    Failure::NotStarted { name, why: hal_output::reason(error).into() }
 }
 
 /// Returns the options of a start of a machine in a folder, on the virtual clock.

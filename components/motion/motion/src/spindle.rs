@@ -184,7 +184,7 @@ impl Spindle {
     }
 
     /// Returns the measured turns per second as far as they are those of the command: 0 while the spindle turns against it, and
-    /// if they are no number. A sensor that has never shown a negative speed may have no sign.
+    /// if they are NaN. A sensor that has never shown a negative speed may have no sign.
     pub(crate) fn turns_as_commanded(&self) -> f64 {
         let measured = self.inputs.speed;
         let has_reversed = if self.speed < 0.0 {

@@ -154,20 +154,8 @@ impl Join {
                     // What the ends use of the tolerance is not left for their blends.
                     let at_start = if k == 0 { ends[0] } else { 0.0 };
                     let off = if k + 1 == curves.len() { at_start.max(ends[1]) } else { at_start };
-                    let lead_speed = match first.lead == first.main {
-                        true => 1.0,
-                        false => curve.bounds(0.0, length, first.lead).speed,
-                    };
-                    out.push(Segment {
-                        curve,
-                        length,
-                        lead_speed,
-                        line,
-                        mode,
-                        smooth,
-                        off,
-                        ..*first
-                    });
+                    let of = Segment { lead_speed: first.lead_speed_on(&curve, length), ..*first };
+                    out.push(Segment { curve, length, line, mode, smooth, off, ..of });
                 }
                 self.spacing = spacing;
                 self.end = end;

@@ -32,6 +32,13 @@ pub(crate) struct Segment {
     pub(crate) off: f64,
 }
 
+impl Segment {
+    /// Returns the highest speed of the lead group on another curve of the same groups, at a speed of 1 along it.
+    pub(crate) fn lead_speed_on(&self, curve: &Curve, length: f64) -> f64 {
+        if self.lead == self.main { 1.0 } else { curve.bounds(0.0, length, self.lead).speed }
+    }
+}
+
 /// Allowed distance from the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tolerances {

@@ -1,4 +1,4 @@
-//! What each axis did, from the recording.
+//! Range, way, steps and speed of each axis, from the recording.
 
 use crate::failure::Failure;
 use hal_trace::{Channel, Trace, measure::number};
@@ -36,7 +36,7 @@ pub(super) fn table(trace: &Trace) -> Result<String, Failure> {
 
 fn channel<'t>(trace: &'t Trace, name: &str) -> Result<&'t Channel, Failure> {
     let found = trace.find(name).and_then(|place| trace.channels().get(place));
-    found.ok_or_else(|| Failure::NotRecorded { line: name.to_owned() })
+    found.ok_or_else(|| Failure::NotRecorded { line: name.into() })
 }
 
 fn numbers(channel: &Channel) -> Vec<f64> {

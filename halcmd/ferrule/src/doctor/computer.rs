@@ -9,7 +9,7 @@ use std::{
 /// Most bytes of a file that are read.
 const MOST: u64 = 1 << 20;
 
-/// What the system says of itself. A fact that it does not tell is `None`, or an empty list.
+/// Facts of the system. One that it does not tell is `None`, or an empty list.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Computer {
     pub(crate) is_root: bool,
@@ -27,7 +27,7 @@ pub(crate) struct Computer {
     pub(crate) clock: Option<String>,
     /// Frequency governors in use, each once.
     pub(crate) governors: Vec<String>,
-    /// Whether `/dev/cpu_dma_latency` is there and may be written.
+    /// True if `/dev/cpu_dma_latency` may be written; `None` if it is not there.
     pub(crate) idle: Option<bool>,
     /// Parallel ports (`/proc/ioports`), and whether a printer driver holds them.
     pub(crate) ports: usize,

@@ -1,8 +1,8 @@
-//! What the facts mean, and the lines that mend what is missing.
+//! Meaning of the facts, and the lines that fix what is missing.
 
 use super::computer::Computer;
 
-/// How good a fact is.
+/// Grade of a fact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Grade {
     /// As a machine needs it.
@@ -26,15 +26,15 @@ impl Grade {
     }
 }
 
-/// A fact with what it means.
+/// A fact with its meaning.
 #[derive(Clone, Debug)]
 pub(crate) struct Finding {
     pub(crate) grade: Grade,
     pub(crate) subject: &'static str,
     pub(crate) says: String,
-    /// Lines for a shell that mend it.
+    /// Lines for a shell that fix it.
     pub(crate) lines: Vec<String>,
-    /// What a person does after them.
+    /// Step for a person after them.
     pub(crate) then: Option<&'static str>,
 }
 

@@ -5,7 +5,7 @@ use std::net::IpAddr;
 /// Parts of names of INI entries whose values are secrets.
 const SECRETS: [&str; 5] = ["PASSWORD", "PASSWD", "TOKEN", "SECRET", "KEY"];
 
-/// What is private, with the word that stands for it.
+/// Private words, each with the sign that stands for it.
 pub(super) struct Private {
     words: Vec<(String, &'static str)>,
 }

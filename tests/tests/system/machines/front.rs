@@ -69,7 +69,7 @@ fn started(scratch: &Scratch, words: &[&str]) -> Running {
     let words = [&["start", "--virtual", "ferrule-demo/demo.ini"], words].concat();
     let running = scratch.start(scratch.command(&[], "ferrule").args(words));
     let running = running.lasting("ferrule");
-    until("the panel is told", || running.said().0.contains("the panel:"));
+    until("the address of the panel", || running.said().0.contains("the panel:"));
     running
 }
 

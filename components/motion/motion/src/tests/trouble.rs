@@ -39,7 +39,7 @@ const KINDS: [(Kind, &str); 5] = [
     (Kind::Cycle, "G84, G74 in G95"),
 ];
 
-/// What happens to the spindle.
+/// Trouble of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Trouble {
     Slows,

@@ -71,7 +71,7 @@ fn a_highest_speed_is_that_of_the_group_that_governs_the_feed() {
     }
 }
 
-/// Where a move with a slow lead group leads into one whose lead group is all of it, the motion brakes before it gets there; the
+/// The motion brakes before the end of a move with a slow lead group, if all of the next move is its lead group; the
 /// average of the last periods under a limit of jerk is a little late.
 #[test]
 fn a_motion_is_slow_enough_before_its_lead_group_is_faster() {
