@@ -53,7 +53,7 @@ fn the_demonstration_cuts_its_part_without_a_terminal() {
     refused(&scratch, &["demo", "--folder", "mine"], why);
     assert_eq!(fs::read_dir(scratch.path().join("mine")).unwrap().count(), 1);
 
-    // A program that fails is told with its reason.
+    // A program that fails ends with its reason.
     scratch.write("ferrule-demo/programs/pedal.ngc", "G1 X1000 F500\nM2\n");
     let output = ferrule(&scratch, &["demo"]);
     assert_eq!(output.status, Some(1));
