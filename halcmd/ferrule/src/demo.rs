@@ -74,7 +74,7 @@ pub(crate) fn demo(given: &Demo) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     hal_output::print(
-        "\nNow the same machine, at the speed of a clock: switch it on, home it, open pedal.ngc, run it.\n",
+        "\nNow the same machine, at the speed of a clock: take control, hold Reset e-stop, hold On, home it, open pedal.ngc, hold Run.\n",
     )?;
     start(&virtual_of(folder.join("demo.ini"), folder.join(PROGRAMS), given.no_browser))
 }
