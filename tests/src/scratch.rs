@@ -102,7 +102,8 @@ impl Scratch {
     }
 
     /// Returns a command that runs a program under test here. `before` is a command line that runs the program. A function of
-    /// its threads may take up to 60 s, unless the test removes `HAL_STUCK_TIME`.
+    /// its threads may take up to 60 s, unless the test removes `HAL_STUCK_TIME`, and nothing may run for as long, unless it removes
+    /// `HAL_MAX_GAP`.
     pub fn command(&self, before: &[&str], program: &str) -> Command {
         let own = programs().join(program);
         let own = if own.is_file() { own } else { PathBuf::from(program) };
@@ -125,6 +126,8 @@ impl Scratch {
             // On a busy computer that is itself a virtual machine, a thread seems to run while another machine has the
             // processor. That must stop no machine here.
             .env("HAL_STUCK_TIME", "60s")
+            // Nor must a computer that ran nothing for half a second, though it was not busy.
+            .env("HAL_MAX_GAP", "60s")
             .env("PATH", format!("{}:{path}", programs().display()))
             .current_dir(&self.path)
             .stdin(Stdio::null());

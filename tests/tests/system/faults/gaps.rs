@@ -42,6 +42,7 @@ const HOMED: [&str; 2] = ["joint.0.homed", "joint.1.homed"];
 fn machine(scratch: &Scratch, fifo: bool, words: &[&str]) -> Running {
     scratch.write("m.hal", MACHINE);
     let mut halrun = scratch.command(&[], "halrun");
+    halrun.env_remove("HAL_MAX_GAP");
     if !fifo {
         halrun.env("HAL_NO_FIFO", "1");
     }
