@@ -22,8 +22,8 @@ pub(crate) struct Raw {
     /// Programmed speeds along the path, as [`Cell`](crate::track::Cell) has them.
     pub(crate) feed: f64,
     pub(crate) rapid: f64,
-    pub(crate) lead: f64,
-    pub(crate) linear: f64,
+    pub(crate) lead: f32,
+    pub(crate) linear: f32,
     pub(crate) line: u32,
     /// Start in the coordinate of the run.
     pub(crate) start: f64,

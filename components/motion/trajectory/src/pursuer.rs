@@ -122,7 +122,7 @@ impl Pursuer {
             pose: self.position,
             line: self.shown.map_or(0, |c| c.line),
             travel,
-            lead: self.shown.map_or(1.0, |c| c.lead),
+            lead: self.shown.map_or(1.0, |c| f64::from(c.lead)),
             feed: self.shown.map_or(0.0, |c| c.programmed()),
             highest: self.shown.map_or(0.0, |c| c.speed),
             moving: !rests || fabs(self.now.acceleration) > 0.0,

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Words of a cell and of a curve, and the words of a cell that change after it is published.
-const CELL: usize = 14;
+const CELL: usize = 12;
 const CURVE: usize = 56;
 const END: usize = 7;
 const BEGIN: usize = 8;
@@ -205,7 +205,7 @@ impl Path for Reader {
 }
 
 const fn flags(cell: &Cell) -> u64 {
-    (cell.samples as u64) << 1 | cell.stop as u64
+    (cell.line as u64) << 32 | (cell.samples as u64) << 1 | cell.stop as u64
 }
 
 const fn cell_words(c: &Cell) -> [u64; CELL] {
@@ -221,30 +221,13 @@ const fn cell_words(c: &Cell) -> [u64; CELL] {
         c.begin.to_bits(),
         c.rapid.to_bits(),
         flags(c),
-        c.line as u64,
-        c.lead.to_bits(),
-        c.linear.to_bits(),
+        (c.lead.to_bits() as u64) << 32 | c.linear.to_bits() as u64,
     ]
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "as they were written")]
 const fn cell_from(words: &[u64; CELL]) -> Cell {
-    let [
-        curve,
-        from,
-        length,
-        speed,
-        feed,
-        rest,
-        fade,
-        end,
-        begin,
-        rapid,
-        flags,
-        line,
-        lead,
-        linear,
-    ] = *words;
+    let [curve, from, length, speed, feed, rest, fade, end, begin, rapid, flags, leads] = *words;
     Cell {
         curve,
         from: f64::from_bits(from),
@@ -252,15 +235,15 @@ const fn cell_from(words: &[u64; CELL]) -> Cell {
         speed: f64::from_bits(speed),
         feed: f64::from_bits(feed),
         rapid: f64::from_bits(rapid),
-        lead: f64::from_bits(lead),
-        linear: f64::from_bits(linear),
+        lead: f32::from_bits((leads >> 32) as u32),
+        linear: f32::from_bits(leads as u32),
         rest: f64::from_bits(rest),
         fade: f64::from_bits(fade),
         end: f64::from_bits(end),
         begin: f64::from_bits(begin),
         samples: (flags >> 1) as u16,
         stop: flags & 1 == 1,
-        line: line as u32,
+        line: (flags >> 32) as u32,
     }
 }
 

@@ -46,9 +46,9 @@ pub struct Cell {
     /// Speed along the path at a rapid override of 1; infinity in a move at a feed. A blend between both kinds has both.
     pub rapid: f64,
     /// Highest speed of the group that governs the feed, at a speed of 1 along the path.
-    pub lead: f64,
+    pub lead: f32,
     /// The same where that group is of lengths; 0 where it is of angles.
-    pub linear: f64,
+    pub linear: f32,
     /// Highest acceleration along the path at rest.
     pub rest: f64,
     /// Loss of acceleration per squared speed.
@@ -82,9 +82,9 @@ impl Cell {
 
     /// Returns the speed along the path at which the group that governs the feed has its highest speed.
     pub(crate) const fn topped(&self, tops: &Tops) -> f64 {
-        let feed = tops.feed / self.lead;
+        let feed = tops.feed / self.lead as f64;
         // No speed of a length is too high for angles.
-        if self.linear > 0.0 { feed.min(tops.linear / self.linear) } else { feed }
+        if self.linear > 0.0 { feed.min(tops.linear / self.linear as f64) } else { feed }
     }
 
     /// Returns the highest squared speed at the far end of the cell for a motion that has `near` at the other end.

@@ -180,7 +180,7 @@ fn kinds(cell: &Cell) -> [bool; 2] {
 }
 
 /// Returns the speeds of the lead groups of a cell, at a speed of 1 along the path.
-const fn leads(cell: &Cell) -> [f64; 2] {
+const fn leads(cell: &Cell) -> [f32; 2] {
     [cell.lead, cell.linear]
 }
 

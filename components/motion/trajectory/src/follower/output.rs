@@ -56,6 +56,6 @@ impl Follower {
         self.line = cell.line;
         self.feed = cell.programmed();
         self.highest = cell.speed;
-        self.lead = cell.lead;
+        self.lead = f64::from(cell.lead);
     }
 }

@@ -214,8 +214,8 @@ fn leads<'s>(
 }
 
 /// Returns the highest speed of the lead groups of a segment, or of a blend between two, at a speed of 1 along the path, and of
-/// those whose unit is a length.
-fn lead_speeds(a: &Segment, b: Option<&Segment>) -> [f64; 2] {
+/// those whose unit is a length, rounded up.
+fn lead_speeds(a: &Segment, b: Option<&Segment>) -> [f32; 2] {
     let mut speeds = [0.0_f64; 2];
     for segment in [Some(a), b].into_iter().flatten() {
         let [lead, linear] = &mut speeds;
@@ -224,7 +224,14 @@ fn lead_speeds(a: &Segment, b: Option<&Segment>) -> [f64; 2] {
             *linear = linear.max(segment.lead_speed);
         }
     }
-    speeds
+    speeds.map(above)
+}
+
+/// Returns the lowest number of half the width that is not below this one.
+#[expect(clippy::cast_possible_truncation, reason = "the next one is taken")]
+fn above(exact: f64) -> f32 {
+    let near = exact as f32;
+    if f64::from(near) < exact { near.next_up() } else { near }
 }
 
 /// Returns the speed along a cell at which its lead group, of this speed along it, has a feed.

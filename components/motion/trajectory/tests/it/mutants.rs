@@ -245,7 +245,7 @@ const MUTANTS: [Mutant; 34] = [
     Mutant {
         mistake: "the highest speeds are those of the path coordinate",
         file: "track.rs",
-        right: "let feed = tops.feed / self.lead;",
+        right: "let feed = tops.feed / self.lead as f64;",
         wrong: "let feed = tops.feed;",
         fails: ["tops", "a_highest_speed_is_that"],
     },

@@ -177,7 +177,7 @@ fn two_threads_agree() {
     });
 }
 
-/// A full hand-over of 16,384 cells, the planner and the follower fit in 16 MiB, with the worst programs.
+/// A full hand-over of 16,384 cells, the planner and the follower fit in 16 MB, with the worst programs.
 #[test]
 fn no_program_takes_more_than_16_megabytes() {
     let mut most = 0;
@@ -218,7 +218,7 @@ fn no_program_takes_more_than_16_megabytes() {
     // The ring of the follower has 2000 numbers.
     most += 2000 * 8;
     println!("{most} bytes");
-    assert!(most <= 16 << 20, "{most}");
+    assert!(most <= 16_000_000, "{most}");
 }
 
 const SOFT: hal_trajectory::Mode = hal_trajectory::Mode::Blend(0.01);
