@@ -2,6 +2,7 @@
 
 use crate::{
     lease::{Lease, Loss},
+    numbers,
     pins::Pins,
 };
 use hal_component::{
@@ -56,7 +57,7 @@ impl Keeper {
         preset: Loss,
     ) -> Self {
         let (holder, jogs) = (String::new(), Vec::new());
-        let desk = Desk::new(preset);
+        let desk = Desk { last: numbers::last(clock), ..Desk::new(preset) };
         let mut keeper =
             Self { lease, motion, holder, desk, pins, pressed_until: 0, clock, say, jogs };
         keeper.set_loss(preset);
@@ -73,6 +74,7 @@ impl Keeper {
     pub(crate) fn take(&mut self, holder: &str, from: Option<u32>) -> Result<u32, Error> {
         let now = self.lease.number.load(Relaxed);
         let number = self.desk.take(now, from).map_err(|why| self.error(why))?;
+        numbers::note(number);
         holder.clone_into(&mut self.holder);
         // The servo thread may have ended the lease that is handed over: then the new one is new all the same.
         self.lease.number.store(number, Relaxed);

@@ -4,6 +4,7 @@
 mod commands;
 mod keeper;
 mod lease;
+mod numbers;
 mod pins;
 mod watch;
 

@@ -1,6 +1,6 @@
 //! A machine without motion, whose robot moves by its own controller.
 
-use crate::Remote;
+use crate::{Remote, numbers};
 use hal_bench::Bench;
 
 const PERIOD: i64 = 1_000_000;
@@ -17,6 +17,7 @@ fn pass(bench: &Bench, ms: u32) {
 
 /// Loses the lease while the robot runs; returns the bench.
 fn lost(on_loss: &str) -> Bench {
+    numbers::begin_anew();
     let mut bench = Bench::new();
     bench.load::<Remote>(&["motion=0", on_loss]).unwrap();
     pass(&bench, 20);
@@ -67,6 +68,7 @@ fn a_lost_lease_ends_the_robots_run_or_leaves_it() {
 fn a_machine_without_motion_says_so_and_jogs_nothing() {
     let why = Bench::new().load::<Remote>(&[]).unwrap_err();
     assert!(why.contains("loadrt motmod first, or motion=0"), "{why}");
+    numbers::begin_anew();
     let mut bench = Bench::new();
     bench.load::<Remote>(&["motion=0"]).unwrap();
     pass(&bench, 20);
@@ -74,4 +76,31 @@ fn a_machine_without_motion_says_so_and_jogs_nothing() {
     let jog = ["lease=1", "joint=0", "velocity=1", "distance=1"];
     let why = bench.command("remote.jog", &jog).unwrap_err();
     assert_eq!(why, "this machine has no motion that could jog");
+}
+
+#[test]
+fn the_number_of_a_lease_counts_no_more_after_the_plugin_was_loaded_again() {
+    numbers::begin_anew();
+    let load = || {
+        let mut bench = Bench::new();
+        bench.load::<Remote>(&["motion=0"]).unwrap();
+        bench
+    };
+    let before = load();
+    assert_eq!(before.command("remote.take", &["holder=ana"]).unwrap(), ["lease=1"]);
+    drop(before);
+    let bench = load();
+    assert_eq!(bench.command("remote.take", &["holder=eva"]).unwrap(), ["lease=2"]);
+    for name in ["remote.start", "remote.give", "remote.beat", "remote.tool-changed"] {
+        let pulse: &[&str] =
+            if name == "remote.beat" { &["lease=1", "pulse=1"] } else { &["lease=1"] };
+        let why = bench.command(name, pulse).unwrap_err();
+        assert!(why.starts_with("this is not the number of the control lease"), "{name}: {why}");
+    }
+    // A process that is started later goes on behind the clock.
+    numbers::begin_anew();
+    let mut bench = Bench::new();
+    (0..3000).for_each(|_| bench.pass(PERIOD));
+    bench.load::<Remote>(&["motion=0"]).unwrap();
+    assert_eq!(bench.command("remote.take", &["holder=eva"]).unwrap(), ["lease=193"]);
 }

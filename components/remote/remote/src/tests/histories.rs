@@ -24,8 +24,9 @@ const HISTORIES: u64 = 3000;
 /// Number of histories in which a planted fault is found at the latest.
 const WITH_FAULT: u64 = 200;
 
-/// Number of no lease.
-const NOBODY: u32 = 4_000_000_000;
+/// Refusal of a command, in the plugin's words.
+#[derive(Debug)]
+struct Refusal(String);
 
 /// Fault that is planted between the operators and the plugin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +78,7 @@ struct World {
     now: u32,
     /// The last pulse.
     pulse: u32,
-    /// Number of restarts: leases of each have numbers from 1 on.
+    /// Number of restarts. The plugin gives no number of a lease again.
     restarts: u64,
     held: Option<Held>,
     /// Pauses of the plugin's process: cycles until it goes on.
@@ -88,6 +89,11 @@ fn bench() -> Bench {
     let mut bench = Bench::new();
     bench.load::<Remote>(&["motion=0", "lease_timeout=0.2"]).unwrap();
     bench
+}
+
+/// Returns the plugin's number of a lease, also of one before a restart.
+fn number(right: u64) -> u32 {
+    u32::try_from(right & 0xffff_ffff).unwrap()
 }
 
 impl World {
@@ -125,18 +131,9 @@ impl World {
         (self.restarts << 32) | number as u64
     }
 
-    /// Returns the plugin's number of a lease; one that is nobody's for that of another run.
-    fn number(&self, right: u64) -> u32 {
-        if right >> 32 == self.restarts {
-            u32::try_from(right & 0xffff_ffff).unwrap()
-        } else {
-            NOBODY
-        }
-    }
-
-    fn command(&self, name: &str, args: &str) -> Result<String, String> {
+    fn command(&self, name: &str, args: &str) -> Result<String, Refusal> {
         let args: Vec<&str> = args.split_whitespace().collect();
-        self.bench.command(name, &args).map(|lines| lines.concat())
+        self.bench.command(name, &args).map(|lines| lines.concat()).map_err(Refusal)
     }
 
     /// Lets the plugin take the lease; returns its number in the history.
@@ -161,7 +158,7 @@ impl World {
                 None => RightCall::NotTaken,
             },
             Request::Hand(from) => {
-                match self.take(&format!("from={}", self.number(from))) {
+                match self.take(&format!("from={}", number(from))) {
                     Some(right) => RightCall::Hand(from, right),
                     // The refusal of a lease that is not the one handed over.
                     None => RightCall::Use(from, false),
@@ -188,7 +185,7 @@ impl World {
                 Seen(if number == 0 { 0 } else { self.right(number) })
             }
             Request::Beat(right, pulse) => {
-                let args = format!("lease={} pulse={pulse}", self.number(right));
+                let args = format!("lease={} pulse={pulse}", number(right));
                 let done = self.command("remote.beat", &args).is_ok();
                 if let Some(held) = &mut self.held
                     && done
@@ -203,9 +200,9 @@ impl World {
 
     /// Gives a command under a lease; returns false if it is refused for want of it. Other refusals concern its holder.
     fn judge(&self, name: &str, right: u64) -> bool {
-        match self.command(name, &format!("lease={}", self.number(right))) {
+        match self.command(name, &format!("lease={}", number(right))) {
             Ok(_) => true,
-            Err(why) => !why.starts_with("this is not the number of the control lease"),
+            Err(Refusal(why)) => !why.starts_with("this is not the number of the control lease"),
         }
     }
 
@@ -242,7 +239,7 @@ impl World {
         }
         let keeps = self.held.filter(|_| self.fault == Fault::LostExpiry);
         if let Some(held) = keeps {
-            let args = format!("lease={} pulse={}", self.number(held.right), self.now - ms);
+            let args = format!("lease={} pulse={}", number(held.right), self.now - ms);
             drop(self.command("remote.beat", &args));
         }
         self.bench.run("remote", i64::from(CYCLE_MS) * 1_000_000);

@@ -1,6 +1,6 @@
 //! A machine with a remote operator, whose pulses and beats take time.
 
-use crate::Remote;
+use crate::{Remote, numbers};
 use hal_bench::Bench;
 use hal_component::{MotionRef, MotionToken};
 use motion::Motmod;
@@ -30,6 +30,7 @@ pub(super) struct Rig {
 
 impl Rig {
     pub(super) fn new(args: &[&str]) -> Self {
+        numbers::begin_anew();
         let mut bench = Bench::new();
         bench.load::<Trivkins>(&["coordinates=xyz"]).unwrap();
         bench.load::<Motmod>(&["num_joints=3"]).unwrap();
