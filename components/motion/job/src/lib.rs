@@ -32,6 +32,7 @@ pub mod journal;
 pub mod machine;
 pub mod number;
 pub mod places;
+pub mod program_error;
 pub mod refusal;
 pub mod run;
 pub mod simulation;

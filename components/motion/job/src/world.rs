@@ -1,6 +1,6 @@
 //! The files, tools and values that a program sees.
 
-use crate::machine::Machine;
+use crate::{machine::Machine, program_error::ProgramError};
 use hal_beneath::{Beneath, FileName, RelativeName};
 use hal_gcode::{Environment, Source, Text, tool::Tool};
 use hal_remap::Functions;
@@ -8,6 +8,7 @@ use std::{
     cell::RefCell,
     collections::BTreeMap,
     fs::{File, Metadata},
+    io,
     os::unix::fs::{FileExt, MetadataExt},
     path::Path,
     sync::Arc,
@@ -48,7 +49,7 @@ pub type Version = (u64, i64, i64);
 /// # Errors
 /// The file cannot be opened.
 pub fn program(path: &Path) -> Result<Text, String> {
-    let wrong = |e: &std::io::Error| format!("{}: {}", path.display(), hal_output::reason(e));
+    let wrong = |e: &io::Error| format!("{}: {}", path.display(), hal_output::reason(e));
     if !std::fs::metadata(path).map_err(|e| wrong(&e))?.is_file() {
         // A pipe can be read only once, and a folder not at all. The open of a pipe that nothing fills never returns.
         let bytes = hal_ini::file::contents(path, MAX_PIPE).map_err(|e| wrong(&e))?;
@@ -78,37 +79,40 @@ pub fn program_of(machine: &Machine, path: &Path) -> Result<Text, String> {
 ///
 /// # Errors
 /// The file lies elsewhere, or cannot be opened.
-pub fn program_from_afar(machine: &Machine, path: &Path) -> Result<Text, String> {
+pub fn program_from_afar(machine: &Machine, path: &Path) -> Result<Text, ProgramError> {
     // Without an INI file nothing says where the machine's programs are: the caller has chosen the folder.
-    let Some(places) = &machine.places else { return program_of(machine, path) };
-    let wrong = |why: &dyn core::fmt::Display| format!("{}: {why}", path.display());
-    let whole = |path: &Path| std::path::absolute(path).map_err(|e| wrong(&hal_output::reason(&e)));
+    let Some(places) = &machine.places else {
+        return program_of(machine, path).map_err(|why| ProgramError::Own(why.into()));
+    };
+    let failed = |why: &io::Error| ProgramError::System {
+        path: path.into(),
+        why: hal_output::reason(why).into(),
+    };
+    let whole = |path: &Path| std::path::absolute(path).map_err(|why| failed(&why));
     let (folder, file) = (whole(&places.programs)?, whole(path)?);
-    let name = file.strip_prefix(&folder).ok().and_then(Path::to_str).ok_or_else(|| {
-        let programs = folder.display();
-        wrong(&format!(
-            "programs are opened from afar in {programs} alone ([DISPLAY]PROGRAM_PREFIX)"
-        ))
-    })?;
-    let name = RelativeName::parse(name).map_err(|why| wrong(&why))?;
+    let Some(name) = file.strip_prefix(&folder).ok().and_then(Path::to_str) else {
+        return Err(ProgramError::Outside { path: path.into(), programs: folder.into() });
+    };
+    let name =
+        RelativeName::parse(name).map_err(|why| ProgramError::Name { path: path.into(), why })?;
     let uploads = whole(&places.uploads)?;
     let opened = Beneath::open(&folder).and_then(|folder| match file.starts_with(&uploads) {
         true => folder.read_sole(&name),
         false => folder.read(&name),
     });
-    text_of(opened.map_err(|why| why.to_string())?).map_err(|e| wrong(&hal_output::reason(&e)))
+    text_of(opened.map_err(ProgramError::Open)?).map_err(|why| failed(&why))
 }
 
 /// Returns the text of a file that is open, which is read in parts.
 ///
 /// # Errors
 /// The system refuses.
-pub fn text_of(file: File) -> std::io::Result<Text> {
+pub fn text_of(file: File) -> io::Result<Text> {
     let version = version_of(&file)?;
     Ok(Arc::new(Opened { file, version }))
 }
 
-fn version_of(file: &File) -> std::io::Result<Version> {
+fn version_of(file: &File) -> io::Result<Version> {
     Ok(facts(&file.metadata()?))
 }
 

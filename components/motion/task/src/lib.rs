@@ -16,6 +16,7 @@ mod command_record;
 mod commands;
 mod convert;
 mod core;
+mod error;
 mod journal_file;
 mod outside;
 mod pins;

@@ -1,5 +1,6 @@
 //! Everything outside the core: motion, iocontrol, files, the clock.
 
+use crate::error::Error;
 use hal_component::{IoRequest, IoState, StopEpoch};
 use hal_gcode::{Environment, Numbered, State, tool::ToolTable};
 use hal_job::{journal::Record, spindle::Spindle};
@@ -239,7 +240,7 @@ pub(crate) trait Outside {
     /// Takes the answer to such a question, once: `None` while there is none, `Some(None)` if nothing has the name.
     fn take_value(&mut self, question: u64) -> Option<Option<f64>>;
     /// Begins a user's program.
-    fn begin_program(&mut self, code: u16, p: f64, q: f64, rights: Rights) -> Result<(), String>;
+    fn begin_program(&mut self, code: u16, p: f64, q: f64, rights: Rights) -> Result<(), Error>;
     /// Returns how far the user's program has come.
     fn program(&mut self) -> Progress;
     /// Ends the user's program.

@@ -1,6 +1,9 @@
 //! Programs of users: M100 to M199.
 
-use crate::outside::{Progress, Rights};
+use crate::{
+    error::Error,
+    outside::{Progress, Rights},
+};
 use hal_job::user_programs::UserPrograms;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::{
@@ -36,10 +39,9 @@ impl UserProgram {
         code: u16,
         [p, q]: [f64; 2],
         rights: Rights,
-    ) -> Result<(), String> {
-        let name = format!("M{code}");
-        let path = programs.find(code).map_err(|why| format!("{name} is not run: {why}"))?;
-        let path = path.ok_or_else(|| format!("there is no program {name}"))?;
+    ) -> Result<(), Error> {
+        let path = programs.find(code).map_err(|why| Error::NotRun { code, why })?;
+        let path = path.ok_or(Error::NoProgram(code))?;
         let mut command = Command::new(path);
         if rights == Rights::FromAfar {
             command.env(FROM_AFAR, "1");
@@ -49,7 +51,7 @@ impl UserProgram {
             .stdin(Stdio::null())
             .process_group(0)
             .spawn()
-            .map_err(|e| format!("{name}: {}", hal_output::reason(&e)))?;
+            .map_err(|e| Error::NotStarted { code, why: hal_output::reason(&e).into() })?;
         self.child = Some(Running { code, rights, child });
         Ok(())
     }

@@ -3,6 +3,7 @@
 use crate::{
     command_record::Letters,
     core::{Core, Rules},
+    error::Error,
     worker::Files,
 };
 use hal_gcode::{axis::AxisMask, state::modal::MAX_SPINDLES};
@@ -128,18 +129,18 @@ fn rules(machine: &Machine) -> Result<Rules, String> {
         has_top_speed,
         change_position,
         safe_height: number("TASK", "SAFE_HEIGHT")?,
-        has_full_codes: ini.map_or(Ok(true), has_full_codes)?,
+        has_full_codes: ini.map_or(Ok(true), has_full_codes).map_err(|why| why.to_string())?,
     })
 }
 
 /// Returns whether programs of users have the owner's rights in every job. They are files of the machine, in folders where
 /// nobody writes from elsewhere.
-fn has_full_codes(ini: &Ini) -> Result<bool, String> {
+fn has_full_codes(ini: &Ini) -> Result<bool, Error> {
     let Some(entry) = ini.all("REMOTE", "USER_CODES").next() else { return Ok(true) };
     match entry.value.trim() {
         "limited" => Ok(false),
         "full" => Ok(true),
-        _ => Err(wrong(entry, "limited or full")),
+        _ => Err(Error::UserCodes(Box::new(entry.clone()))),
     }
 }
 

@@ -224,7 +224,7 @@ impl Core {
                     true => Rights::FromAfar,
                     false => Rights::Owner,
                 };
-                out.begin_program(*code, *p, *q, rights)?;
+                out.begin_program(*code, *p, *q, rights).map_err(|why| why.to_string())?;
                 self.waiting = Some(Waiting::Program(*code));
             }
             Action::Pause(why) => {

@@ -303,7 +303,10 @@ impl Core {
         self.needs_no_job("no program can be opened")?;
         // A file that cannot be read is refused here, not when it runs.
         match self.is_from_afar {
-            true => drop(world::program_from_afar(&self.world.machine, &path)?),
+            true => {
+                let opened = world::program_from_afar(&self.world.machine, &path);
+                drop(opened.map_err(|why| why.to_string())?);
+            }
             false => drop(world::program_of(&self.world.machine, &path)?),
         }
         self.program = Some(path);
