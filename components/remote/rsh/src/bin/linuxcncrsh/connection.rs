@@ -101,9 +101,9 @@ impl Input {
 }
 
 /// Serves a connection until its end. Then the session has no control any more: its jogs stop.
-pub(crate) fn run(stream: TcpStream, id: u64, is_own: bool, source: &Arc<Served>) {
+pub(crate) fn run(stream: TcpStream, id: u64, source: &Arc<Served>) {
     let prepared = stream.set_write_timeout(Some(PATIENCE)).and_then(|()| stream.set_nodelay(true));
-    let mut engine = Engine::new(source, id, is_own, stream);
+    let mut engine = Engine::new(source, id, stream);
     // A connection that is cut ends as one that is closed.
     drop(prepared.and_then(|()| lines(&mut engine, source)));
     engine.give();

@@ -111,15 +111,6 @@ impl Control {
         }
     }
 
-    /// Opens a program for the machine's own user; returns the number of the ticket.
-    pub(crate) fn open(&self, request: Request) -> Result<Option<u64>, String> {
-        match self.lock().client.call(request) {
-            Ok(Reply::Answer(answer)) => Ok(answer.ticket),
-            Ok(_) => Ok(None),
-            Err(why) => Err(why.text),
-        }
-    }
-
     /// Jogs under the lease of a session.
     pub(crate) fn jog(&self, session: u64, mut args: Vec<String>) -> Result<(), String> {
         let mut table = self.lock();

@@ -86,8 +86,6 @@ pub(crate) struct Engine {
     pub(crate) given: Option<u64>,
     state: Snapshots,
     session: u64,
-    /// True for a program of the user of this program, or of root.
-    is_own: bool,
     pub(crate) input: Input,
 }
 
@@ -99,10 +97,10 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Engine {
-    pub(crate) fn new(source: &Arc<Served>, session: u64, is_own: bool, stream: TcpStream) -> Self {
+    pub(crate) fn new(source: &Arc<Served>, session: u64, stream: TcpStream) -> Self {
         let state = lock(&source.records).state(source.facts.clone());
         let (source, input) = (source.clone(), Input::new(stream, source.clone()));
-        Self { source, link: None, given: None, state, session, is_own, input }
+        Self { source, link: None, given: None, state, session, input }
     }
 
     /// Opens a client of the engine, once. `None` if it takes none, or enough sessions have one.
@@ -150,15 +148,18 @@ impl Machine for Engine {
     }
 
     fn command(&mut self, name: &str, args: Vec<String>) -> Result<Option<u64>, String> {
+        // Who speaks these lines is elsewhere, whoever runs this program: the engine opens files of the folder of programs for
+        // them. Without an INI file nothing says which folder that is.
+        if name == OPEN && self.source.facts.path.is_empty() {
+            return Err("programs are opened below [DISPLAY]PROGRAM_PREFIX, and linuxcncrsh was started without an INI \
+                        file: linuxcncrsh -- -ini FILE"
+                .to_owned());
+        }
         let given = self.given;
         let orders = &self.linked().map_err(|why| why.text)?.orders;
         let request = orders.request(name, args).map_err(|why| why.to_string())?;
         let Some(request) = request else { return Ok(None) };
         let request = orders.stamped(request, given);
-        if self.is_own && name == OPEN {
-            // It may read whatever this program may. The engine holds all others to the machine's folder of programs.
-            return self.source.control.open(request);
-        }
         self.ask(request).map_err(|why| why.text)
     }
 

@@ -100,7 +100,7 @@ fn serve(listener: &TcpListener, source: &Arc<Served>, only_own: bool) {
         let Some(seat) = source.seats.connect(who) else { continue };
         let source = source.clone();
         let work = move || {
-            connection::run(stream, id, who == Who::Own, &source);
+            connection::run(stream, id, &source);
             drop(seat);
         };
         // A thread that cannot begin drops what it was given.
