@@ -11,7 +11,7 @@
 mod accounts;
 mod align;
 mod arm;
-mod attacks;
+pub(crate) mod attacks;
 mod cuts;
 mod display;
 mod figures;

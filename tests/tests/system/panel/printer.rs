@@ -250,6 +250,11 @@ impl Session {
         Self { port, cookie, key }
     }
 
+    /// Returns a session by its cookie, with name and value, and its key.
+    pub(super) const fn of(port: u16, cookie: String, key: String) -> Self {
+        Self { port, cookie, key }
+    }
+
     /// Returns the port of the server.
     pub(super) const fn port(&self) -> u16 {
         self.port

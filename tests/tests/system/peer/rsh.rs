@@ -1,9 +1,10 @@
 //! The text protocol of linuxcncrsh: its replies beside LinuxCNC's, its control, and malformed lines.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
+use crate::panel::attacks::list::Tries;
 use hal_tests::{
     foreign, golden,
-    programs::root,
+    programs::{own_test, root},
     scratch::{Running, Scratch, until},
     tools,
     user::{as_user, is_root},
@@ -471,7 +472,7 @@ fn connections_take_a_client_of_the_engine_with_their_hello_and_never_all_of_the
 const NOBODY: u32 = 65_534;
 
 #[test]
-fn another_user_opens_programs_of_the_machine_alone_and_has_a_part_of_the_connections() {
+fn people_open_programs_of_the_machine_alone_and_have_a_part_of_the_connections() {
     if !is_root() {
         return;
     }
@@ -497,18 +498,24 @@ fn another_user_opens_programs_of_the_machine_alone_and_has_a_part_of_the_connec
     };
     let (inside, outside) = (scratch.path().join("square.ngc"), secret.display().to_string());
     let inside = inside.display().to_string();
+    let attacks = [
+        (&*outside, "a file elsewhere", "programs are opened from afar in "),
+        ("/etc/passwd", "/etc/passwd", "([DISPLAY]PROGRAM_PREFIX)"),
+        ("link.ngc", "a link", "a symbolic link is here or on the way"),
+        ("../machine.ini", "a file of the folder above", "the name has '..'"),
+    ];
+    let mut tries = Tries::default();
+    let attacked = |tries: &mut Tries, line: &mut Line, who: &str| {
+        for (file, what, why) in attacks {
+            let said = refusal(line, file);
+            let attack = format!("{who}: set open of {what} in linuxcncrsh");
+            tries.note(&attack, !said.contains(why), &said);
+        }
+    };
     as_user(NOBODY, || {
         let mut line = begin();
         assert_eq!(refusal(&mut line, &inside), "");
-        for (file, why) in [
-            (&*outside, "programs are opened from afar in "),
-            ("/etc/passwd", "([DISPLAY]PROGRAM_PREFIX)"),
-            ("link.ngc", "a symbolic link is here or on the way"),
-            ("../machine.ini", "the name has '..'"),
-        ] {
-            let said = refusal(&mut line, file);
-            assert!(said.contains(why), "{file}: {said}");
-        }
+        attacked(&mut tries, &mut line, "another user");
         // A part of the connections; one more ends without a word.
         let others: Vec<_> = (1..32).map(|_| begin()).collect();
         until("one more is closed", || {
@@ -518,8 +525,41 @@ fn another_user_opens_programs_of_the_machine_alone_and_has_a_part_of_the_connec
         });
         drop(others);
     });
-    // The machine's own user opens what they can read, as with LinuxCNC.
+    // A client is elsewhere, whoever has started it.
     let mut own = begin();
-    assert_eq!(refusal(&mut own, &outside), "");
+    assert_eq!(refusal(&mut own, &inside), "");
+    attacked(&mut tries, &mut own, "operator");
     fs::remove_file(secret).unwrap();
+    tries.finish(&own_test(
+        module_path!(),
+        "people_open_programs_of_the_machine_alone_and_have_a_part_of_the_connections",
+    ));
+}
+
+#[test]
+fn without_an_ini_file_no_program_is_opened() {
+    let scratch = Scratch::copy_of(&folder());
+    let machine = scratch.start(scratch.command(&[], "halrun").args([
+        "--simulate",
+        "--headless",
+        "machine.ini",
+    ]));
+    until("the machine runs", || scratch.halcmd(&["task.status"]).status == Some(0));
+    let server = scratch.start(scratch.command(&[], "linuxcncrsh").args(["-p", "0"]));
+    let mut port = None;
+    until("linuxcncrsh listens", || {
+        let said = |l: &str| l.strip_prefix("linuxcncrsh listens at 127.0.0.1:")?.parse().ok();
+        port = server.said().0.lines().find_map(said);
+        port.is_some()
+    });
+    let mut line = greeted(port.unwrap());
+    assert_eq!(line.ask("set enable EMCTOO"), "SET ENABLE ACK\n\r");
+    assert_eq!(line.ask("set set_wait done"), "SET SET_WAIT ACK\n\r");
+    assert_eq!(line.ask("set open square.ngc"), "SET OPEN NAK\n\r");
+    let why = line.ask("get error");
+    assert!(why.contains("linuxcncrsh was started without an INI file"), "{why}");
+    for program in [server, machine] {
+        program.signal(Signal::TERM);
+        program.wait();
+    }
 }
