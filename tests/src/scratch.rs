@@ -1,6 +1,7 @@
 //! A folder for each test: its programs run there, and no instance sees another one.
 
 use crate::{guard, lasting, programs::programs};
+use hal_protocol::Place;
 use rustix::{
     process::{Pid, Signal},
     thread::nanosleep,
@@ -83,6 +84,11 @@ impl Scratch {
         fs::create_dir_all(&folder).unwrap();
         fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).unwrap();
         format!(".private/{name}")
+    }
+
+    /// Returns the place of an instance that runs in this folder.
+    pub fn place(&self, instance: &str) -> Place {
+        Place::at(self.path.join(".run/ferrule"), instance).unwrap()
     }
 
     /// Reads a file.

@@ -262,7 +262,7 @@ fn a_writer_that_does_not_write_is_given_up_until_it_does() {
         return;
     }
     let scratch = Scratch::new("unwritten");
-    let place = hal_protocol::Place::at(scratch.path().join(".run/ferrule"), "holds").unwrap();
+    let place = scratch.place("holds");
     let mut options = hal_tests::machine::options(place.clone(), ClockKind::Virtual);
     options.hold = false;
     let mut engine = hal_engine::Engine::new(options).unwrap();

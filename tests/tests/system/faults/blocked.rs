@@ -2,7 +2,7 @@
 //! They hold up neither the threads nor the end of the process, and what they do not take is reported.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_protocol::{Client, Link, Place, Request, SampleSpec};
+use hal_protocol::{Client, Link, Request, SampleSpec};
 use hal_tests::{
     plugins::plugins,
     scratch::{Running, Scratch, until},
@@ -210,7 +210,7 @@ fn threads_go_on_while_the_recording_is_not_taken() {
     let lines = machine("flight on file=flight.vcd when=x > 0.9\nstart\nprint ready\n");
     let mut running = start(&scratch, &lines, &["--simulate"]);
     until("it is up", || said(&running, "ready"));
-    let place = Place::at(scratch.path().join(".run/ferrule"), "default").unwrap();
+    let place = scratch.place("default");
     let mut client = Client::connect(&place, "").unwrap();
     let spec = SampleSpec {
         names: vec!["x".to_owned()],

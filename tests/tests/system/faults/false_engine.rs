@@ -396,7 +396,7 @@ fn an_instance_has_a_name_and_its_files_their_modes() {
     assert_eq!(scratch.left(), [""; 0]);
     let mut open = scratch.command(&["sh", "-c", "umask 000; exec \"$@\"", "sh"], "halrun");
     let mut running = scratch.start(open.args(["--virtual", "--hold", "machine.hal"]));
-    let place = Place::at(scratch.path().join(".run/ferrule"), "default").unwrap();
+    let place = scratch.place("default");
     until("it runs", || {
         assert!(running.is_running(), "{:?}", running.said());
         Client::connect(&place, "").map_err(|e| assert_eq!(e.code, NOT_RUNNING)).is_ok()

@@ -1,7 +1,7 @@
 //! Many instances at once, and the files left by those that end or are killed.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
-use hal_protocol::{Client, Place};
+use hal_protocol::Client;
 use hal_tests::{
     machine::{bit, cycles, script, status},
     scratch::{Running, Scratch, until},
@@ -25,7 +25,7 @@ fn start(scratch: &Scratch, name: &str) -> Running {
 
 /// Returns a client as soon as the instance runs.
 fn client(scratch: &Scratch, name: &str) -> Client {
-    let place = Place::at(scratch.path().join(".run/ferrule"), name).unwrap();
+    let place = scratch.place(name);
     let mut found = None;
     until(&format!("{name} runs"), || {
         found = Client::connect(&place, "").ok();
@@ -122,7 +122,7 @@ fn of_many_that_start_under_one_name_one_comes_up() {
 fn an_instance_starts_at_once_in_the_place_of_one_that_was_killed() {
     let scratch = Scratch::new("restarts");
     scratch.write("machine.hal", MACHINE);
-    let place = Place::at(scratch.path().join(".run/ferrule"), "again").unwrap();
+    let place = scratch.place("again");
     let mut old = start(&scratch, "again");
     drop(client(&scratch, "again"));
     for n in 0..50 {

@@ -36,6 +36,7 @@ fn place(
             let begun = Instant::now();
             let answer = web::request(port, "POST", "/api/v1/session", host, guess.as_bytes());
             tried.fetch_add(usize::from(answer.code() == "wrong-login"), Relaxed);
+            // The rate of the guesses is what is measured against: this is the wall clock's pause, and no wait for anything.
             thread::sleep(every.saturating_sub(begun.elapsed()));
         }
     });
@@ -49,7 +50,7 @@ fn sign_ins(printer: &Printer, device: &str) -> (Vec<u128>, usize) {
         let begun = Instant::now();
         while !tries(printer, device, "ana", "correct horse").0.is_empty() {
             refused += 1;
-            // As long as the refusal says.
+            // As long as the refusal says: a person waits so, and their wait is what is measured.
             thread::sleep(Duration::from_secs(1));
         }
         begun.elapsed().as_millis()

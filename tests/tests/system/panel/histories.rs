@@ -10,7 +10,7 @@ use hal_bench::{
         explain,
     },
 };
-use hal_protocol::{Client, Link as _, Place, Reply, Request};
+use hal_protocol::{Client, Link as _, Reply, Request};
 use hal_tests::{scratch::until, web::Socket};
 use rustix::process::Signal;
 use serde_json::{Value, json};
@@ -123,15 +123,11 @@ struct Stage {
     rights: u64,
 }
 
-fn place(printer: &Printer) -> Place {
-    Place::at(printer.scratch.path().join(".run/ferrule"), "default").unwrap()
-}
-
 impl Stage {
     fn new(fault: Fault) -> Self {
         let clock = ["--virtual", "--hold"];
-        let printer = Printer::with("operator", &clock, "LEASE_TIMEOUT = 1\n");
-        let mut beside = Client::connect(&place(&printer), "").unwrap();
+        let printer = Printer::leased("operator", &clock, 1);
+        let mut beside = Client::connect(&printer.scratch.place("default"), "").unwrap();
         beside.call(Request::Run { ns: LOSS_NS }).unwrap();
         let operators = [Operator::new(&printer), Operator::new(&printer)];
         let (history, own) = (Vec::new(), None);
@@ -260,10 +256,7 @@ impl Stage {
 
     /// Returns who has the lease, as the panel shows it.
     fn shown(&self) -> Value {
-        let session = self.printer.sign_in();
-        let headers = format!("{}Cookie: {}\r\n", self.printer.host(), session.cookie);
-        let mut socket = Socket::open(self.printer.port, "/api/v1/socket", &headers).unwrap();
-        socket.send(&json!({ "type": "hello", "key": session.key }));
+        let mut socket = self.printer.sign_in().open();
         socket.wait(|m| m["type"] == "status").unwrap()["panel"]["lease"].clone()
     }
 

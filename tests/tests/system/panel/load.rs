@@ -1,7 +1,7 @@
 //! Many viewers, and one that does not read.
 
 use super::printer::Printer;
-use hal_protocol::{Client, Kind, Link as _, Place, Reply, Request, ThreadInfo};
+use hal_protocol::{Client, Kind, Link as _, Reply, Request, ThreadInfo};
 use hal_tests::scratch::until;
 use serde_json::Value;
 use std::{
@@ -100,7 +100,7 @@ fn servo(client: &mut Client) -> ThreadInfo {
 #[ignore = "a measurement: cargo test -p hal-tests --test system panel::load::a_hundred -- --ignored --nocapture"]
 fn a_hundred_viewers() {
     let printer = Printer::start("viewer");
-    let place = Place::at(printer.scratch.path().join(".run/ferrule"), "default").unwrap();
+    let place = printer.scratch.place("default");
     let mut client = Client::connect(&place, "").unwrap();
     let sockets: Vec<_> = (0..VIEWERS).map(|_| printer.sign_in()).collect();
     let pulse = || printer.number("getp remote.pulse");

@@ -47,6 +47,11 @@ impl Printer {
         Self::begin("printer", role, clock, entries)
     }
 
+    /// Starts the printer on a clock, whose lease lasts so many seconds without a beat, and a panel whose sessions have this role.
+    pub(super) fn leased(role: &str, clock: &[&str], seconds: u32) -> Self {
+        Self::with(role, clock, &format!("LEASE_TIMEOUT = {seconds}\n"))
+    }
+
     /// Starts the machine of these files, of which one is `machine.ini`, on the real clock, and a panel of an integrator.
     pub(super) fn made(files: &[(&str, &str)]) -> Self {
         let scratch = Scratch::new("made");
@@ -266,12 +271,18 @@ impl Session {
         format!("Host: 127.0.0.1:{port}\r\nCookie: {cookie}\r\nX-Ferrule-Key: {key}\r\n")
     }
 
-    /// Opens the socket and says hello.
-    pub(super) fn socket(&self) -> Socket {
+    /// Opens the socket and sends the hello.
+    pub(super) fn open(&self) -> Socket {
         let Self { port, cookie, key } = self;
         let headers = format!("Host: 127.0.0.1:{port}\r\nCookie: {cookie}\r\n");
         let mut socket = Socket::open(*port, "/api/v1/socket", &headers).unwrap();
         socket.send(&json!({ "type": "hello", "key": key }));
+        socket
+    }
+
+    /// Opens the socket, and waits until the panel knows of the permission.
+    pub(super) fn socket(&self) -> Socket {
+        let mut socket = self.open();
         let hello = socket.receive().unwrap();
         assert_eq!(hello["type"], "hello", "{hello}");
         // The panel knows of the permission after its first exchange with the engine.

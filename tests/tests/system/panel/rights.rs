@@ -3,8 +3,8 @@
 use super::printer::Printer;
 use hal_golden::rights::RightsTable;
 use hal_protocol::{
-    Client, Direction, Edit, FlightSpec, Kind, LATEST, Link as _, Lock, NOT_FROM_AFAR, Place,
-    Request, SampleSpec, Type,
+    Client, Direction, Edit, FlightSpec, Kind, LATEST, Link as _, Lock, NOT_FROM_AFAR, Request,
+    SampleSpec, Type,
 };
 use hal_tests::{
     programs::root,
@@ -111,7 +111,7 @@ fn every_request_of_the_engine_has_the_rights_of_its_rule() {
     let folder = root().join("tests/rights");
     let mut table = RightsTable::of(&folder.join("engine.rules"));
     let printer = Printer::start("viewer");
-    let place = Place::at(printer.scratch.path().join(".run/ferrule"), "default").unwrap();
+    let place = printer.scratch.place("default");
     if is_root() {
         as_user(NOBODY, || {
             for request in examples() {

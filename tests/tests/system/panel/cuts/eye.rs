@@ -1,6 +1,6 @@
 //! The machine's own view of a jog: samples of every servo cycle, in machine time.
 
-use hal_protocol::{Client, Place, SampleSpec, Samples};
+use hal_protocol::{Client, SampleSpec, Samples};
 use hal_tests::scratch::{Scratch, until};
 
 /// Names of the values of a sample, in this order.
@@ -38,7 +38,7 @@ pub(super) struct Eye {
 
 impl Eye {
     pub(super) fn open(scratch: &Scratch) -> Self {
-        let place = Place::at(scratch.path().join(".run/ferrule"), "default").unwrap();
+        let place = scratch.place("default");
         let mut client = Client::connect(&place, "").unwrap();
         let spec = SampleSpec {
             thread: Some("servo-thread".to_owned()),

@@ -94,8 +94,7 @@ fn ready(printer: &Printer) {
 impl Stage {
     /// Starts the printer; its lease lasts so many seconds without a beat, and its link, if any, can be cut.
     fn set(seed: u64, lease: u32, net: Option<Net>) -> Self {
-        let entries = format!("LEASE_TIMEOUT = {lease}\n");
-        let printer = Printer::with("integrator", &["--simulate"], &entries);
+        let printer = Printer::leased("integrator", &["--simulate"], lease);
         ready(&printer);
         let local = IpAddr::from(Ipv4Addr::LOCALHOST);
         let proxy = Proxy::start(local, printer.port);
@@ -103,6 +102,11 @@ impl Stage {
         let eye = Eye::open(&printer.scratch);
         let random = Random::new(seed);
         Self { printer, eye, net, proxy, near, random, rows: Vec::new(), repeated: 0 }
+    }
+
+    /// Adds the verdict on a cut.
+    fn add(&mut self, row: Result<Row, String>) {
+        self.rows.push(row.unwrap_or_else(|why| panic!("cut {}: {why}", self.rows.len() + 1)));
     }
 
     /// Renews the proxies after the panel was started again at another port.
@@ -177,7 +181,7 @@ impl Stage {
         let seen = self.eye.all();
         let from = seen.iter().position(|s| s.ns == before.ns).unwrap_or(0);
         let row = judge(way.name(), note, &seen[from..], after.saturating_sub(from));
-        self.rows.push(row.unwrap_or_else(|why| panic!("cut {}: {why}", self.rows.len() + 1)));
+        self.add(row);
         self.reconnect(way, hand);
     }
 

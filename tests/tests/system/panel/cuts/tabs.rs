@@ -86,7 +86,7 @@ impl Stage {
             let after = self.eye.seen.len();
             self.eye.rests();
             let row = judge(tab.name(), String::new(), self.eye.all(), after);
-            self.rows.push(row.unwrap_or_else(|why| panic!("cut {}: {why}", self.rows.len() + 1)));
+            self.add(row);
             self.eye.forget();
             let rest = self.eye.look().unwrap();
             match tab {
