@@ -2,6 +2,7 @@
 
 use super::printer::{Printer, Session};
 use hal_golden::check;
+use hal_protocol::{Answer, Client, Link as _, Reply, Request, TicketInfo};
 use hal_tests::{
     programs::root,
     scratch::Scratch,
@@ -26,8 +27,10 @@ enum Door {
     Command(&'static str),
     /// A line of G-code, before and behind the name.
     Code(&'static str, &'static str),
-    /// An entry of the section RS274NGC of the INI file, with the name as its value.
-    Entry(&'static str),
+    /// The engine's command that opens a program, of a client that speaks from afar, with a file of the uploads.
+    Afar(&'static str),
+    /// An entry of a section of the INI file, with the name as its value.
+    Entry(&'static str, &'static str),
 }
 
 /// The doors: what they are called in the table, and what a good name is there.
@@ -44,9 +47,14 @@ const DOORS: &[(&str, Door, &str)] = &[
     ("`(LOGAPPEND,NAME)`", Door::Code("(LOGAPPEND,", ")"), "good.ngc"),
     ("`(PROBEOPEN NAME)`", Door::Code("(PROBEOPEN ", ")"), "good.ngc"),
     ("`o<NAME> call`", Door::Code("o<", "> call"), "good"),
-    ("`[RS274NGC]OUTPUT_DIR`", Door::Entry("OUTPUT_DIR"), "good"),
-    ("`[RS274NGC]SUBROUTINE_PATH`", Door::Entry("SUBROUTINE_PATH"), "good"),
-    ("`[RS274NGC]USER_M_PATH`", Door::Entry("USER_M_PATH"), "good"),
+    ("`set open NAME` of linuxcncrsh", Door::Afar("task.open"), "good.ngc"),
+    ("`[RS274NGC]OUTPUT_DIR`", Door::Entry("RS274NGC", "OUTPUT_DIR"), "good"),
+    ("`[RS274NGC]SUBROUTINE_PATH`", Door::Entry("RS274NGC", "SUBROUTINE_PATH"), "good"),
+    ("`[RS274NGC]USER_M_PATH`", Door::Entry("RS274NGC", "USER_M_PATH"), "good"),
+    ("`[DISPLAY]PROGRAM_PREFIX`", Door::Entry("DISPLAY", "PROGRAM_PREFIX"), "good"),
+    ("`[PYTHON]TOPLEVEL`", Door::Entry("PYTHON", "TOPLEVEL"), "good"),
+    ("`[PYTHON]PATH_APPEND`", Door::Entry("PYTHON", "PATH_APPEND"), "good"),
+    ("`[PYTHON]PATH_PREPEND`", Door::Entry("PYTHON", "PATH_PREPEND"), "good"),
 ];
 
 /// The attacks: what they are called in the table, and the name.
@@ -150,6 +158,24 @@ impl Stage {
         code(&reply)
     }
 
+    /// Opens a program as linuxcncrsh does; returns `refused`, or nothing.
+    fn open_from_afar(&self, command: &str, name: &str) -> String {
+        let scratch = &self.printer.scratch;
+        let mut client = Client::connect_from_afar(&scratch.place("default")).unwrap();
+        let file = scratch.path().join("programs/uploads").join(name);
+        let args = vec![format!("file={}", file.display())];
+        let asked = client.call(Request::Command { name: command.to_owned(), args });
+        let Ok(Reply::Answer(Answer { ticket: Some(id), .. })) = asked else {
+            return if asked.is_ok() { String::new() } else { "refused".to_owned() };
+        };
+        self.printer.halcmd("run 1s");
+        match client.call(Request::Ticket { id, wait: false }).unwrap() {
+            Reply::Ticket(TicketInfo::Done) => String::new(),
+            Reply::Ticket(TicketInfo::Failed(_)) => "refused".to_owned(),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+
     /// Tries a name at a door, and returns what became of it.
     fn knock(&mut self, door: Door, name: &str) -> String {
         for folder in ["programs/uploads", "output"] {
@@ -176,7 +202,8 @@ impl Stage {
                 self.order("mdi", &json!({ "text": "(LOGCLOSE)" }));
                 said
             }
-            Door::Entry(_) => unreachable!("another test"),
+            Door::Afar(command) => self.open_from_afar(command, name),
+            Door::Entry(..) => unreachable!("another table"),
         };
         let scratch = &self.printer.scratch;
         let kept = ["secret.ngc", "programs/uploads/run.ngc", "output/run.ngc"];
@@ -192,8 +219,15 @@ impl Stage {
 }
 
 /// Starts a machine with an entry, and returns whether it starts.
-fn start(scratch: &Scratch, ini: &str, entry: &str) -> String {
-    scratch.write("machine.ini", ini.replace("[RS274NGC]\n", &format!("[RS274NGC]\n{entry}\n")));
+fn start(scratch: &Scratch, ini: &str, section: &str, entry: &str, place: &str) -> String {
+    let (head, line) = (format!("[{section}]\n"), format!("{entry} = {place}\n"));
+    let others = ini.lines().filter(|line| !line.starts_with(&format!("{entry} =")));
+    let others: String = others.map(|line| format!("{line}\n")).collect();
+    let text = match others.contains(&head) {
+        true => others.replace(&head, &format!("{head}{line}")),
+        false => format!("{others}{head}{line}"),
+    };
+    scratch.write("machine.ini", text);
     let output = scratch.halrun(&["--virtual", "--for", "1ms", "--headless", "machine.ini"]);
     let is_named = output.stderr.contains("machine.ini:");
     match output.status {
@@ -223,7 +257,7 @@ Without the components `align` and `robot`, what the name does not refuse is `re
         .unwrap();
     let mut entries = Vec::new();
     for (title, door, good) in DOORS {
-        if let Door::Entry(_) = door {
+        if let Door::Entry(..) = door {
             entries.push((title, door));
             continue;
         }
@@ -254,11 +288,11 @@ Without the components `align` and `robot`, what the name does not refuse is `re
     )
     .unwrap();
     for (title, door) in entries {
-        let Door::Entry(entry) = door else { continue };
-        let row = places.map(|(_, place)| start(&scratch, &ini, &format!("{entry} = {place}")));
+        let Door::Entry(section, entry) = door else { continue };
+        let row = places.map(|(_, place)| start(&scratch, &ini, section, entry, place));
         writeln!(table, "| {title} | {} |", row.join(" | ")).unwrap();
     }
-    table.push_str("\nThe tool table, the parameter file, the record of the spindle and the journal are the owner's files too, and no value in them is a name of a file. `[RS274NGC]REMAP`\nnames subroutines, which are found as `o<NAME> call` finds them, and modules in Python, whose folders are entries of `[PYTHON]` under the rule of the table above.\n`set open` of linuxcncrsh and `program_open` of Python open what their user names, on this computer alone.\n");
+    table.push_str("\nThe tool table, the parameter file, the record of the spindle and the journal are the owner's files too, and no value in them is a name of a file. `[RS274NGC]REMAP`\nnames subroutines, which are found as `o<NAME> call` finds them, and modules in Python, whose folders are entries of `[PYTHON]` above.\n`program_open` of Python opens what the machine's own user names, on this computer alone; with `HAL_FROM_AFAR` it is held to `set open`'s row.\n");
     check(&root().join("tests/names.md"), &table);
 }
 
@@ -296,5 +330,7 @@ fn each_door_of_the_panel_with_a_name_is_in_the_table() {
     let code = fs::read_to_string(root().join("components/motion/job/src/places.rs")).unwrap();
     let code =
         code.split_once("const CODE").unwrap().1.split_once("];").unwrap().0.matches("(\"").count();
-    assert_eq!(code, 6, "another entry names code: the table has it, or the sentence below");
+    let entries = DOORS.iter().filter(|(_, door, _)| matches!(door, Door::Entry(..)));
+    // The output folder holds no code.
+    assert_eq!(code, entries.count() - 1, "an entry that names code has its row");
 }

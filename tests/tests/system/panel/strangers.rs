@@ -1,8 +1,9 @@
 //! Another user of the computer, who has neither the token nor the rights of the files.
 
 use super::printer::Printer;
+use hal_protocol::{Folder, Place};
 use hal_tests::{
-    scratch::until,
+    scratch::{Scratch, until},
     user::{as_user, is_root},
     web::{self, Socket},
 };
@@ -11,7 +12,7 @@ use std::{
     fs,
     io::{ErrorKind, Read as _, Write as _},
     net::TcpStream,
-    os::unix::net::UnixStream,
+    os::unix::{fs::PermissionsExt as _, net::UnixStream},
 };
 
 /// A user without rights: `nobody`.
@@ -61,6 +62,35 @@ fn another_user_of_the_computer_reaches_neither_the_machine_nor_a_session() {
     assert_eq!(session.socket().command("abort", &json!({})), "");
     let save = |what: &str| printer.halcmd(what);
     assert_eq!(save("getp motion.motion-enabled").trim(), "FALSE");
+}
+
+/// A user of a system service, and a person.
+const SERVICE: u32 = 990;
+const PERSON: u32 = 60_001;
+
+#[test]
+fn a_folder_of_sockets_is_of_its_user_and_that_of_a_service_of_its_group_too() {
+    if !is_root() {
+        return;
+    }
+    let scratch = Scratch::new("service");
+    fs::set_permissions(scratch.path(), fs::Permissions::from_mode(0o777)).unwrap();
+    for (user, before, after) in [
+        (SERVICE, 0o750, 0o750),
+        (SERVICE, 0o755, 0o700),
+        (SERVICE, 0o751, 0o700),
+        (PERSON, 0o750, 0o700),
+        (PERSON, 0o755, 0o700),
+    ] {
+        let path = scratch.path().join(format!("{user}-{before:o}"));
+        as_user(user, || {
+            fs::create_dir(&path).unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(before)).unwrap();
+            drop(Folder::make(&Place::at(&path, "default").unwrap()).unwrap());
+        });
+        let mode = fs::metadata(&path).unwrap().permissions().mode() & 0o7777;
+        assert_eq!(mode, after, "user {user}, {before:o}");
+    }
 }
 
 /// Connections of one user of this computer.
