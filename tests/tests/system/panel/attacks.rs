@@ -149,7 +149,7 @@ impl Stage {
         if self.tries.note(attack, is_breach, &what) {
             files.iter().for_each(|name| fs::write(self.at(name), KEPT).unwrap());
             // The next attack is judged by what it does itself.
-            for made in ["ran.txt", ".private/people", "output/evil"] {
+            for made in ["ran.txt", "accounts", ".private/people", "output/evil"] {
                 drop(fs::remove_file(self.at(made)));
             }
         }
@@ -162,9 +162,10 @@ fn attacks_on_the_machines_files_have_no_success() {
     let whole = |s: &Stage, name: &str| s.at(name).display().to_string();
 
     // An operator, by G-code.
-    let said = s.mdi(&["(LOGOPEN,people)", "(LOG,NAME integrator $argon2id$)", "(LOGCLOSE)"]);
-    let is_output = fs::read_to_string(s.at("output/people")).is_ok_and(|t| t.starts_with("NAME"));
-    s.note("operator: an account by (LOGOPEN,people)", !is_output, &said, "");
+    let said = s.mdi(&["(LOGOPEN,accounts)", "(LOG,NAME integrator $argon2id$)", "(LOGCLOSE)"]);
+    let wrote = |name: &str| fs::read_to_string(s.at(name)).is_ok_and(|t| t.starts_with("NAME"));
+    let (is_account, is_output) = (wrote("accounts"), wrote("output/accounts"));
+    s.note("operator: an account by (LOGOPEN,accounts)", is_account || !is_output, &said, "");
     let account = whole(&s, ".private/people");
     let label = whole(&s, "programs/uploads/evil.ngc");
     let evil =

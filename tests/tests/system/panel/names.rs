@@ -272,6 +272,11 @@ Without the components `align` and `robot`, what the name does not refuse is `re
     fs::create_dir_all(scratch.path().join("nc/uploads")).unwrap();
     fs::create_dir_all(scratch.path().join("output")).unwrap();
     symlink("nc/uploads", scratch.path().join("link")).unwrap();
+    for folder in ["own", "nc/uploads/a", "output/a", "."] {
+        fs::create_dir_all(scratch.path().join(folder)).unwrap();
+        scratch.write(&format!("{folder}/top.py"), "");
+    }
+    scratch.write("nc/uploads/top.py", "");
     let places = [
         ("its own folder", "own"),
         ("the uploads", "nc/uploads"),
@@ -289,7 +294,12 @@ Without the components `align` and `robot`, what the name does not refuse is `re
     .unwrap();
     for (title, door) in entries {
         let Door::Entry(section, entry) = door else { continue };
-        let row = places.map(|(_, place)| start(&scratch, &ini, section, entry, place));
+        // This one names a file.
+        let file = if *entry == "TOPLEVEL" { "/top.py" } else { "" };
+        let row = places.map(|(_, place)| {
+            let place = format!("{place}{file}");
+            start(&scratch, &ini, section, entry, &place)
+        });
         writeln!(table, "| {title} | {} |", row.join(" | ")).unwrap();
     }
     table.push_str("\nThe tool table, the parameter file, the record of the spindle and the journal are the owner's files too, and no value in them is a name of a file. `[RS274NGC]REMAP`\nnames subroutines, which are found as `o<NAME> call` finds them, and modules in Python, whose folders are entries of `[PYTHON]` above.\n`program_open` of Python opens what the machine's own user names, on this computer alone; with `HAL_FROM_AFAR` it is held to `set open`'s row.\n");

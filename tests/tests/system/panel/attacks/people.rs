@@ -11,6 +11,7 @@ use hal_tests::{
     scratch::until,
     web::{self, Answer, Socket},
 };
+use rustix::net::sockopt::set_socket_recv_buffer_size;
 use serde_json::{Value, json};
 use std::{fs, io::Write as _, net::TcpStream};
 
@@ -35,10 +36,6 @@ impl People {
         add(&printer, "ana=operator", "correct horse");
         add(&printer, "eva=viewer", "battery staple");
         add(&printer, "ivo=integrator", "staple correct");
-        printer.scratch.write(
-            "programs/endless.ngc",
-            "G21 G91\no1 while [1]\nG0 X1\nG0 X-1\no1 endwhile\nM2\n",
-        );
         printer.scratch.write("programs/short.ngc", "G21\nG0 X10\nM2\n");
         printer.restart("viewer", &["--accounts", ".private/people"]);
         Self { printer, tries: Tries::default() }
@@ -78,11 +75,14 @@ impl People {
 
     /// A person who has signed in takes seats for themselves alone.
     fn seats(&mut self, eva: &Session, ana: &Session) {
-        let head =
-            format!("GET /api/v1/programs/endless.ngc/path HTTP/1.1\r\n{}\r\n", eva.headers());
+        // An answer that nobody reads keeps its seat: it is larger than what the system holds of it.
+        self.printer.scratch.write("programs/large.ngc", "G0 X1\n".repeat(1_000_000));
+        let path = "/api/v1/programs/large.ngc";
+        let head = format!("GET {path} HTTP/1.1\r\n{}\r\n", eva.headers());
         let mut taken = Vec::new();
         for _ in 0..MANY {
             let mut stream = TcpStream::connect(("127.0.0.1", self.printer.port)).unwrap();
+            set_socket_recv_buffer_size(&stream, 4 << 10).unwrap();
             stream.write_all(head.as_bytes()).unwrap();
             taken.push(stream);
         }
@@ -92,7 +92,7 @@ impl People {
         });
         let answer = self.request("GET", "/programs/short.ngc/path", &ana.headers(), b"");
         let said = format!("{} {}", answer.status, answer.code());
-        let attack = "viewer: paths that never end, on the seats of all";
+        let attack = "viewer: answers that nobody reads, on the seats of all";
         self.tries.note(attack, answer.status != 200, &said);
         drop(taken);
     }
