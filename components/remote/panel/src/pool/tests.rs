@@ -1,12 +1,13 @@
 //! Work that never ends beside work that is short, in a time of the test's own.
 
 use super::{
-    Code, Duration, Limit, MAX_MEMORY, MAX_OWN_SEATS, MAX_SEATS, MAX_TIME, OWN_MEMORY, Pool, Work,
+    Code, Duration, Limit, MAX_MEMORY, MAX_OWN_SEATS, MAX_SEATS, MAX_TIME, OWN_MEMORY, Pool, TURN,
+    Work,
 };
 use crate::error::Error;
 use std::sync::{
     Arc,
-    atomic::{AtomicU64, Ordering::Relaxed},
+    atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
 };
 use tokio::runtime;
 
@@ -27,24 +28,34 @@ fn is_empty(pool: &Pool) -> bool {
     state.seats.is_empty() && state.memory == 0 && state.turn.is_none() && state.line.is_empty()
 }
 
-/// Works until it is ended, a millisecond from look to look.
-fn endless(time: Arc<AtomicU64>) -> impl FnOnce(&mut Work) -> Result<(), Error> {
+/// Works until it is ended, a millisecond from look to look, and notes a turn that has lasted on though others waited for theirs.
+fn endless(
+    time: Arc<AtomicU64>,
+    kept: Arc<AtomicBool>,
+) -> impl FnOnce(&mut Work) -> Result<(), Error> {
     move |work| {
         loop {
             time.fetch_add(1, Relaxed);
             // Far from the limit of time.
             work.taken = Duration::ZERO;
+            let (others_wait, since) = (!work.shared.lock().line.is_empty(), work.since);
+            let now = (work.shared.clock)();
+            let is_long = since.is_some_and(|since| now.saturating_sub(since) > TURN);
             work.look(1000)?;
+            if others_wait && is_long && work.since == since {
+                kept.store(true, Relaxed);
+            }
         }
     }
 }
 
 #[test]
 fn work_that_never_ends_lets_others_pass_and_ends_with_its_request() {
-    let (pool, time) = pool();
+    let ((pool, time), kept) = (pool(), Arc::new(AtomicBool::new(false)));
     run(async {
         let all = async {
-            let each = (0..MAX_OWN_SEATS).map(|_| pool.run("mallory", endless(time.clone())));
+            let each = (0..MAX_OWN_SEATS)
+                .map(|_| pool.run("mallory", endless(time.clone(), kept.clone())));
             let mut each: Vec<_> = each.map(Box::pin).collect();
             for one in &mut each {
                 let began =
@@ -62,6 +73,8 @@ fn work_that_never_ends_lets_others_pass_and_ends_with_its_request() {
                 });
                 assert_eq!(done.await.unwrap().0, n);
             }
+            // Before the others go, and their turns with them.
+            assert!(!kept.load(Relaxed), "a turn lasts while others wait");
         };
         tokio::select! {
             biased;
