@@ -33,8 +33,10 @@ pub(super) struct Attack {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Held {
-    /// Path of the test in this program.
+    /// Path of the test in this program, or in the crate of the package.
     pub(super) test: String,
+    /// Package of a test that is one attack, and fails where it has success.
+    pub(super) package: Option<String>,
     pub(super) attack: Vec<Attack>,
 }
 
@@ -176,8 +178,9 @@ which writes `attacks.seen`. A fault that changes must be seen again.
             writeln!(wrong, "{}: not seen to succeed with its fault", attack.name).unwrap();
         }
         let is_seen = if is_seen { "yes" } else { "no" };
-        let (name, test, fault) = (&attack.name, &held.test, &attack.fault);
-        writeln!(table, "| {name} | `{test}` | {fault} | {is_seen} |").unwrap();
+        let (name, fault) = (&attack.name, &attack.fault);
+        let package = held.package.as_ref().map_or(String::new(), |name| format!("{name}: "));
+        writeln!(table, "| {name} | `{package}{}` | {fault} | {is_seen} |", held.test).unwrap();
     }
     for (who, least) in WHO {
         let count = counts.remove(who).unwrap_or(0);
