@@ -1,17 +1,17 @@
-//! Errors of the task.
+//! Errors of programs of users, M100 to M199.
 
 use ::core::fmt;
 use hal_ini::Entry;
 use hal_job::number::wrong;
 
-/// Reason for which the task does not do something.
+/// Reason for which a program of a user is not run, or its rights are not known.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Error {
+pub(crate) enum UserProgramError {
     /// There is a user's program of this code, and it is not run.
     NotRun {
         /// The code, 100 to 199.
         code: u16,
-        /// What is wrong with the file.
+        /// The fault of the file.
         why: Box<str>,
     },
     /// No folder has a user's program of this code.
@@ -27,7 +27,7 @@ pub(crate) enum Error {
     UserCodes(Box<Entry>),
 }
 
-impl fmt::Display for Error {
+impl fmt::Display for UserProgramError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotRun { code, why } => write!(f, "M{code} is not run: {why}"),
@@ -38,4 +38,4 @@ impl fmt::Display for Error {
     }
 }
 
-impl ::core::error::Error for Error {}
+impl ::core::error::Error for UserProgramError {}

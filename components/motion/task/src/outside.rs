@@ -1,6 +1,6 @@
 //! Everything outside the core: motion, iocontrol, files, the clock.
 
-use crate::error::Error;
+use crate::error::UserProgramError;
 use hal_component::{IoRequest, IoState, StopEpoch};
 use hal_gcode::{Environment, Numbered, State, tool::ToolTable};
 use hal_job::{journal::Record, spindle::Spindle};
@@ -240,7 +240,13 @@ pub(crate) trait Outside {
     /// Takes the answer to such a question, once: `None` while there is none, `Some(None)` if nothing has the name.
     fn take_value(&mut self, question: u64) -> Option<Option<f64>>;
     /// Begins a user's program.
-    fn begin_program(&mut self, code: u16, p: f64, q: f64, rights: Rights) -> Result<(), Error>;
+    fn begin_program(
+        &mut self,
+        code: u16,
+        p: f64,
+        q: f64,
+        rights: Rights,
+    ) -> Result<(), UserProgramError>;
     /// Returns how far the user's program has come.
     fn program(&mut self) -> Progress;
     /// Ends the user's program.

@@ -1,7 +1,7 @@
 //! Programs of users: M100 to M199.
 
 use crate::{
-    error::Error,
+    error::UserProgramError,
     outside::{Progress, Rights},
 };
 use hal_job::user_programs::UserPrograms;
@@ -39,9 +39,9 @@ impl UserProgram {
         code: u16,
         [p, q]: [f64; 2],
         rights: Rights,
-    ) -> Result<(), Error> {
-        let path = programs.find(code).map_err(|why| Error::NotRun { code, why })?;
-        let path = path.ok_or(Error::NoProgram(code))?;
+    ) -> Result<(), UserProgramError> {
+        let path = programs.find(code).map_err(|why| UserProgramError::NotRun { code, why })?;
+        let path = path.ok_or(UserProgramError::NoProgram(code))?;
         let mut command = Command::new(path);
         if rights == Rights::FromAfar {
             command.env(FROM_AFAR, "1");
@@ -51,7 +51,10 @@ impl UserProgram {
             .stdin(Stdio::null())
             .process_group(0)
             .spawn()
-            .map_err(|e| Error::NotStarted { code, why: hal_output::reason(&e).into() })?;
+            .map_err(|e| UserProgramError::NotStarted {
+                code,
+                why: hal_output::reason(&e).into(),
+            })?;
         self.child = Some(Running { code, rights, child });
         Ok(())
     }

@@ -3,7 +3,7 @@
 use crate::{
     command_record::Letters,
     core::{Core, Rules},
-    error::Error,
+    error::UserProgramError,
     worker::Files,
 };
 use hal_gcode::{axis::AxisMask, state::modal::MAX_SPINDLES};
@@ -135,12 +135,12 @@ fn rules(machine: &Machine) -> Result<Rules, String> {
 
 /// Returns whether programs of users have the owner's rights in every job. They are files of the machine, in folders where
 /// nobody writes from elsewhere.
-fn has_full_codes(ini: &Ini) -> Result<bool, Error> {
+fn has_full_codes(ini: &Ini) -> Result<bool, UserProgramError> {
     let Some(entry) = ini.all("REMOTE", "USER_CODES").next() else { return Ok(true) };
     match entry.value.trim() {
         "limited" => Ok(false),
         "full" => Ok(true),
-        _ => Err(Error::UserCodes(Box::new(entry.clone()))),
+        _ => Err(UserProgramError::UserCodes(Box::new(entry.clone()))),
     }
 }
 

@@ -525,7 +525,7 @@ fn people_open_programs_of_the_machine_alone_and_have_a_part_of_the_connections(
         });
         drop(others);
     });
-    // A client is elsewhere, whoever has started it.
+    // A client is elsewhere, also one of the user who runs linuxcncrsh.
     let mut own = begin();
     assert_eq!(refusal(&mut own, &inside), "");
     attacked(&mut tries, &mut own, "operator");

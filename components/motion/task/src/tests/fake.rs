@@ -1,7 +1,7 @@
 //! The fake machine as the outside of the core.
 
 use super::*;
-use crate::{error::Error, outside::Rights};
+use crate::{error::UserProgramError, outside::Rights};
 use hal_component::StopEpoch;
 use hal_gcode::{Environment, State};
 
@@ -140,7 +140,13 @@ impl Outside for Fake {
         self.questions.remove(&question);
         Some(self.hal.get(&name).copied())
     }
-    fn begin_program(&mut self, code: u16, p: f64, q: f64, rights: Rights) -> Result<(), Error> {
+    fn begin_program(
+        &mut self,
+        code: u16,
+        p: f64,
+        q: f64,
+        rights: Rights,
+    ) -> Result<(), UserProgramError> {
         let rights = if rights == Rights::Owner { "" } else { " from afar" };
         self.log.push(format!("M{code} {p} {q}{rights}"));
         self.program = Progress::Pending;

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     command_record::record,
     core::{Core, Interpreting, is_stop},
-    error::Error,
+    error::UserProgramError,
     journal_file::JournalFile,
     outside::{FileAction, Level, MotionState, Order, Outside, Progress, Refusal, Rights, Ticket},
     programs::UserProgram,
@@ -260,7 +260,13 @@ impl Outside for Machine {
         self.values.answer(question)
     }
 
-    fn begin_program(&mut self, code: u16, p: f64, q: f64, rights: Rights) -> Result<(), Error> {
+    fn begin_program(
+        &mut self,
+        code: u16,
+        p: f64,
+        q: f64,
+        rights: Rights,
+    ) -> Result<(), UserProgramError> {
         self.program.begin(&self.files.codes, code, [p, q], rights)
     }
 

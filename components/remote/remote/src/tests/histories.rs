@@ -78,7 +78,7 @@ struct World {
     now: u32,
     /// The last pulse.
     pulse: u32,
-    /// Number of restarts. The plugin gives no number of a lease again.
+    /// Number of restarts. The plugin gives a lease a number that none had before.
     restarts: u64,
     held: Option<Held>,
     /// Pauses of the plugin's process: cycles until it goes on.

@@ -5,7 +5,7 @@ use hal_tests::{programs::root, user::is_root};
 use serde::Deserialize;
 use std::{collections::BTreeMap, fmt::Write as _, fs, path::PathBuf};
 
-/// Who attacks, as the names of attacks begin, and how many attacks of each there are at least.
+/// Attackers, as the names of attacks begin, and the least number of attacks of each.
 const WHO: &[(&str, usize)] = &[
     ("operator", 8),
     ("viewer", 8),
@@ -21,7 +21,7 @@ pub(super) const BREACH: &str = "breach: ";
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Attack {
-    /// Who tries, and what, as the test says it.
+    /// Attacker, and what they try, as the test says it.
     pub(super) name: String,
     pub(super) fault: String,
     /// True for an attack that is tried where the tests may be several users.

@@ -148,8 +148,8 @@ impl Machine for Engine {
     }
 
     fn command(&mut self, name: &str, args: Vec<String>) -> Result<Option<u64>, String> {
-        // Who speaks these lines is elsewhere, whoever runs this program: the engine opens files of the folder of programs for
-        // them. Without an INI file nothing says which folder that is.
+        // A client is elsewhere, and be it of the user who runs this program: the engine opens files of the folder of programs
+        // for it. Without an INI file nothing says which folder that is.
         if name == OPEN && self.source.facts.path.is_empty() {
             return Err("programs are opened below [DISPLAY]PROGRAM_PREFIX, and linuxcncrsh was started without an INI \
                         file: linuxcncrsh -- -ini FILE"
