@@ -163,7 +163,7 @@ Who tries what, the test that holds it, and the fault with which it succeeds. Wr
 cargo test -p hal-tests --test system panel::attacks::planted -- --ignored --nocapture
 ```
 
-which writes `attacks.seen`. A fault that changes must be seen again.
+which writes `attacks.seen`. A fault that changes must be seen again, with all of its batch; without the file all are.
 
 | attack | test | fault | seen |
 |---|---|---|---|

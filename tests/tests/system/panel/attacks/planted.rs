@@ -71,6 +71,8 @@ fn has_success(held: &Held, attack: &Attack, said: &str) -> bool {
 fn each_attack_has_success_with_its_fault() {
     let (list, names, copy) = (List::read(), files(), root().join(COPY));
     let batches: BTreeSet<_> = list.fault.iter().map(|fault| fault.batch).collect();
+    let known = fs::read_to_string(beside("attacks.seen")).unwrap_or_default();
+    let known: BTreeSet<_> = known.lines().collect();
     let (mut seen, mut void) = (BTreeSet::new(), String::new());
     for batch in batches {
         let faults: Vec<_> = list.fault.iter().filter(|fault| fault.batch == batch).collect();
@@ -79,6 +81,12 @@ fn each_attack_has_success_with_its_fault() {
             .attacks()
             .filter(|(_, attack)| faults.iter().any(|fault| fault.name == attack.fault))
             .collect();
+        let lines: Vec<_> = attacks.iter().map(|(_, attack)| list.seen(attack)).collect();
+        if lines.iter().all(|line| known.contains(&**line)) {
+            println!("batch {batch}: seen before, with the faults as they are");
+            seen.extend(lines);
+            continue;
+        }
         plant(&copy, &names, &edits);
         let packages: BTreeSet<_> =
             attacks.iter().map(|(held, _)| held.package.as_deref()).collect();
