@@ -52,3 +52,9 @@ impl fmt::Display for ProgramError {
 }
 
 impl core::error::Error for ProgramError {}
+
+impl From<ProgramError> for String {
+    fn from(why: ProgramError) -> Self {
+        why.to_string()
+    }
+}

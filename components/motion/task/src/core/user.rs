@@ -302,12 +302,10 @@ impl Core {
     fn open(&mut self, path: PathBuf) -> Result<Report, String> {
         self.needs_no_job("no program can be opened")?;
         // A file that cannot be read is refused here, not when it runs.
-        let machine = &self.world.machine;
-        let opened = match self.is_from_afar {
-            true => world::program_from_afar(machine, &path).map_err(|why| why.to_string()),
-            false => world::program_of(machine, &path),
-        };
-        drop(opened?);
+        match self.is_from_afar {
+            true => drop(world::program_from_afar(&self.world.machine, &path)?),
+            false => drop(world::program_of(&self.world.machine, &path)?),
+        }
         self.program = Some(path);
         Ok(Report::Now)
     }
