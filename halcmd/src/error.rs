@@ -205,6 +205,11 @@ pub enum Error {
         first: Box<str>,
         at: Box<str>,
     },
+    /// A stand-in on the real clock that motion depends on.
+    StandinUsed {
+        stand_in: Box<str>,
+        pin: Box<str>,
+    },
     ThreadsExist,
     NoTask,
     NoScreen,
@@ -319,6 +324,12 @@ impl core::fmt::Display for Error {
             }
             Self::LoadsDiffer { module, given, first, at } => {
                 write!(f, "loadrt {module}: '{given}' cannot be joined with '{first}' of {at}")
+            }
+            Self::StandinUsed { stand_in, pin } => {
+                write!(
+                    f,
+                    "'{pin}' depends on the stand-in '{stand_in}', which stays 0 on the real clock"
+                )
             }
             Self::ThreadsExist => {
                 f.write_str("HAL_LIB: Cannot run 'setexact' after a thread has been created")

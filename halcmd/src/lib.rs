@@ -16,6 +16,7 @@ pub mod order;
 pub mod programs;
 pub mod session;
 pub mod show;
+mod standin;
 pub mod terminal;
 
 pub use error::Error;

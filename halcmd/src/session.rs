@@ -11,6 +11,7 @@ pub(crate) mod program;
 pub(crate) mod prompt;
 pub mod remote;
 pub(crate) mod running;
+mod stand_ins;
 mod start;
 pub(crate) mod tcl;
 pub(crate) mod trailer;
@@ -27,6 +28,7 @@ use crate::{
     session::apply::Plan,
     session::dry_run::DryRunResult,
     session::trailer::Trailer,
+    standin::{Asked, StandIns},
 };
 use hal_output::Unwritten;
 use hal_protocol::{At, Code, Link, Reply, Request};
@@ -114,6 +116,12 @@ pub struct Session<'a> {
     pub(crate) returned: Option<String>,
     /// Pass of a start with `[HAL]TWOPASS`.
     pub(crate) pass: Option<Pass>,
+    /// The lines are those of a file of `POSTGUI_HALFILE`.
+    pub(crate) is_postgui: bool,
+    /// Request for stand-ins in a dry run.
+    pub(crate) asked: Asked,
+    /// Stand-ins of the machine.
+    pub(crate) stand_ins: StandIns,
     /// Commands in progress whose refusals are reported when they come.
     open_commands: Vec<open_command::OpenCommand>,
 }
@@ -159,6 +167,9 @@ impl<'a> Session<'a> {
             operator: None,
             returned: None,
             pass: None,
+            is_postgui: false,
+            asked: Asked::default(),
+            stand_ins: StandIns::default(),
             open_commands: Vec::new(),
         }
     }
@@ -195,6 +206,7 @@ impl<'a> Session<'a> {
     /// The engine refused the request.
     pub fn ask(&mut self, request: Request) -> Result<Reply, Error> {
         if matches!(request, Request::Start | Request::Run { .. }) {
+            self.settle_script()?;
             self.send_pending()?;
         }
         self.call(request)

@@ -2,6 +2,7 @@
 
 mod begin;
 pub(crate) mod compat;
+mod data;
 mod detach;
 mod display;
 mod environment;
@@ -14,6 +15,7 @@ mod realtime;
 pub(crate) mod refused;
 mod serve;
 mod settings;
+mod stand_ins;
 mod table;
 mod waiting;
 
@@ -259,17 +261,22 @@ fn script(
         session.style_mut().keep_going = true;
         if plan.tcl { session.tcl_prompt() } else { prompt::typed(session, plan.interactive) }
     };
+    let prepared = stand_ins::prepare(&mut session, plan, files);
     let outcome = match (&plan.script, &files.ini) {
+        _ if prepared != Outcome::Good => prepared,
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
         (Script::Tcl(path), _) => machine::tcl_script(&mut session, Path::new(path)),
         (Script::Ini(path), Some(ini)) => {
             let reads = display::is_shown(plan, ini) && display::reads_postgui(ini);
-            machine::start(&mut session, ini, Path::new(path), !plan.headless && !reads)
+            machine::start(&mut session, ini, Path::new(path), !reads)
         }
         (Script::Terminal, _) => typed(&mut session),
         (Script::Nothing | Script::Ini(_), _) => Outcome::Good,
     };
     let outcome = session.settle(outcome);
+    if outcome == Outcome::Failed {
+        stand_ins::propose(&mut session, plan, files);
+    }
     let (outcome, status) = match &plan.job {
         Some(job) if outcome == Outcome::Good => job::run(&mut session, job),
         _ => (outcome, None),

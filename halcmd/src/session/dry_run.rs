@@ -4,6 +4,7 @@
 mod lines;
 mod unknown;
 
+use unknown::Maker;
 pub use unknown::{MOTION, Unknown};
 
 use crate::{
@@ -11,6 +12,7 @@ use crate::{
     ini::{Doubt, Ini},
     programs::halrun::{compat, folders::plugin_path, machine, refused},
     programs::profile::Profile,
+    standin::{Asked, Facts, StandIns, Wires},
 };
 use hal_engine::{ClockKind, Engine, Options};
 use hal_protocol::{At, Code, Finding, ItemInfo, Kind, Link, Place, Reply, Request};
@@ -56,6 +58,12 @@ pub struct DryRunResult {
     pub statements: Vec<(At, Vec<String>)>,
     /// Names that missing components or programs that were not started may provide.
     pub unknown: Unknown,
+    /// Modules and programs that lines load or start.
+    pub loaded: BTreeSet<String>,
+    /// Programs that belong to a screen: files of `POSTGUI_HALFILE` start them.
+    pub of_screen: BTreeSet<String>,
+    /// Loaded modules and programs that are not there.
+    pub absent: BTreeSet<String>,
 }
 
 /// A machine in a dry run.
@@ -88,6 +96,19 @@ impl DryRun {
         files: &[String],
         ini: Option<&str>,
         path: Vec<PathBuf>,
+    ) -> Result<Self, Error> {
+        Self::replacing(files, ini, path, None)
+    }
+
+    /// Like [`Self::with_plugins`], with stand-ins: those asked for, or else those that the INI file names.
+    ///
+    /// # Errors
+    /// A file cannot be read, or an INI file has an error in it.
+    pub(crate) fn replacing(
+        files: &[String],
+        ini: Option<&str>,
+        path: Vec<PathBuf>,
+        asked: Option<&Asked>,
     ) -> Result<Self, Error> {
         let is_ini = |f: &String| Path::new(f).extension().is_some_and(|e| e == "ini");
         let machine = files.iter().find(|f| is_ini(f)).map(String::as_str);
@@ -131,6 +152,11 @@ impl DryRun {
         let style = Style { keep_going: true, ..Style::default() };
         let mut session = Session::new(&mut engine, &mut terminal, style, "trial");
         session.begin_dry_run();
+        session.asked = match (asked, &ini) {
+            (Some(asked), _) => asked.clone(),
+            (None, Some(ini)) => Asked::of_ini(ini, true, false),
+            (None, None) => Asked::default(),
+        };
         if let Some(ini) = &ini {
             session.set_ini(ini);
         }
@@ -185,6 +211,25 @@ impl DryRun {
             Ok(Reply::Items(items)) => items,
             _ => Vec::new(),
         }
+    }
+
+    /// Returns the stand-ins for what is missing and asked for.
+    pub(crate) fn stand_ins(&mut self, asked: &Asked) -> StandIns {
+        let wires = Wires::of(&mut self.engine);
+        let DryRunResult { unknown, of_screen, loaded, absent, statements, .. } = &self.result;
+        let makers = unknown.makers().map(|maker| {
+            let name = maker.name();
+            (name, matches!(maker, Maker::Screen(_)) || of_screen.contains(name))
+        });
+        let facts = Facts {
+            makers: makers.collect(),
+            used: unknown.users().collect(),
+            loaded,
+            absent,
+            statements,
+            maker: &|name| unknown.maker(name).map(Maker::name),
+        };
+        StandIns::of(&facts, &wires, asked)
     }
 
     /// Returns the result of the lines.

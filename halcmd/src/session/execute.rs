@@ -42,6 +42,12 @@ const SECTIONS: &[(Kind, &str)] = &[
 impl Session<'_> {
     pub(crate) fn execute(&mut self, command: Command) -> Result<(), Error> {
         match command {
+            Command::Send(
+                Request::Load { module, .. } | Request::LoadForeign { module, .. },
+                _,
+            ) if self.stand_ins.replaces(&module) => {
+                self.note(&format!("a stand-in is there for '{module}'"));
+            }
             Command::Send(request, note) => {
                 let told = self.style.verbose || self.returned.is_some();
                 let set = if told { self.set_note(&request)? } else { None };

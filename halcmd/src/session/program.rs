@@ -13,7 +13,7 @@ use std::{
 };
 
 /// Number of polls after which a message says that the session is waiting for a component.
-const SILENT_POLLS: u32 = 200;
+const SILENT_POLLS: u32 = 100;
 const POLL_MS: u32 = 10;
 
 impl Session<'_> {
@@ -22,6 +22,12 @@ impl Session<'_> {
         let program = launch.program.as_str();
         if self.state()?.lock.0 & Lock::LOAD.0 != 0 {
             return Err(Error::Locked);
+        }
+        let base = program.rsplit('/').next().unwrap_or_default();
+        let of_screen = self.is_postgui && launch.is_of_screen();
+        if self.stand_ins.replaces(base) || of_screen && self.stand_ins.is_headless() {
+            self.note(&format!("a stand-in is there for '{base}'"));
+            return Ok(());
         }
         self.reap();
         let expected = launch.expected();
@@ -181,6 +187,12 @@ impl Session<'_> {
             polls += 1;
             if polls == SILENT_POLLS {
                 self.warn_at(&format!("Waiting for component '{component}' to become ready."));
+                if self.stand_ins.is_simulated() {
+                    let base = program.rsplit('/').next().unwrap_or_default();
+                    self.warn_at(&format!(
+                        "if it waits for hardware or a screen: --stub {base} puts pins in its place"
+                    ));
+                }
                 for other in self.components()?.iter().filter(|c| !before.contains(c)) {
                     self.warn_at(&format!(
                         "While waiting for component '{component}', component '{}' loaded",
@@ -279,6 +291,13 @@ fn python_path() -> Option<std::ffi::OsString> {
     let before = std::env::var_os("PYTHONPATH").filter(|path| !path.is_empty());
     let paths = std::iter::once(own.clone()).chain(before.iter().flat_map(std::env::split_paths));
     own.is_dir().then(|| std::env::join_paths(paths).ok()).flatten()
+}
+
+impl Launch {
+    /// Returns whether a program that a file of `POSTGUI_HALFILE` starts belongs to the screen: it stays, and is none of ours.
+    pub(crate) fn is_of_screen(&self) -> bool {
+        !self.until_end && beside(&self.program).is_none()
+    }
 }
 
 /// Returns the program of this name beside the running one.

@@ -7,6 +7,7 @@ mod sim_matrix_kb;
 mod sim_parport;
 mod sim_spindle;
 mod sphereprobe;
+mod standin;
 
 hal_component::export!(
     sim_axis_hardware::SimAxisHardware,
@@ -15,4 +16,5 @@ hal_component::export!(
     sim_parport::SimParport,
     sim_spindle::SimSpindle,
     sphereprobe::Sphereprobe,
+    standin::Standin,
 );

@@ -26,6 +26,7 @@ impl Folders {
         if let Some(bin) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
             libraries.push(bin.join("../share/ferrule/hallib"));
         }
+        libraries.push(LINUXCNC_LIBRARY.into());
         Self { named, here, libraries }
     }
 
@@ -49,6 +50,9 @@ impl Folders {
         all.join(", ")
     }
 }
+
+/// Folder of the HAL files of LinuxCNC's package.
+const LINUXCNC_LIBRARY: &str = "/usr/share/linuxcnc/hallib";
 
 /// Environment variable that adds the folder of LinuxCNC's package to the search path.
 pub(super) const LINUXCNC_MODULES: &str = "HAL_LINUXCNC_MODULES";

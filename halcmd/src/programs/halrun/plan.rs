@@ -82,6 +82,10 @@ pub(crate) struct Plan {
     pub(super) job: Option<Job>,
     /// Nothing of a user interface is started.
     pub(super) headless: bool,
+    /// Names of `--stub`.
+    pub(super) stubs: Vec<String>,
+    /// Inputs of simulated ports are those of a machine at rest.
+    pub(super) healthy: bool,
 }
 
 /// Range of `--pace`.
@@ -194,6 +198,7 @@ pub(crate) fn plan(
             .ok_or_else(|| bad("--max-wait", &text, "it is never, or a time such as 60s"))?,
         None => MaxWait::default(),
     };
+    let is_job = begin.is_some();
     let job = begin.map(|begin| Job { begin, yes: has(Id::Yes), max_wait });
     let times = (value(Id::StuckTime), value(Id::MaxGap));
     let realtime = realtime::options(value(Id::Cpu), value(Id::DmaLatency), times)?;
@@ -244,6 +249,12 @@ pub(crate) fn plan(
         detach,
         job,
         headless: has(Id::Headless),
+        stubs: given
+            .iter()
+            .filter(|(id, _)| *id == Id::Stub)
+            .filter_map(|(_, v)| v.clone())
+            .collect(),
+        healthy: has(Id::Healthy) || is_job,
     })))
 }
 

@@ -39,6 +39,8 @@ pub(super) enum Id {
     Yes,
     MaxWait,
     Headless,
+    Stub,
+    Healthy,
     Help,
 }
 
@@ -68,6 +70,20 @@ pub(super) const OPTIONS: &[Opt<Id>] = &[
         "end --run with status 3 after a wait of TIME, or never; 60s off a terminal, where nobody sees it",
     ),
     with("headless", Id::Headless, None, Some("HAL_HEADLESS"), "without a user interface"),
+    with(
+        "stub",
+        Id::Stub,
+        Some("NAMES"),
+        Some("HAL_STUB"),
+        "put pins in place of these components and programs, or of all that are missing",
+    ),
+    with(
+        "healthy",
+        Id::Healthy,
+        None,
+        Some("HAL_HEALTHY"),
+        "let inputs of simulated ports that nobody sets be those of a machine at rest; --run does so",
+    ),
     with("for", Id::For, Some("TIME"), Some("HAL_FOR"), "end after TIME of the machine"),
     with("clock", Id::Clock, Some("KIND"), Some("HAL_CLOCK"), "the clock: real or virtual"),
     with("hold", Id::Hold, None, Some("HAL_HOLD"), "move the virtual clock only in 'run TIME'"),

@@ -11,6 +11,7 @@ use crate::{
     language::hint::nearest,
     programs::hal_manualtoolchange,
     session::program,
+    standin,
 };
 use hal_protocol::{At, Code, Failure, Finding, Kind, Reply, Request};
 
@@ -96,7 +97,20 @@ impl Session<'_> {
             Request::Load { ref module, ref args }
             | Request::LoadForeign { ref module, ref args, .. } => {
                 let (module, args) = (module.clone(), args.clone());
-                self.ask(request).map(|_| ()).inspect_err(|_| self.expect_module(&module, &args))
+                self.dry_run.get_or_insert_default().loaded.insert(module.clone());
+                if self.asked.replaces(&module, false) {
+                    self.expect_module(&module, &args);
+                    return Ok(());
+                }
+                let Err(error) = self.ask(request) else { return Ok(()) };
+                self.expect_module(&module, &args);
+                let is_absent = matches!(&error, Error::Engine(failure) if failure.finding == Some(Code::NoComponent));
+                // A name that is nearly another one's is misspelt.
+                let is_near = matches!(&error, Error::Engine(failure) if failure.hint.is_some());
+                if is_absent && (!is_near || standin::is_known(&module)) {
+                    self.dry_run.get_or_insert_default().absent.insert(module.clone());
+                }
+                if is_absent && self.asked.replaces(&module, true) { Ok(()) } else { Err(error) }
             }
             other => {
                 let names = names_of(&other);
@@ -181,7 +195,17 @@ impl Session<'_> {
         if base == hal_manualtoolchange::NAME {
             return Ok(hal_manualtoolchange::join(self.link)?);
         }
-        if !program::exists(&launch.program, |path| self.found_at(path)) {
+        let of_screen = self.is_postgui && launch.is_of_screen();
+        let result = self.dry_run.get_or_insert_default();
+        result.loaded.insert(base.clone());
+        if of_screen {
+            result.of_screen.insert(base.clone());
+        }
+        let is_there = program::exists(&launch.program, |path| self.found_at(path));
+        if !is_there {
+            self.dry_run.get_or_insert_default().absent.insert(base.clone());
+        }
+        if !is_there && !self.asked.replaces(&base, true) {
             let awaited = launch.until_ready || launch.until_end && !launch.ignore_status;
             let code = if awaited { Code::NoProgramAwaited } else { Code::NoProgram };
             let text = format!("program '{}' is not there", launch.program);
@@ -196,6 +220,9 @@ impl Session<'_> {
         unknown.expect(&launch.expected(), &at, program);
         let stem = base.split('.').next().unwrap_or_default();
         for name in [stem, stem.strip_prefix("hal_").unwrap_or(stem)] {
+            unknown.expect(name, &at, program);
+        }
+        for name in standin::pins_of(&base) {
             unknown.expect(name, &at, program);
         }
         // LinuxCNC's views of machines, such as puma560gui, have a second component for the view itself.
@@ -215,7 +242,9 @@ impl Session<'_> {
             for entry in ini.all(section, name) {
                 let at = At::new(&entry.file, entry.line);
                 let program = entry.value.split_whitespace().next().unwrap_or_default();
-                let maker = Maker::Program(program.to_owned());
+                let name = program.to_owned();
+                let is_screen = section == "DISPLAY";
+                let maker = if is_screen { Maker::Screen(name) } else { Maker::Program(name) };
                 let unknown = self.unknown_names();
                 // Axes have pins with that name, and errors in their names should be found.
                 let words = entry.value.split_whitespace().filter(|word| *word != "axis");
@@ -240,6 +269,9 @@ impl Session<'_> {
         let maker = Maker::Module(module.to_owned());
         let name = module.replace('_', "-");
         for word in [&name, module, name.strip_prefix("hal-").unwrap_or(&name)] {
+            unknown.expect(word, &at, &maker);
+        }
+        for word in standin::pins_of(module) {
             unknown.expect(word, &at, &maker);
         }
         if module == "motmod" {

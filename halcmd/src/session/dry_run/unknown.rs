@@ -25,8 +25,19 @@ struct Source {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Maker {
     Program(String),
+    /// Program that shows the machine.
+    Screen(String),
     /// Module whose line was refused, which has been reported already.
     Module(String),
+}
+
+impl Maker {
+    /// Returns the name of the program or module.
+    pub(super) fn name(&self) -> &str {
+        match self {
+            Self::Program(name) | Self::Screen(name) | Self::Module(name) => name,
+        }
+    }
 }
 
 /// Uses of the names of one source.
@@ -51,7 +62,7 @@ pub const MOTION: &[&str] = &[
 impl Unknown {
     /// Records that a program may make names that begin with this word.
     pub(super) fn expect(&mut self, word: &str, at: &At, maker: &Maker) {
-        let usable = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+        let usable = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | '*');
         let is_name = word.starts_with(|c: char| c.is_ascii_alphanumeric())
             && word.contains(|c: char| c.is_ascii_alphabetic());
         if is_name && word.chars().all(usable) {
@@ -75,17 +86,47 @@ impl Unknown {
     pub(super) fn covers(&mut self, name: &str, at: &At) -> bool {
         let mut cuts = name.match_indices('.').map(|(at, _)| at).chain([name.len()]);
         let source = cuts.find_map(|at| self.prefixes.get(name.get(..at)?));
-        let Some(source) = source else { return self.is_anything() };
+        let Some(source) = source.or_else(|| self.family(name)) else {
+            return self.is_anything();
+        };
         let uses = self.used.entry(source.clone()).or_default();
         uses.names.insert(name.to_owned());
         uses.lines.insert(at.clone());
         true
     }
 
+    /// Returns the source whose names begin as this one does.
+    fn family(&self, name: &str) -> Option<&Source> {
+        let known = self
+            .prefixes
+            .iter()
+            .filter_map(|(prefix, source)| prefix.strip_suffix('*').map(|prefix| (prefix, source)));
+        known.filter(|(prefix, _)| name.starts_with(prefix)).map(|(_, source)| source).next()
+    }
+
+    /// Returns the program or module that may have made a name.
+    pub(super) fn maker(&self, name: &str) -> Option<&Maker> {
+        let mut cuts = name.match_indices('.').map(|(at, _)| at).chain([name.len()]);
+        let source = cuts.find_map(|at| self.prefixes.get(name.get(..at)?));
+        source.or_else(|| self.family(name)).map(|source| &source.maker)
+    }
+
+    /// Returns each program and module that may make names.
+    pub(super) fn makers(&self) -> impl Iterator<Item = &Maker> {
+        self.prefixes.values().map(|source| &source.maker)
+    }
+
+    /// Returns the programs and modules whose names are used.
+    pub(super) fn users(&self) -> impl Iterator<Item = &str> {
+        self.used.keys().map(|source| source.maker.name())
+    }
+
     /// Returns a note for each program whose names are used.
     pub fn notes(&self) -> impl Iterator<Item = Finding> {
         self.used.iter().filter_map(|(source, Uses { names, .. })| {
-            let Maker::Program(program) = &source.maker else { return None };
+            let (Maker::Program(program) | Maker::Screen(program)) = &source.maker else {
+                return None;
+            };
             let first = names.first()?;
             let more = match names.len() {
                 1 => String::new(),
@@ -105,7 +146,7 @@ impl Unknown {
     pub fn missed(&self) -> impl Iterator<Item = (&At, &str, usize)> {
         self.used.iter().filter_map(|(source, uses)| match &source.maker {
             Maker::Module(name) => Some((&source.at, name.as_str(), uses.lines.len())),
-            Maker::Program(_) => None,
+            Maker::Program(_) | Maker::Screen(_) => None,
         })
     }
 }

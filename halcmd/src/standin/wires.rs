@@ -1,0 +1,95 @@
+//! The pins and signals of an instance.
+
+use hal_protocol::{Direction, ItemInfo, Kind, Link, Reply, Request, SignalInfo, Type, Value};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A pin or parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Wired {
+    pub(super) direction: Direction,
+    pub(super) value: Value,
+    pub(super) signal: Option<String>,
+    pub(super) owner: String,
+}
+
+/// Pins, parameters, functions and signals by name.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wires {
+    pub(super) pins: BTreeMap<String, Wired>,
+    pub(super) signals: BTreeMap<String, SignalInfo>,
+    pub(super) functs: BTreeSet<String>,
+    /// First words of all names.
+    firsts: BTreeSet<String>,
+}
+
+impl Wires {
+    /// Reads them from an engine.
+    pub(crate) fn of(link: &mut dyn Link) -> Self {
+        let mut list = |kind| {
+            let hidden = vec!["*".to_owned()];
+            // Pins of simulation are listed only when a pattern names them.
+            let sim = vec!["*.sim.*".to_owned()];
+            let mut ask = |patterns| link.call(Request::List { kind, patterns, ty: None });
+            let all = ask(hidden);
+            (all, matches!(kind, Kind::Pins).then(|| ask(sim)))
+        };
+        let items = |reply| match reply {
+            Ok(Reply::Items(items)) => items,
+            _ => Vec::new(),
+        };
+        let (pins, sim) = list(Kind::Pins);
+        let mut all: Vec<ItemInfo> = items(pins);
+        all.extend(sim.map(items).unwrap_or_default());
+        all.extend(items(list(Kind::Params).0));
+        let mut wires = Self::default();
+        for item in all {
+            let wired = Wired {
+                direction: item.direction,
+                value: item.value,
+                signal: item.signal,
+                owner: item.owner_name,
+            };
+            if let Some(original) = item.original {
+                wires.pins.insert(original, wired.clone());
+            }
+            wires.pins.insert(item.name, wired);
+        }
+        if let Ok(Reply::Signals(signals)) = list(Kind::Signals).0 {
+            wires.signals = signals.into_iter().map(|s| (s.name.clone(), s)).collect();
+        }
+        if let Ok(Reply::Functs(functs)) = list(Kind::Functs).0 {
+            wires.functs = functs.into_iter().map(|f| f.name).collect();
+        }
+        let names = wires.pins.keys().chain(&wires.functs);
+        wires.firsts = names.map(|name| first(name).to_owned()).collect();
+        wires
+    }
+
+    /// Returns whether no name begins with the first word of this one.
+    pub(super) fn is_foreign(&self, name: &str) -> bool {
+        name.contains('.') && !self.firsts.contains(first(name))
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.pins.contains_key(name) || self.functs.contains(name)
+    }
+
+    /// Returns the pin that writes a signal.
+    pub(super) fn writer(&self, signal: &str) -> Option<&str> {
+        let pins = &self.signals.get(signal)?.pins;
+        pins.iter().find(|(dir, _)| *dir == Direction::Out).map(|(_, name)| name.as_str())
+    }
+
+    /// Returns the signal of a pin.
+    pub(super) fn signal_of(&self, pin: &str) -> Option<&str> {
+        self.pins.get(pin)?.signal.as_deref()
+    }
+
+    pub(super) fn type_of(&self, pin: &str) -> Option<Type> {
+        self.pins.get(pin).map(|pin| pin.value.ty())
+    }
+}
+
+fn first(name: &str) -> &str {
+    name.split('.').next().unwrap_or(name)
+}
