@@ -2,6 +2,7 @@
 
 pub(crate) mod already;
 pub(crate) mod apply;
+mod beside;
 pub mod dry_run;
 pub(crate) mod execute;
 mod late;
@@ -391,12 +392,16 @@ impl<'a> Session<'a> {
     }
 
     fn call(&mut self, request: Request) -> Result<Reply, Error> {
+        let module = beside::module_of(&request);
         self.link.call(request).map_err(|failure| {
             if failure.code == INTERRUPTED {
                 self.ended = true;
                 return Error::AlreadyReported;
             }
-            Error::Engine(failure)
+            let Some(module) = module else { return Error::Engine(failure) };
+            let ini = self.ini.and_then(|ini| Some(&*ini.entries().next()?.file));
+            let places = (&*self.place.0, ini);
+            Error::Engine(beside::name_source(failure, &module, places, |path| self.found_at(path)))
         })
     }
 }
