@@ -18,4 +18,6 @@ typedef struct EmcPose {
         (pos).a = (pos).b = (pos).c = 0.0;                                              \
         (pos).u = (pos).v = (pos).w = 0.0;                                              \
     } while (0)
+/* Also TO_RAD and TO_DEG. */
+#include "posemath.h"
 #endif

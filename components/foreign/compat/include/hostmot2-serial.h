@@ -20,7 +20,13 @@ extern int hm2_pktuart_read(char *name, unsigned char data[], rtapi_u8 *frames,
 
 /* Buffered SPI. Frames of the process are written and read with those of the card. */
 extern int hm2_bspi_setup_chan(char *name, int chan, int cs, int bits, double mhz, int delay,
-                               int cpol, int cpha, int noclear, int noecho);
+                               int cpol, int cpha, int noclear, int noecho, int samplelate);
+/* Older sources call it without the last argument. */
+#define hm2_bspi_setup_chan(...) \
+    FERRULE_BSPI(__VA_ARGS__, FERRULE_BSPI_11, FERRULE_BSPI_10, 0)(__VA_ARGS__)
+#define FERRULE_BSPI(a, b, c, d, e, f, g, h, i, j, k, pick, ...) pick
+#define FERRULE_BSPI_11(...) (hm2_bspi_setup_chan)(__VA_ARGS__)
+#define FERRULE_BSPI_10(...) (hm2_bspi_setup_chan)(__VA_ARGS__, 0)
 extern int hm2_bspi_write_chan(char *name, int chan, rtapi_u32 value);
 extern int hm2_bspi_set_read_function(char *name, int (*code)(void *data), void *data);
 extern int hm2_bspi_set_write_function(char *name, int (*code)(void *data), void *data);

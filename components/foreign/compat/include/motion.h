@@ -1,18 +1,13 @@
 /* Sizes of the motion module, and its joints as a homing module sees them. */
 #ifndef MOTION_H
 #define MOTION_H
+#include "emcmotcfg.h"
 #include "emcpos.h"
 #include "kinematics.h"
 #include "posemath.h"
 #include "rtapi_bool.h"
 #include "rtapi_limits.h"
 #include "simple_tp.h"
-#define EMCMOT_MAX_JOINTS 16
-#define EMCMOT_MAX_EXTRAJOINTS EMCMOT_MAX_JOINTS
-#define EMCMOT_MAX_AXIS 9
-#define EMCMOT_MAX_SPINDLES 8
-#define EMCMOT_MAX_DIO 64
-#define EMCMOT_MAX_AIO 64
 
 typedef enum {
     EMCMOT_MOTION_DISABLED = 0,

@@ -3,6 +3,8 @@
 #define RTAPI_STDINT_H
 #include <inttypes.h>
 #include <stdint.h>
+/* uint, ulong and ushort. */
+#include <sys/types.h>
 #include "rtapi_bool.h"
 
 typedef int8_t rtapi_s8;

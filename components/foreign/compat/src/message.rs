@@ -74,6 +74,11 @@ extern "C" fn rtapi_get_time() -> c_longlong {
     now()
 }
 
+/// Number of clocks in a millisecond, for drivers that were written for the kernel. They declare it as an `int` or as a
+/// `long`.
+#[unsafe(export_name = "cpu_khz")]
+static CPU_KHZ: u64 = 1_000_000;
+
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_get_clocks() -> c_longlong {
     now()

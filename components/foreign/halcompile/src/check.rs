@@ -78,6 +78,11 @@ impl Component {
             && !self.names_function()
     }
 
+    /// Returns whether the C text may use pins anywhere: it is a program with one instance.
+    pub(crate) fn has_program_inst(&self) -> bool {
+        self.options.on("userspace") && self.options.on("singleton")
+    }
+
     fn names_function(&self) -> bool {
         self.body.text.match_indices("FUNCTION").any(|(i, word)| {
             let before = self.body.text.get(..i).and_then(|t| t.chars().next_back());
@@ -86,6 +91,18 @@ impl Component {
                 && after.trim_start().starts_with('(')
         })
     }
+}
+
+/// Returns a fault if the C text uses the period that its functions do not have, and does not define that word itself.
+pub(crate) fn misses_period(component: &Component) -> Option<Fault> {
+    if component.options.on("period") {
+        return None;
+    }
+    let span = component.options.place("period")?.span;
+    let mut words = component.body.text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let defined = component.body.text.contains("define fperiod");
+    (words.any(|word| word == "fperiod") && !defined)
+        .then_some(Fault { span, problem: Problem::NoPeriod })
 }
 
 /// Checks a tree completely. Returns the component and the warnings.

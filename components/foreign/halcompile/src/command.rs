@@ -1,7 +1,7 @@
 //! The command line.
 
 use crate::{
-    Component,
+    Component, Version,
     build::{Job, Target, build, words},
     c,
     error::{Error, at},
@@ -61,6 +61,9 @@ pub struct Args {
     /// Maximum number of personalities of a module.
     #[arg(short = 'P', long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     personalities: u32,
+    /// Version of LinuxCNC whose language the .comp files are in: 2.9 or 2.10.
+    #[arg(long, value_name = "VERSION", env = "HAL_COMPAT", default_value = "2.10", value_parser = ["2.9", "2.10"])]
+    compat: String,
     /// Additional arguments for the compiler.
     #[arg(long, value_name = "WORDS", allow_hyphen_values = true)]
     extra_compile_args: Vec<String>,
@@ -124,7 +127,8 @@ fn comp(args: &Args, file: &Path, said: &mut Said) -> Result<(), Error> {
     if args.unix && bytes.contains(&b'\r') {
         return Err(Error::UnixEnds { path: shown(file) });
     }
-    let (component, doubts) = crate::read(&file.display().to_string(), &bytes)?;
+    let version = if args.compat == "2.9" { Version::V2_9 } else { Version::Latest };
+    let (component, doubts) = crate::read_as(&file.display().to_string(), &bytes, version)?;
     said.doubts.push_str(&doubts.to_string());
     documents(args, &component, said)?;
     if args.rust {

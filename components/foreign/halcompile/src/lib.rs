@@ -38,6 +38,24 @@ pub use tree::*;
 /// # Errors
 /// All faults of the file, ready to be shown.
 pub fn read(file: &str, bytes: &[u8]) -> Result<(Component, Report), Report> {
+    read_as(file, bytes, Version::Latest)
+}
+
+/// Version of LinuxCNC whose language a file is read in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Version {
+    /// Version 2.9, in which functions have their period also with `option period no`.
+    V2_9,
+    /// The latest one.
+    #[default]
+    Latest,
+}
+
+/// Does the same in the language of a version.
+///
+/// # Errors
+/// As for [`read`].
+pub fn read_as(file: &str, bytes: &[u8], version: Version) -> Result<(Component, Report), Report> {
     let text = match core::str::from_utf8(bytes) {
         Ok(text) => text,
         Err(e) => {
@@ -49,7 +67,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<(Component, Report), Report> {
     let fail = |faults| Report::new(file, text, faults);
     let tree = grammar::parse(text).map_err(fail)?;
     let named = tree.name.clone();
-    let (component, doubts) = check::check(tree, text).map_err(fail)?;
+    let (mut component, doubts) = check::check(tree, text).map_err(fail)?;
     let stem = std::path::Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
     if stem != component.name {
         let (name, file) = (component.name.as_str().into(), stem.as_ref().into());
@@ -57,6 +75,12 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<(Component, Report), Report> {
             span: named.span,
             problem: Problem::FileName { name, file },
         }]));
+    }
+    if version == Version::V2_9 {
+        component.options.keep_period();
+    }
+    if let Some(fault) = check::misses_period(&component) {
+        return Err(fail(vec![fault]));
     }
     Ok((component, Report::new(file, text, doubts)))
 }

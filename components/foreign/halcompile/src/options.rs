@@ -120,6 +120,11 @@ impl Options {
         self.chosen.get(name)
     }
 
+    /// Ignores `option period no`, as LinuxCNC 2.9 does.
+    pub(crate) fn keep_period(&mut self) {
+        self.chosen.remove("period");
+    }
+
     /// Applies an option line. Returns a warning, or the fault as an error.
     pub(crate) fn take(&mut self, line: &OptionLine, source: &str) -> Result<Option<Fault>, Fault> {
         let name = line.name.value.as_str();

@@ -35,6 +35,7 @@ pub enum Problem {
     OptionType { name: &'static str },
     OptionText { name: &'static str },
     OptionTwice { name: Box<str>, line: usize },
+    NoPeriod,
     Apart { one: &'static str, other: &'static str },
     NeedsUserspace { name: &'static str },
     NoLicense,
@@ -110,6 +111,10 @@ impl fmt::Display for Problem {
             Self::OptionTwice { name, line } => {
                 write!(f, "option {name} has been given on line {line}")
             }
+            Self::NoPeriod => f.write_str(
+                "functions have no period with option period no, and the C text uses fperiod; LinuxCNC 2.9 ignores \
+                 this option: give --compat 2.9, or take the line out",
+            ),
             Self::Apart { one, other } => {
                 write!(f, "option {one} and option {other} exclude each other")
             }

@@ -165,6 +165,70 @@ fn what_nothing_offers_is_named_by_function_and_line() {
     assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""));
 }
 
+/// A source of the right name beside the script or the INI file is named by the error of its line.
+#[test]
+fn a_source_beside_the_script_is_named() {
+    let scratch = Scratch::new("beside");
+    fs::create_dir(scratch.path().join("parts")).unwrap();
+    scratch.write("mine.comp", "component mine;\n");
+    scratch.write("parts/yours.c", "");
+    scratch.write("parts/parts.hal", "loadrt yours\n");
+    scratch.write(
+        "m.hal",
+        "loadrt mine names=a\nloadrt --c mine\nloadrt yours\nloadrt and3\nsource parts/parts.hal\n",
+    );
+    scratch.write("m.ini", "[EMC]\nMACHINE = x\n[HAL]\nHALFILE = parts/mine.hal\n");
+    scratch.write("parts/mine.hal", "loadrt mine\n");
+    let compile = |source: &str, path: &str, place: &str| {
+        format!("{source} lies beside the {place}: compile it with `halcompile --install {path}`")
+    };
+    let output = scratch.halrun(&["--virtual", "-k", "-f", "m.hal"]);
+    for (at, hint) in [
+        ("m.hal:1: ", Some(compile("mine.comp", "mine.comp", "script"))),
+        ("m.hal:2: ", Some(compile("mine.comp", "mine.comp", "script"))),
+        ("m.hal:3: ", None),
+        ("m.hal:4: ", None),
+        ("parts/parts.hal:1: ", Some(compile("yours.c", "parts/yours.c", "script"))),
+    ] {
+        let said = output.stderr.lines().filter(|line| line.starts_with(at));
+        let said: Vec<&str> = said.filter(|line| line.contains(" lies beside ")).collect();
+        match hint {
+            Some(hint) => assert!(said.iter().any(|l| l.contains(&hint)), "{}", output.stderr),
+            None => assert!(said.is_empty(), "{at}: {}", output.stderr),
+        }
+    }
+    let output = scratch.halrun(&["--virtual", "--headless", "m.ini"]);
+    assert!(
+        output.stderr.contains("mine.comp lies beside the INI file: compile it with"),
+        "{}",
+        output.stderr
+    );
+}
+
+/// LinuxCNC 2.9 ignores `option period no`; what relies on that compiles with `--compat 2.9`; otherwise the error says so.
+#[test]
+fn a_period_that_a_function_does_not_have() {
+    if tools::compiler().is_none() {
+        return;
+    }
+    let scratch = Scratch::new("period");
+    let text = "component late;\npin out float x;\noption period no;\nfunction _;\nlicense \"MIT\";\n;;\n\
+                FUNCTION(_) { x += fperiod; }\n";
+    scratch.write("late.comp", text);
+    let compiled = |words: &[&str]| {
+        let mut command = scratch.command(&[], "halcompile");
+        scratch.run(command.args(["-c", "late.comp"]).args(words))
+    };
+    let output = compiled(&[]);
+    assert_eq!(output.status, Some(1));
+    for part in ["late.comp:3:15: ", "the C text uses fperiod", "give --compat 2.9"] {
+        assert!(output.stderr.contains(part), "{part}: {}", output.stderr);
+    }
+    let output = compiled(&["--compat", "2.9"]);
+    assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""));
+    replay("load late\nrun late.0\nin\nout late.0.x\n| 0.001\n| 0.002\n", scratch.path()).unwrap();
+}
+
 /// An installed module is for all users, also if its author keeps files to himself.
 #[test]
 fn installed_modules_are_for_all_users() {
@@ -264,7 +328,7 @@ fn programs_exchange_their_values() {
         return;
     }
     let scratch = Scratch::new("programs");
-    for name in ["doubles", "greets"] {
+    for name in ["counts", "doubles", "greets"] {
         let file = root().join(format!("tests/comp/programs/{name}.comp"));
         fs::copy(&file, scratch.path().join(format!("{name}.comp"))).unwrap();
         let mut command = scratch.command(&[], "halcompile");
@@ -274,11 +338,12 @@ fn programs_exchange_their_values() {
     scratch.write(
         "test.hal",
         "loadrt threads\nloadrt mux2\nloadrt sim_parport\nnet level mux2.0.out\nsetp mux2.0.in0 2.5\n\
-         setp sim-parport.0.pin-01-out-invert 1\naddf mux2.0 thread1\nstart\nloadusr -W ./doubles\nloadusr -Wn greets ./greets names=ann,bob 42\nprint ready\n",
+         setp sim-parport.0.pin-01-out-invert 1\naddf mux2.0 thread1\nstart\nloadusr -W ./doubles\nloadusr -W ./counts\nloadusr -Wn greets ./greets names=ann,bob 42\nprint ready\n",
     );
     let running = scratch.start(scratch.command(&[], "halrun").arg("test.hal"));
     until("the script is through", || running.said().1.contains("MSG: ready"));
     for (pin, value) in [
+        ("counts.presses", "0"),
         ("doubles.0.out", "3"),
         ("doubles.0.gone", "TRUE"),
         ("doubles.0.na", "-6"),
@@ -302,6 +367,7 @@ fn programs_exchange_their_values() {
         becomes(&scratch, pin, value);
     }
     for (pin, value) in [
+        ("counts.press", "1"),
         ("doubles.0.in", "8"),
         ("doubles.0.gain", "0.25"),
         ("doubles.0.go", "0"),
@@ -312,6 +378,7 @@ fn programs_exchange_their_values() {
         assert_eq!(scratch.halcmd(&["setp", pin, value]).status, Some(0), "{pin}");
     }
     for (pin, value) in [
+        ("counts.presses", "5"),
         ("doubles.0.out", "2"),
         ("doubles.0.gone", "FALSE"),
         ("doubles.0.counter", "20"),

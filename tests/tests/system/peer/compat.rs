@@ -5,6 +5,7 @@ use hal_tests::{
     foreign::{Bench, compile, component},
     machine::{bit, script},
     scratch::Scratch,
+    tools,
 };
 
 const PARAMETERS: &str = "static int sizes[2]; RTAPI_MP_ARRAY_INT(sizes, 2, \"sizes\")\n\
@@ -84,6 +85,58 @@ fn drivers_of_the_kernel_find_their_headers() {
     script(&mut b, "loadrt threads name1=t period1=1000000\naddf mine.0 t\nstart\nrun 1000000");
     let sent = b.call(Request::Get { name: "mine.sim.0305".into() }).unwrap();
     assert!(format!("{sent:?}").contains("U32(1)"), "{sent:?}");
+}
+
+/// Sources as LinuxCNC's tool compiles them: what they include, and what must be true as they are loaded.
+const SOURCES: &[(&str, &str)] = &[
+    (
+        "#include \"kinematics.h\"",
+        "fabs(180 * TO_RAD - M_PI) < 1e-12 && fabs(M_PI * TO_DEG - 180) < 1e-9",
+    ),
+    (
+        "#include \"emcmotcfg.h\"",
+        "EMCMOT_MAX_JOINTS == 16 && EMCMOT_MAX_AXIS == 9 && EMCMOT_MAX_DIO == 64 && EMCMOT_MAX_SPINDLES == 8",
+    ),
+    (
+        "static uint mine = 3; static ulong far = 4; static ushort near = 5;",
+        "mine + far + near == 12",
+    ),
+    // A driver of the kernel: clocks by the processor's frequency, declared by itself in one way or another.
+    ("#include <asm/tsc.h>", "cpu_khz == 1000000"),
+    ("extern unsigned long cpu_khz;", "cpu_khz == 1000000"),
+    (
+        "extern unsigned int cpu_khz;\nstatic unsigned long factor(void) { return (cpu_khz << 6) / 15625ul; }",
+        "factor() == 4096",
+    ),
+];
+
+/// The hostmot2 of this test: each call of its function is added up.
+const CHANNEL: &str = "#undef hm2_bspi_setup_chan\n\
+    int hm2_bspi_setup_chan(char *name, int chan, int cs, int bits, double mhz, int delay, int cpol, int cpha,\n\
+    int noclear, int noecho, int samplelate)\n{\n (void)name; (void)mhz;\n return chan + cs + bits + delay + cpol + \
+    cpha + noclear + noecho + 1000 * samplelate;\n}";
+
+#[test]
+fn sources_that_linuxcnc_compiles() {
+    if tools::compiler().is_none() {
+        return;
+    }
+    let scratch = Scratch::new("compat-sources");
+    let load = |source: &str| {
+        scratch.write("mine.c", source);
+        let output = scratch.run(scratch.command(&[], "halcompile").args(["-c", "mine.c"]));
+        assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""), "{source}");
+        Bench::new(&[scratch.path()]).load_c("", "mine").unwrap();
+    };
+    for (globals, holds) in SOURCES {
+        let globals = format!("#include \"rtapi_math.h\"\n{globals}");
+        load(&component(&globals, &format!("if (!({holds})) return -EDOM;"), ""));
+    }
+    // The function for a channel of SPI has one argument more than it had.
+    let calls = "if (hm2_bspi_setup_chan(\"x\", 1, 2, 3, 4.0, 5, 6, 7, 8, 9) != 41) return -EDOM;\n\
+                 if (hm2_bspi_setup_chan(\"x\", 1, 2, 3, 4.0, 5, 6, 7, 8, 9, 1) != 1041) return -EDOM;";
+    let source = component("#include \"hostmot2-serial.h\"", calls, "");
+    load(&format!("{source}\n{CHANNEL}\n"));
 }
 
 /// Kinematics of two types: type 1 swaps the axes. The module also tries the mathematics of its headers.

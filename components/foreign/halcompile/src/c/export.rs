@@ -61,7 +61,11 @@ pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
         w.line("    if (rc != 0) return rc;");
     }
     w.line("    if (__comp_last_inst) __comp_last_inst->_next = made;");
-    w.line("    else __comp_first_inst = made;");
+    if component.has_program_inst() {
+        w.line("    else __comp_inst = __comp_first_inst = made;");
+    } else {
+        w.line("    else __comp_first_inst = made;");
+    }
     w.line("    __comp_last_inst = made;");
     if options.on("post_export") {
         w.line("    post_export(made, prefix, extra_arg);");

@@ -58,6 +58,9 @@ pub(crate) fn write(component: &Component, w: &mut Writer<'_>) {
     }
     w.line("};");
     w.line("static struct __comp_state *__comp_first_inst, *__comp_last_inst;");
+    if component.has_program_inst() {
+        w.line("static struct __comp_state *__comp_inst;");
+    }
     w.line("");
     for f in &component.functions {
         w.line(&format!("{};", signature(component, &c_name(&f.name.value))));
