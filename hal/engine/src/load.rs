@@ -35,7 +35,8 @@ impl Engine {
         let instance = self.runtime.instance().clone();
         let _within = instance.control.run(Doing::new(module, Activity::Load));
         let foreign = self.foreign_files();
-        if let Some(found) = self.model.loader().find_only_foreign(module, &foreign)? {
+        let simulated = self.options.simulate;
+        if let Some(found) = self.model.loader().find_only_foreign(module, &foreign, simulated)? {
             return self.load_file(module, words, "", &found);
         }
         let name = Name::parse("component", module)?;

@@ -1,9 +1,8 @@
 //! Port I/O: simulated ports access registers whose bits are pins; real ports access the hardware, as far as the system
 //! permits this process.
 
-use crate::{elf::Elf, loading::loading, module::Module, running, system};
-use core::ffi::{c_char, c_int, c_uchar, c_uint, c_ulong, c_ushort, c_void};
-use std::sync::Arc;
+use crate::{loading::loading, module::Module, running};
+use core::ffi::{CStr, c_char, c_int, c_uchar, c_uint, c_ulong, c_ushort, c_void};
 
 fn module() -> Option<&'static Module> {
     running::module()
@@ -84,12 +83,13 @@ extern "C" fn rtapi_iopl(level: c_int) -> c_int {
     }
 }
 
-/// Redirects a prebuilt module's own calls of `ioperm` and `iopl` to this library, so that simulated hardware never
-/// becomes real.
-pub(crate) fn take_over(module: &Arc<Module>, elf: &Elf) {
-    let ours = [("ioperm", rtapi_ioperm as *const c_void), ("iopl", rtapi_iopl as *const c_void)];
-    for (name, with) in ours {
-        system::replace(module.handle, elf.places(name), with);
+/// Returns what takes the place of `ioperm` and `iopl` in a module, so that ports are known by the claims of those who use
+/// them, and simulated hardware never becomes real.
+pub(crate) fn of_ports(name: &CStr) -> Option<*const c_void> {
+    match name.to_bytes() {
+        b"ioperm" => Some(rtapi_ioperm as *const c_void),
+        b"iopl" => Some(rtapi_iopl as *const c_void),
+        _ => None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Load of one file, which either succeeds completely or changes nothing.
 
 use crate::{
-    arguments, board,
+    arguments, board, capability,
     docs::Docs,
     dry_run::dry_run_of,
     elf::Elf,
@@ -9,7 +9,7 @@ use crate::{
     kinematics::{Entries, offer},
     loading::{self, Loading, Refusal},
     module::{self, Main, Module},
-    running,
+    objects, outside, running,
     second_copy::SecondCopy,
     system, trap,
 };
@@ -45,6 +45,15 @@ pub(crate) unsafe extern "C" fn load(host: *const Host, file: *const ForeignFile
     status
 }
 
+/// Returns whether a file may be opened where hardware is simulated; the entry point for the engine, which opens files
+/// in a separate process first. What is wrong with the file is said when it is loaded.
+#[unsafe(export_name = "hal_opens_simulated")]
+extern "C" fn opens_simulated(path: Str) -> bool {
+    let path = PathBuf::from(text(path));
+    let may = || Elf::read(&path).is_ok_and(|elf| outside::check(&path, &elf).is_ok());
+    catch_unwind(may).unwrap_or(false)
+}
+
 fn text(s: Str) -> String {
     // SAFETY: a string of the engine's, alive during the load.
     unsafe { s.get() }.unwrap_or_default().to_owned()
@@ -66,6 +75,11 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let elf = Elf::read(&path).map_err(refuse(Status(-libc::ENOEXEC)))?;
     system::offer_symbols().map_err(refuse(Status::EFAULT))?;
     trap::watch();
+    let simulated = host.flags & host_flags::SIMULATED != 0;
+    if simulated {
+        outside::check(&path, &elf).map_err(refuse(Status(-libc::EPERM)))?;
+    }
+    let before = objects::mapped();
     let handle =
         system::open(&path).map_err(|why| lacking(&why)).map_err(refuse(Status(-libc::ENOEXEC)))?;
     let docs = Docs::read(handle, &elf.descriptions);
@@ -79,7 +93,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let main = module::main(handle)
         .map_err(|why| (Status::EINVAL, format!("{}: {why}", path.display())))?;
     find_providers(&host, &file, &elf)?;
-    crate::access::take_over(&module, &elf);
+    outside::redirect(&module, &before).map_err(refuse(Status(-libc::EPERM)))?;
     // SAFETY: the engine's words, alive during the load.
     let words = unsafe { core::slice::from_raw_parts(file.words, file.n_words) };
     let words: Vec<String> = words.iter().map(|w| text(*w)).collect();
@@ -100,8 +114,15 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
         }
         Ok(set_up(&module, main, kinematics, || ()))
     });
-    let kind =
-        done.map_err(refuse(Status::EINVAL))?.map_err(|code| (Status(code), failed(code)))?;
+    let tried = outside::suffix(&name, &loading.tried.borrow());
+    let kind = done
+        .map_err(|why| (Status::EINVAL, why))
+        .and_then(|done| {
+            let lacks =
+                |code| if simulated { "" } else { capability::lacking(code, &elf.undefined) };
+            done.map_err(|code| (Status(code), failed(code) + lacks(code)))
+        })
+        .map_err(|(status, why)| (status, why + &tried))?;
     let Loading { ports, items, refusals, .. } = loading;
     module.ports.complete(ports.into_inner().into());
     if let (Some(entries), Some(kind)) = (kinematics, kind) {
@@ -146,11 +167,11 @@ pub(crate) fn failed(code: c_int) -> String {
 /// Adds the source and a remedy to the dynamic linker's message.
 fn lacking(why: &str) -> String {
     let why = format!("dlopen: {why}");
-    if why.contains("undefined symbol") {
-        why + "; if another component in C defines it, such as kinematics for motmod, load that first"
-    } else {
-        why
+    let Some((_, symbol)) = why.split_once("undefined symbol: ") else { return why };
+    if symbol.starts_with("hm2_") {
+        return why + "; hostmot2 defines it and comes first: `loadrt hostmot2` before this line";
     }
+    why + "; if another component in C defines it, such as kinematics for motmod, load that first"
 }
 
 /// Sets the registers of simulated hardware to their power-on contents.

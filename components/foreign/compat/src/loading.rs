@@ -23,6 +23,8 @@ pub(crate) struct Loading {
     pub(crate) items: RefCell<Vec<Made>>,
     /// Texts of the refused calls of the component.
     pub(crate) refusals: RefCell<Vec<String>>,
+    /// Functions that reach outside, which the component has called and which were refused.
+    pub(crate) tried: RefCell<Vec<String>>,
     /// Results of the first copy's setup, while a second copy is set up; otherwise empty.
     pub(crate) second_copy: SecondCopy,
 }
@@ -36,6 +38,7 @@ impl Loading {
             ports: RefCell::default(),
             items: RefCell::default(),
             refusals: RefCell::default(),
+            tried: RefCell::default(),
             second_copy: SecondCopy::default(),
         }
     }

@@ -1,8 +1,6 @@
 //! Loaded C component: its file, the engine's functions, and its memory.
 
-use crate::{
-    docs::Docs, elf::Undefined, memory::Memory, port::Ports, registers::Registers, running, system,
-};
+use crate::{docs::Docs, memory::Memory, port::Ports, registers::Registers, running, system};
 use core::ffi::{c_int, c_void};
 use hal_component::abi::{CallHost, ForeignFile, Host, Str, host_flags};
 use std::{
@@ -65,6 +63,8 @@ pub(crate) struct Module {
     pub(crate) ready: AtomicBool,
     /// True while one copy repeats what the other one does, so that its messages would appear twice.
     pub(crate) quiet: AtomicBool,
+    /// True once a call that reaches outside was refused, with a message.
+    pub(crate) told_refusal: AtomicBool,
     /// File of a second copy, held open so that no other file gets its number while it is mapped.
     second_copy_file: Option<OwnedFd>,
 }
@@ -116,15 +116,15 @@ pub(crate) fn is_loaded(path: &std::path::Path) -> bool {
 ///
 /// # Errors
 /// A symbol is defined by a component of another instance; the error is that symbol.
-pub(crate) fn providers(instance: usize, lacks: &[Undefined]) -> Result<Vec<u32>, String> {
+pub(crate) fn providers(instance: usize, lacks: &[CString]) -> Result<Vec<u32>, String> {
     let mut found = Vec::new();
     for e in loaded().iter() {
         for u in lacks {
-            if !system::defines(e.handle as *mut c_void, &u.name) {
+            if !system::defines(e.handle as *mut c_void, u) {
                 continue;
             }
             if e.instance != instance {
-                return Err(u.name.to_string_lossy().into_owned());
+                return Err(u.to_string_lossy().into_owned());
             }
             found.push(e.component);
             break;
@@ -163,6 +163,7 @@ impl Module {
             made: AtomicBool::new(false),
             ready: AtomicBool::new(false),
             quiet: AtomicBool::new(false),
+            told_refusal: AtomicBool::new(false),
             second_copy_file: None,
         }
     }
@@ -193,6 +194,7 @@ impl Module {
             made: AtomicBool::new(false),
             ready: AtomicBool::new(false),
             quiet: AtomicBool::new(true),
+            told_refusal: AtomicBool::new(false),
             second_copy_file: Some(file),
         }
     }

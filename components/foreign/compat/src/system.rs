@@ -151,23 +151,17 @@ pub(crate) fn offer_symbols() -> Result<(), String> {
     if again.is_null() { Err(said()) } else { Ok(()) }
 }
 
-/// Replaces the addresses of a function that a file holds.
-pub(crate) fn replace(handle: *mut c_void, places: &[u64], with: *const c_void) {
-    // SAFETY: queries a constant.
-    let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };
-    let page = usize::try_from(page).unwrap_or(4096);
-    for place in places {
-        let at = usize::try_from(base(handle) + place).unwrap_or(0);
-        let begin = at / page * page;
-        let range = begin as *mut c_void;
-        // SAFETY: a page of the open file.
-        let open = unsafe { libc::mprotect(range, page, libc::PROT_READ | libc::PROT_WRITE) };
-        if open != 0 {
-            continue;
-        }
-        // SAFETY: the place of one address, by the file's own relocation table; none of its code runs yet.
-        unsafe { (at as *mut *const c_void).write(with) };
+/// Returns whether a library of this name or path is open.
+pub(crate) fn is_open(name: &[u8]) -> bool {
+    let Ok(name) = CString::new(name) else { return false };
+    // SAFETY: only queries whether the library is loaded.
+    let open = unsafe { libc::dlopen(name.as_ptr(), libc::RTLD_LAZY | libc::RTLD_NOLOAD) };
+    if open.is_null() {
+        return false;
     }
+    // SAFETY: releases the reference of that query.
+    unsafe { libc::dlclose(open) };
+    true
 }
 
 /// Returns the system's text for an error number.

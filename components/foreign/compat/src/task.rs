@@ -1,7 +1,7 @@
-//! Other functions of the interface: tasks, which the engine provides; and files, programs and devices, which simulated
+//! Other functions of the interface: tasks, which the engine provides; and files and devices, which simulated
 //! hardware does not have.
 
-use crate::running;
+use crate::{access::hardware, outside, running};
 use core::ffi::{CStr, c_char, c_int, c_long, c_longlong, c_uint, c_ulong, c_void};
 
 fn simulated() -> bool {
@@ -13,6 +13,15 @@ fn not_here(what: &str) -> c_int {
         m.say(hal_component::abi::level::ERR, what);
     }
     -libc::ENOSYS
+}
+
+fn no_pci() -> c_int {
+    if simulated() {
+        outside::note("rtapi_pci_register_driver", "");
+    } else {
+        not_here("no PCI devices are offered to components in C");
+    }
+    -libc::ENODEV
 }
 
 macro_rules! answers {
@@ -48,8 +57,7 @@ answers! {
     rtapi_wait() -> () = ();
     rtapi_task_pll_get_reference() -> c_longlong = 0;
     rtapi_task_pll_set_correction(_ns: c_long) -> c_int = 0;
-    rtapi_pci_register_driver(_driver: *mut c_void) -> c_int
-        = { not_here("no PCI devices are offered to components in C"); -libc::ENODEV };
+    rtapi_pci_register_driver(_driver: *mut c_void) -> c_int = no_pci();
     rtapi_pci_unregister_driver(_driver: *mut c_void) -> () = ();
     rtapi_pci_enable_device(_device: *mut c_void) -> c_int = -libc::ENODEV;
     rtapi_pci_disable_device(_device: *mut c_void) -> c_int = -libc::ENODEV;
@@ -64,36 +72,11 @@ const REALTIME_UNKNOWN: c_int = 1;
 #[unsafe(no_mangle)]
 extern "C" fn rtapi_open_as_root(path: *const c_char, mode: c_int) -> c_int {
     if simulated() {
-        not_here("simulated hardware has no device files");
-        return -1;
+        outside::note("rtapi_open_as_root", crate::pin::text(path).unwrap_or_default());
+        return hardware::refused(libc::EPERM);
     }
     // SAFETY: the component passes a C string.
     unsafe { libc::open(path, mode) }
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn rtapi_spawn_as_root(
-    _pid: *mut libc::pid_t,
-    _path: *const c_char,
-    _actions: *const c_void,
-    _attributes: *const c_void,
-    _arguments: *const *mut c_char,
-    _environment: *const *mut c_char,
-) -> c_int {
-    not_here("components in C start no programs here: use loadusr");
-    libc::EPERM
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn rtapi_spawnp_as_root(
-    pid: *mut libc::pid_t,
-    path: *const c_char,
-    actions: *const c_void,
-    attributes: *const c_void,
-    arguments: *const *mut c_char,
-    environment: *const *mut c_char,
-) -> c_int {
-    rtapi_spawn_as_root(pid, path, actions, attributes, arguments, environment)
 }
 
 #[unsafe(no_mangle)]

@@ -8,7 +8,13 @@ use crate::{
 };
 use core::ffi::c_void;
 use hal_abi::{ArgValue, CallHost, CommandRun, Free, Run, Status, Str, Ticket, Work, host_flags};
-use std::cell::{Cell, RefCell};
+use std::{
+    cell::{Cell, RefCell},
+    path::Path,
+};
+
+/// Symbol by which a loader of files says which ones it would open where hardware is simulated. It may be missing.
+const OPENS_SIMULATED: &[u8] = b"hal_opens_simulated";
 
 /// A plugin library, open as long as anything from it is alive.
 #[derive(Debug)]
@@ -16,7 +22,20 @@ pub(crate) enum Library {
     /// Linked into this program.
     Static,
     /// From a file.
-    File(#[expect(dead_code, reason = "held so that the code stays mapped")] libloading::Library),
+    File(libloading::Library),
+}
+
+impl Library {
+    /// Returns whether this loader of files would open a file on a machine with simulated hardware. Opening runs the
+    /// file's initialisers, in whichever process.
+    pub(crate) fn opens_simulated(&self, file: &Path) -> bool {
+        type Opens = unsafe extern "C" fn(Str) -> bool;
+        let Self::File(library) = self else { return true };
+        // SAFETY: the contract defines the type of this symbol.
+        let Ok(opens) = (unsafe { library.get::<Opens>(OPENS_SIMULATED) }) else { return true };
+        // SAFETY: a function of the open library; the text lives across the call.
+        file.to_str().is_none_or(|file| unsafe { opens(Str::borrow(file)) })
+    }
 }
 
 /// A load of a component: the record through which its code calls the engine, and its library.

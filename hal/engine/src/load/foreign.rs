@@ -30,7 +30,8 @@ impl Engine {
         let instance = self.runtime.instance().clone();
         let _within = instance.control.run(Doing::new(module, Activity::Load));
         let foreign = self.foreign_files();
-        let found = self.model.loader().find_foreign(module, &foreign)?;
+        let simulated = self.options.simulate;
+        let found = self.model.loader().find_foreign(module, &foreign, simulated)?;
         self.load_file(module, words, prefix, &found)
     }
 

@@ -190,11 +190,13 @@ impl Loader {
     }
 
     /// Finds a file of this name that a loader recognises. `loaded` are the files of its kind that
-    /// are already loaded, from which it may take symbols.
+    /// are already loaded, from which it may take symbols. With `simulated` hardware, a file that its loader will
+    /// refuse is not opened at all.
     pub(crate) fn find_foreign(
         &mut self,
         name: &str,
         loaded: &[PathBuf],
+        simulated: bool,
     ) -> Result<ForeignFound, Error> {
         let (file, symbol) = self.foreign_file(name)?.ok_or_else(|| Error::InitFailed {
             name: name.into(),
@@ -210,7 +212,9 @@ impl Loader {
         let path = file.openable()?;
         let before = by.canonicalize().into_iter().chain(loaded.iter().cloned());
         let all = before.chain([path]).map(|path| ToOpen { path, global: true });
-        try_first(file.path(), file.identity(), &all.collect::<Vec<_>>())?;
+        if !simulated || library.opens_simulated(file.path()) {
+            try_first(file.path(), file.identity(), &all.collect::<Vec<_>>())?;
+        }
         Ok(ForeignFound { file: file.path().to_owned(), kind, load, library })
     }
 
@@ -219,6 +223,7 @@ impl Loader {
         &mut self,
         name: &str,
         loaded: &[PathBuf],
+        simulated: bool,
     ) -> Result<Option<ForeignFound>, Error> {
         let ours = |library: &&'static hal_abi::Library| {
             // SAFETY: a static descriptor.
@@ -230,7 +235,7 @@ impl Loader {
         if self.foreign_file(name)?.is_none() || self.known.contains_key(name) {
             return Ok(None);
         }
-        self.find_foreign(name, loaded).map(Some)
+        self.find_foreign(name, loaded, simulated).map(Some)
     }
 
     fn searched(&self) -> String {

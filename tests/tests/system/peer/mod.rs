@@ -13,6 +13,7 @@ mod language;
 mod modules;
 mod motion;
 mod nc_files;
+mod outside;
 mod programs;
 pub(crate) mod python;
 mod remaps;

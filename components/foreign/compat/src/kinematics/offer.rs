@@ -2,12 +2,12 @@
 
 use super::{BothSolvers, Common, Entries, JOINTS, Solver, forward, inverse, switch};
 use crate::{
-    access, arguments,
+    arguments,
     elf::Elf,
     load::{failed, set_up},
     loading::{self, Loading, Refusal},
     module::{self, Module},
-    running,
+    objects, outside, running,
     second_copy::{Input, SecondCopy},
     service::{self, ModuleService},
     system,
@@ -170,9 +170,10 @@ fn load_second(
     module: &Arc<Module>,
     first: SecondCopy,
 ) -> Result<(Arc<Module>, Entries, Vec<Input>), String> {
+    let before = objects::mapped();
     let (handle, file) = system::open_copy(load.path)?;
     let second_copy = Arc::new(module.second_copy(handle, file));
-    access::take_over(&second_copy, load.elf);
+    outside::redirect(&second_copy, &before)?;
     arguments::set(&second_copy, &load.elf.parameters, load.words)?;
     let (main, entries) = (module::main(handle)?, Entries::read(handle)?);
     let loading = Loading::of_second_copy(load.host, load.file, second_copy.clone(), first);
