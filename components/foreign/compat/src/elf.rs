@@ -19,6 +19,8 @@ pub(crate) struct Elf {
     pub(crate) undefined: Vec<CString>,
     /// Names of the libraries that it needs.
     pub(crate) needed: Vec<String>,
+    /// True if addresses of imports may lie within its code.
+    pub(crate) relocates_text: bool,
     /// True if code of its own runs as it is opened.
     pub(crate) runs_when_opened: bool,
 }
@@ -95,6 +97,8 @@ impl Elf {
                 }
                 elf::DT_INIT => self.runs_when_opened |= init != Some(value),
                 elf::DT_INIT_ARRAYSZ => self.runs_when_opened |= value > entries_of_the_compiler,
+                elf::DT_TEXTREL => self.relocates_text = true,
+                elf::DT_FLAGS => self.relocates_text |= value & u64::from(elf::DF_TEXTREL) != 0,
                 elf::DT_PREINIT_ARRAYSZ => self.runs_when_opened |= value > 0,
                 _ => {}
             }

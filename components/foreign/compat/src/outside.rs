@@ -33,7 +33,8 @@ fn of_the_compiler(path: &Path) -> bool {
     OF_THE_COMPILER.iter().any(|known| name.starts_with(known))
 }
 
-/// Checks a file before it is opened: code that runs while it is opened cannot be redirected yet.
+/// Checks a file before it is opened: code that runs while it is opened cannot be redirected yet, and addresses within code
+/// not at all.
 ///
 /// # Errors
 /// The file, or a library that it brings, has such code, and one of them imports a function that reaches outside.
@@ -44,19 +45,28 @@ pub(crate) fn check(path: &Path, elf: &Elf) -> Result<(), String> {
         files.push((library, elf));
     }
     files.retain(|(path, _)| !of_the_compiler(path));
-    let runs = files.iter().find(|(_, elf)| elf.runs_when_opened);
     let reaches = files.iter().find_map(|(path, elf)| {
         let mut names = elf.undefined.iter().map(|name| &**name);
         Some((path, names.find(|name| refusals::find(name).is_some())?))
     });
-    let (Some((runs, _)), Some((reaches, name))) = (runs, reaches) else { return Ok(()) };
+    let Some((reaches, name)) = reaches else { return Ok(()) };
+    let why = files.iter().find_map(|(path, elf)| {
+        if elf.runs_when_opened {
+            return Some((
+                path,
+                "has code that runs as it is opened (a constructor), which cannot be held back",
+            ));
+        }
+        let calls = "has addresses of functions within its code (compile it with -fPIC)";
+        elf.relocates_text.then_some((path, calls))
+    });
+    let Some((path, why)) = why else { return Ok(()) };
     let name = name.to_string_lossy();
-    let reaches = if reaches == runs { "it".into() } else { reaches.display().to_string() };
+    let reaches = if reaches == path { "it".into() } else { reaches.display().to_string() };
     Err(format!(
-        "{}: it has code that runs as it is opened (a constructor), and {reaches} imports {name}: under \
-         --virtual and --simulate a component in C reaches nothing outside, and that code cannot be held \
-         back; {}",
-        runs.display(),
+        "{}: it {why}, and {reaches} imports {name}: under --virtual and --simulate a component in C reaches \
+         nothing outside; {}",
+        path.display(),
         tried::REMEDY
     ))
 }

@@ -242,10 +242,13 @@ fn route(folder: &Path, ears: &Ears, place: &str, sends: &str) -> Option<()> {
         other => panic!("{other}"),
     }
     globals.push_str(
-        "static int (*made)(int, int, int) = socket;\nstatic void *far_away(void *arg)\n{\n \
+        "static int (*volatile made)(int, int, int) = socket;\n\
+         static ssize_t (*volatile gave)(int, const void *, size_t, int, const struct sockaddr *, socklen_t) = sendto;\n\
+         static void *far_away(void *arg)\n{\n \
          int s = socket(AF_INET, SOCK_DGRAM, 0);\n sendto(s, \"x\", 1, 0, to(UDP), LENGTH);\n close(s);\n return arg;\n}\n",
     );
-    let source = component(&globals, &format!("(void)made; (void)far_away; {main}"), &function);
+    let source =
+        component(&globals, &format!("(void)made; (void)gave; (void)far_away; {main}"), &function);
     let source = source.replace("{ hal_exit(id); }", &format!("{{ {exit} hal_exit(id); }}"));
     let mut options = vec!["-D_GNU_SOURCE", "-w", "-Wl,--no-as-needed"];
     options.extend(library.iter().map(String::as_str));
@@ -285,6 +288,26 @@ fn said(output: &Output) -> bool {
     })
 }
 
+/// Addresses within code are not redirected.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn code_that_holds_addresses_is_refused() {
+    let scratch = Scratch::new("outside-text");
+    let globals = "#include <sys/socket.h>\n";
+    let source = component(globals, "if (socket(AF_INET, SOCK_DGRAM, 0) >= 0) return -EXDEV;", "");
+    let options = ["-fno-pic", "-mcmodel=large", "-Wl,-z,notext", "-Wl,--warn-textrel"];
+    if compile(scratch.path(), "mine", &source, &options).is_none() {
+        return;
+    }
+    scratch.write("m.hal", "loadrt mine\n");
+    let output = run_beside(&scratch, "halrun", &["--virtual", "-f", "m.hal"]);
+    for part in
+        ["mine.so: it has addresses of functions within its code", "it imports socket", "--stub"]
+    {
+        assert!(output.stderr.contains(part), "{part}: {}", output.stderr);
+    }
+}
+
 /// A port access by the processor's own instruction needs no import. Nothing permits it, so that it faults, and is
 /// served by the simulated ports.
 #[cfg(target_arch = "x86_64")]
@@ -312,7 +335,7 @@ fn ports_by_instruction_are_simulated() {
 
 /// Runs LinuxCNC's driver of an Ethernet card, whose address is one of this computer's own. Returns what it said, and
 /// whether a packet came.
-fn with_card(clock: &[&str]) -> Option<(Output, bool)> {
+fn with_card(program: &str, words: &[&str]) -> Option<(Output, bool)> {
     let folder = installed()?;
     // An address for each process: the port of the cards is fixed.
     let [low, high, ..] = std::process::id().to_le_bytes();
@@ -322,9 +345,9 @@ fn with_card(clock: &[&str]) -> Option<(Output, bool)> {
     let scratch = Scratch::new("outside-card");
     let script = format!("loadrt --c hostmot2\nloadrt --c hm2_eth board_ip={address}\n");
     scratch.write("m.hal", script);
-    let mut command = scratch.command(&[], "halrun");
+    let mut command = scratch.command(&[], program);
     command.env("HAL_RTMOD_DIR", folder);
-    let output = scratch.run(command.args(clock).args(["-f", "m.hal"]));
+    let output = scratch.run(command.args(words).arg("m.hal"));
     let mut room = [0; 2048];
     Some((output, card.recv(&mut room).is_ok()))
 }
@@ -334,8 +357,10 @@ fn no_packet_leaves_for_a_card() {
     if tools::linuxcnc().is_none() {
         return;
     }
+    let (output, came) = with_card("halcmd", &["check"]).unwrap();
+    assert!(!came && output.stdout.contains("`--stub hm2_eth`"), "check: {}", output.stdout);
     for clock in ["--virtual", "--simulate"] {
-        let (output, came) = with_card(&[clock]).unwrap();
+        let (output, came) = with_card("halrun", &[clock, "-f"]).unwrap();
         assert!(!came, "{clock}: {}", output.stderr);
         assert_eq!(output.status, Some(1), "{clock}: {}", output.stderr);
         for part in [
@@ -346,7 +371,7 @@ fn no_packet_leaves_for_a_card() {
             assert!(output.stderr.contains(part), "{clock}: {part}: {}", output.stderr);
         }
     }
-    let (output, came) = with_card(&[]).unwrap();
+    let (output, came) = with_card("halrun", &["-f"]).unwrap();
     assert!(came, "no packet on the real clock: {}", output.stderr);
 }
 
