@@ -1,6 +1,6 @@
 //! Virtual is virtual: components in C that try to reach outside, each in its own way. On the virtual clock and with
 //! simulated hardware nothing arrives; on the real clock it does, so that the listeners are known to listen.
-#![expect(clippy::unwrap_used, reason = "tests")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use hal_tests::{
     foreign::{compile, component, installed, run_beside},
@@ -226,7 +226,7 @@ fn route(folder: &Path, ears: &Ears, place: &str, sends: &str) -> Option<()> {
         "function" => function = format!("{{ {sends} }}"),
         "exit" => exit = format!("{{ {sends} }}"),
         "constructor" => {
-            write!(globals, "__attribute__((constructor)) static void begin(void) {{ {sends} }}\n")
+            writeln!(globals, "__attribute__((constructor)) static void begin(void) {{ {sends} }}")
                 .unwrap();
         }
         "library" | "library-constructor" => {
