@@ -74,7 +74,7 @@ impl Keeper {
     pub(crate) fn take(&mut self, holder: &str, from: Option<u32>) -> Result<u32, Error> {
         let now = self.lease.number.load(Relaxed);
         let number = self.desk.take(now, from).map_err(|why| self.error(why))?;
-        numbers::note(number);
+        numbers::note(self.clock, number);
         holder.clone_into(&mut self.holder);
         // The servo thread may have ended the lease that is handed over: then the new one is new all the same.
         self.lease.number.store(number, Relaxed);

@@ -85,8 +85,10 @@ struct World {
     stands: u32,
 }
 
-fn bench() -> Bench {
+/// Returns a bench with the plugin, loaded at this time of its clock, in ms.
+fn bench_at(ms: i64) -> Bench {
     let mut bench = Bench::new();
+    bench.pass(ms * 1_000_000);
     bench.load::<Remote>(&["motion=0", "lease_timeout=0.2"]).unwrap();
     bench
 }
@@ -99,7 +101,7 @@ fn number(right: u64) -> u32 {
 impl World {
     fn new(seed: u64, fault: Fault) -> Self {
         let operators = (0..3).map(|_| Operator::default()).collect();
-        let (random, bench) = (Random::new(seed), bench());
+        let (random, bench) = (Random::new(seed), bench_at(0));
         Self {
             bench,
             fault,
@@ -262,9 +264,9 @@ impl World {
     fn restart(&mut self) {
         let begun = self.moment();
         if self.fault != Fault::HolderAfterRestart {
-            self.bench = bench();
+            // The computer's clock goes on.
+            self.bench = bench_at(i64::from(self.now));
             self.restarts += 1;
-            self.now = 0;
             self.held = None;
         }
         self.operators.iter_mut().for_each(Operator::cut);
