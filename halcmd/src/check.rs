@@ -9,6 +9,7 @@ mod collect;
 mod converter;
 mod entries;
 mod joints;
+mod parts;
 mod refused;
 mod render;
 mod sarif;
@@ -37,6 +38,7 @@ enum Id {
     Sarif,
     Level,
     All,
+    Parts,
     Help,
 }
 
@@ -46,6 +48,12 @@ const OPTIONS: &[Opt<Id>] = &[
     long("sarif", Id::Sarif, None, "print them as SARIF 2.1.0, for editors and CI"),
     long("level", Id::Level, Some("LEVEL"), "print only from this level: note, warning or error"),
     long("all", Id::All, None, "print also the notes that ask for nothing"),
+    long(
+        "parts",
+        Id::Parts,
+        None,
+        "print what the machine is made of, and what of it is not there",
+    ),
     Opt { long: Some("help"), help: "print this", ..Opt::flag(Id::Help, 'h') },
 ];
 
@@ -83,6 +91,13 @@ pub fn main(
     let value = |wanted| given.iter().rev().find(|(id, _)| *id == wanted)?.1.clone();
     if has(Id::Help) {
         terminal.out(&help())?;
+        return Ok(0);
+    }
+    if has(Id::Parts) {
+        let profile = Profile::of_environment()?;
+        let ini = value(Id::Ini).or(before.ini);
+        let plugins = plugin_path(&|name| profile.system(name));
+        terminal.out(&parts::text(&files, ini.as_deref(), plugins)?)?;
         return Ok(0);
     }
     let from = value(Id::Level).map(|word| level(&word)).transpose()?.unwrap_or(Level::Note);

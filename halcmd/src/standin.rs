@@ -34,6 +34,17 @@ pub(crate) fn is_known(name: &str) -> bool {
     known::find(name).is_some()
 }
 
+/// Returns whether a module or program of this name drives hardware.
+pub(crate) fn drives_hardware(name: &str) -> bool {
+    known::find(name).is_some_and(|known| known.kind != known::PartKind::Screen)
+}
+
+/// Returns whether a program of this name shows something.
+pub(crate) fn is_screen(name: &str) -> bool {
+    known::is_view(name)
+        || known::find(name).is_some_and(|known| known.kind == known::PartKind::Screen)
+}
+
 /// Extent of the simulation in a start of a machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each follows from an option of its own")]

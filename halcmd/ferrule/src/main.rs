@@ -9,6 +9,7 @@ mod failure;
 mod options;
 mod report;
 mod start;
+mod trial;
 
 use clap::Parser as _;
 use failure::Failure;
@@ -42,6 +43,7 @@ fn run(task: &Task) -> Result<ExitCode, Failure> {
                 &["-U".to_owned()].into_iter().chain(named).collect::<Vec<_>>(),
             )
         }
+        Task::Try(given) => trial::trial(given),
         Task::Doctor(given) => doctor::doctor(given),
         Task::Report(given) => report::report(given),
     }

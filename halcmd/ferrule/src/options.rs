@@ -38,6 +38,8 @@ pub(crate) enum Task {
         #[arg(long)]
         instance: Option<String>,
     },
+    /// Try a machine of LinuxCNC without its hardware: what it is made of, whether it runs, and what comes next.
+    Try(Try),
     /// Look at what this computer needs for real time and hardware, and say what to mend and how.
     Doctor(Doctor),
     /// Pack what a report of a fault needs into an archive, without private details.
@@ -55,6 +57,9 @@ pub(crate) struct Start {
     /// Run in real time with simulated hardware.
     #[arg(long, conflicts_with = "is_virtual")]
     pub(crate) simulate: bool,
+    /// Put pins in place of these components and programs, or of all that are missing.
+    #[arg(long, value_name = "NAMES")]
+    pub(crate) stub: Option<String>,
     /// Name of the instance.
     #[arg(long)]
     pub(crate) instance: Option<String>,
@@ -93,6 +98,13 @@ pub(crate) struct Demo {
     /// Do not open a browser.
     #[arg(long)]
     pub(crate) no_browser: bool,
+}
+
+/// Options of `ferrule try`.
+#[derive(Debug, Args)]
+pub(crate) struct Try {
+    /// INI file of the machine.
+    pub(crate) machine: PathBuf,
 }
 
 /// Options of `ferrule doctor`.

@@ -106,10 +106,13 @@ fn interface(ini: &Ini) -> Option<String> {
 fn instance_command(given: &Start, shown: Option<&str>, panel: Panel) -> Result<Command, Failure> {
     let mut command = beside::command("halrun")?;
     if given.is_virtual {
-        command.args(["--virtual", "--pace", "1"]);
+        command.args(["--virtual", "--pace", "1", "--healthy"]);
     }
     if given.simulate {
         command.arg("--simulate");
+    }
+    if let Some(names) = &given.stub {
+        command.arg("--stub").arg(names);
     }
     // The panel is the screen: files that wire the pins of another one would fail.
     if shown.is_some() && panel == Panel::Ours {
@@ -280,6 +283,7 @@ pub(crate) fn virtual_of(machine: PathBuf, programs: PathBuf, no_browser: bool) 
     Start {
         machine,
         is_virtual: true,
+        stub: None,
         simulate: false,
         instance: None,
         role: None,

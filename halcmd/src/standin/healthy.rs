@@ -101,19 +101,20 @@ fn base(pin: &str) -> &str {
 
 /// Returns what a pin of this name should be, and a rank: the smaller one counts where two disagree.
 fn role(name: &str, owner: &str) -> Option<(u8, Want)> {
-    let no = Some((1, Want::Bit(false)));
     let parts: Vec<&str> = name.split('.').collect();
     match (owner, &parts[..]) {
         (_, ["joint", n, "motor-pos-fb"]) => {
             Some((0, Want::As(format!("joint.{n}.motor-pos-cmd"))))
         }
-        (_, ["joint", _, "pos-lim-sw-in" | "neg-lim-sw-in" | "amp-fault-in"]) => no,
+        (_, ["joint", _, "pos-lim-sw-in" | "neg-lim-sw-in" | "amp-fault-in"])
+        | (_, ["motion", "feed-hold" | "feed-inhibit" | "probe-input"])
+        | (_, ["spindle", _, "amp-fault-in" | "inhibit"])
+        | ("estop_latch", [.., "fault-in"]) => Some((1, Want::Bit(false))),
         (_, ["joint", _, "home-sw-in"]) => Some((2, Want::Bit(false))),
-        (_, ["iocontrol", _, "emc-enable-in"]) => Some((0, Want::Bit(true))),
-        (_, ["motion", "enable"]) => Some((0, Want::Bit(true))),
-        (_, ["motion", "feed-hold" | "feed-inhibit" | "probe-input"]) => no,
-        (_, ["spindle", _, "amp-fault-in" | "inhibit"]) => no,
-        (_, ["spindle", _, "at-speed"]) => Some((1, Want::Bit(true))),
+        (_, ["iocontrol", _, "emc-enable-in"] | ["motion", "enable"]) => Some((0, Want::Bit(true))),
+        (_, ["spindle", _, "at-speed"]) | ("estop_latch", [.., "ok-in"]) => {
+            Some((1, Want::Bit(true)))
+        }
         (_, ["spindle", n, "speed-in"]) => {
             Some((1, Want::As(format!("spindle.{n}.speed-out-rps"))))
         }
@@ -124,9 +125,7 @@ fn role(name: &str, owner: &str) -> Option<(u8, Want)> {
             Some((1, Want::As(format!("iocontrol.{n}.tool-prepare"))))
         }
         (_, ["iocontrol", _, "lube_level" | "lube-level"]) => Some((2, Want::Bit(true))),
-        ("estop_latch", [.., "ok-in"]) => Some((1, Want::Bit(true))),
-        ("estop_latch", [.., "fault-in"]) => no,
-        ("halui", [..]) => Some((3, Want::Bit(false))),
+        ("halui", _) => Some((3, Want::Bit(false))),
         _ => None,
     }
 }

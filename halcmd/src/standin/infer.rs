@@ -142,12 +142,11 @@ struct Named {
 impl Named {
     fn read(&mut self, words: &[&str], ours: &impl Fn(&str) -> bool) {
         match words {
-            ["net", signal, rest @ ..] => self.net(signal, rest, ours),
+            ["net" | "linksp", signal, rest @ ..] => self.net(signal, rest, ours),
             ["linkps", pin, rest @ ..] => {
                 let signal = rest.iter().find(|word| !is_arrow(word));
                 signal.iter().for_each(|signal| self.net(signal, &[pin], ours));
             }
-            ["linksp", signal, rest @ ..] => self.net(signal, rest, ours),
             ["newsig", signal, ty] => {
                 if let Some(ty) = type_named(ty) {
                     self.types.insert((*signal).to_owned(), ty);
@@ -163,10 +162,9 @@ impl Named {
                 let uses = self.uses.entry((*name).to_owned()).or_default();
                 uses.value.get_or_insert_with(|| (*value).to_owned());
             }
-            ["getp" | "ptype" | "unlinkp", name] if ours(name) => {
-                self.uses.entry((*name).to_owned()).or_default();
-            }
-            ["alias", "pin" | "param", name, _] if ours(name) => {
+            ["getp" | "ptype" | "unlinkp", name] | ["alias", "pin" | "param", name, _]
+                if ours(name) =>
+            {
                 self.uses.entry((*name).to_owned()).or_default();
             }
             ["addf" | "initf", name, ..]
@@ -203,7 +201,7 @@ impl Named {
             let ty = known.or_else(|| given.filter(|_| uses.signals.is_empty()));
             let dir = self.direction(name, uses, &members, wires);
             let ty_sure = ty.is_some();
-            let doubtful = !(ty_sure && dir.1) && !uses.signals.is_empty();
+            let doubtful = !(uses.signals.is_empty() || ty_sure && dir.1);
             let joined = uses.signals.iter().filter_map(|signal| members.get(signal.as_str()));
             let all: Vec<&str> = joined.flatten().copied().chain([name.as_str()]).collect();
             let ty = ty.unwrap_or_else(|| type_by_names(&all));

@@ -1,6 +1,6 @@
 //! Components and programs that drive hardware or show a screen, with the beginnings of their pins.
 
-/// PartKind of a known name.
+/// Kind of a known name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PartKind {
     /// A realtime module that drives hardware.

@@ -1,5 +1,4 @@
 //! Pins and values of stand-ins, from lines and wires written by hand.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use super::{
     asked::Asked,

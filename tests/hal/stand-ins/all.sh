@@ -21,4 +21,10 @@ echo "status $?"
 echo "-- a mistake"
 halrun --instance b --virtual --stub missing -f misspelt.hal 2>&1 </dev/null
 echo "status $?"
+echo "-- the parts, and the page of a trial, which leaves nothing behind"
+rm -f *.var *.spindle named.ini
+halcmd check --parts mill.ini
+ferrule try mill.ini 2>&1 </dev/null
+echo "status $?"
+ls
 rm -f *.var *.spindle named.ini

@@ -389,7 +389,7 @@ mod tests {
 
     #[test]
     fn outputs_follow_their_rules() {
-        let mut bench = bench();
+        let bench = bench();
         bench.set("c.cmd", 2.5);
         bench.set("c.enable", true);
         bench.set("c.rate", 600.0);
@@ -409,7 +409,7 @@ mod tests {
 
     #[test]
     fn an_index_ends_at_the_next_turn() {
-        let mut bench = bench();
+        let bench = bench();
         bench.set("c.rate", 300.0);
         bench.set("c.index", true);
         bench.set("c.latch", true);
