@@ -260,7 +260,13 @@ impl<'a> Session<'a> {
         if self.sourced > MAX_SOURCED {
             return Err(Error::TooManySourced { path: path.into() });
         }
-        let text = hal_ini::file::whole(&self.found_at(path))
+        let found = self.found_at(path);
+        if self.is_dry_run() && found.exists() && !found.is_file() {
+            // A pipe can be read only once.
+            self.doubt_what_follows(path);
+            return Ok(());
+        }
+        let text = hal_ini::file::whole(&found)
             .map_err(|e| Error::NoFile { path: path.into(), why: crate::ini::plain(&e) })?;
         let before = self.place.clone();
         self.depth += 1;

@@ -13,6 +13,7 @@ use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
 };
+use tracing::subscriber::{NoSubscriber, with_default};
 
 /// Largest number of sourced files in which hardware and screens are looked for.
 const MAX_FILES: usize = 64;
@@ -56,17 +57,22 @@ pub(super) fn propose(session: &mut Session<'_>, plan: &Plan, files: &Files) {
 
 fn of(path: &str, ini: Option<&str>, plan: &Plan, asked: &Asked) -> Result<StandIns, Error> {
     let files = [path.to_owned()];
-    let mut dry_run = DryRun::replacing(&files, ini, plan.options.path.clone(), Some(asked))?;
-    Ok(dry_run.stand_ins(asked))
+    // Modules in C say a second time what they say when they are loaded.
+    with_default(NoSubscriber::new(), || {
+        let plugins = plan.options.path.clone();
+        let mut dry_run = DryRun::replacing(&files, ini, plugins, Some(asked))?;
+        Ok(dry_run.stand_ins(asked))
+    })
 }
 
-/// Returns the machine's script or INI file, and the INI file of a script.
+/// Returns the machine's script or INI file, and the INI file of a script. What is no file can be read only once.
 fn files_of(plan: &Plan) -> Option<(String, Option<String>)> {
-    match &plan.script {
-        Script::Ini(path) => Some((path.clone(), None)),
-        Script::Hal(path) => Some((path.clone(), plan.ini.clone())),
-        Script::Tcl(_) | Script::Terminal | Script::Nothing => None,
-    }
+    let files = match &plan.script {
+        Script::Ini(path) => (path.clone(), None),
+        Script::Hal(path) => (path.clone(), plan.ini.clone()),
+        Script::Tcl(_) | Script::Terminal | Script::Nothing => return None,
+    };
+    Path::new(&files.0).is_file().then_some(files)
 }
 
 fn asked(plan: &Plan, files: &Files) -> Asked {
@@ -106,6 +112,7 @@ fn names(text: &[u8], path: &Path, seen: &mut BTreeSet<PathBuf>) -> bool {
         let here = path.parent().unwrap_or_else(|| Path::new(""));
         let file = here.join(file.trim());
         seen.len() < MAX_FILES
+            && file.is_file()
             && seen.insert(file.clone())
             && hal_ini::file::whole(&file).is_ok_and(|text| names(&text, &file, seen))
     })
