@@ -12,6 +12,7 @@ pub(crate) mod program;
 pub(crate) mod prompt;
 pub mod remote;
 pub(crate) mod running;
+mod sourced;
 mod stand_ins;
 mod start;
 pub(crate) mod tcl;
@@ -23,7 +24,6 @@ use crate::{
     ini::Ini,
     language::joined::Pass,
     language::lex::{Line, Reader, without_comment},
-    language::source::Bytes,
     language::syntax::Statement,
     language::vars::{Values, mentioned},
     session::apply::Plan,
@@ -44,11 +44,6 @@ use std::{
 pub(crate) const INTERRUPTED: i32 = -4;
 /// Name of the terminal as a file. For it, the number of failed lines is not reported.
 const STDIN: &str = "<stdin>";
-/// Maximum nesting of sourced files.
-const MAX_DEPTH: u32 = 64;
-/// Maximum number of files that one file sources, with those that they source.
-const MAX_SOURCED: u32 = 10_000;
-
 /// Options of a session for output and error handling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
@@ -247,33 +242,6 @@ impl<'a> Session<'a> {
 
     pub(crate) fn place(&self) -> (&str, u32) {
         (&self.place.0, self.place.1)
-    }
-
-    pub(crate) fn source(&mut self, path: &str) -> Result<(), Error> {
-        if self.depth >= MAX_DEPTH {
-            return Err(Error::TooDeep { path: path.into() });
-        }
-        if self.depth == 0 {
-            self.sourced = 0;
-        }
-        self.sourced += 1;
-        if self.sourced > MAX_SOURCED {
-            return Err(Error::TooManySourced { path: path.into() });
-        }
-        let found = self.found_at(path);
-        if self.is_dry_run() && found.exists() && !found.is_file() {
-            // A pipe can be read only once.
-            self.doubt_what_follows(path);
-            return Ok(());
-        }
-        let text = hal_ini::file::whole(&found)
-            .map_err(|e| Error::NoFile { path: path.into(), why: crate::ini::plain(&e) })?;
-        let before = self.place.clone();
-        self.depth += 1;
-        let outcome = self.read(path, Reader::plain(Bytes::new(text)), true);
-        self.depth -= 1;
-        self.stand_at(&before.0, before.1);
-        if outcome == Outcome::Good { Ok(()) } else { Err(Error::AlreadyReported) }
     }
 
     pub(crate) fn read<L: Lines>(

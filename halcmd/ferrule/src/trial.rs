@@ -26,7 +26,7 @@ pub(crate) fn trial(given: &Try) -> Result<ExitCode, Failure> {
     let folder = std::env::temp_dir().join(format!("ferrule-try-{}", std::process::id()));
     fs::create_dir(&folder).map_err(|e| Failure::file(&folder, &e))?;
     let here = given.machine.parent().map(Path::to_path_buf).unwrap_or_default();
-    let before = State::of(&here);
+    let before = Kept::of(&here);
     let tried = attempt(given, &ini, &folder);
     before.restore(&here)?;
     // What is left in the folder for temporary files harms nobody.
@@ -81,9 +81,9 @@ const WRITTEN: [&str; 5] = ["var", "bak", "tbl", "spindle", "journal"];
 const MAX_BYTES: u64 = 4_000_000;
 
 /// The files of a folder that a run may change.
-struct State(BTreeMap<PathBuf, Vec<u8>>);
+struct Kept(BTreeMap<PathBuf, Vec<u8>>);
 
-impl State {
+impl Kept {
     fn of(folder: &Path) -> Self {
         let files = written(folder).into_iter();
         Self(files.filter_map(|path| Some((path.clone(), fs::read(&path).ok()?))).collect())
@@ -94,7 +94,7 @@ impl State {
         for path in written(folder) {
             let done = match self.0.get(&path) {
                 Some(bytes) if fs::read(&path).is_ok_and(|now| now == *bytes) => Ok(()),
-                Some(bytes) => fs::write(&path, bytes),
+                Some(bytes) => hal_output::write(&path, bytes),
                 None => fs::remove_file(&path),
             };
             done.map_err(|e| Failure::file(&path, &e))?;
@@ -126,7 +126,7 @@ const DIFFERS: &[&str] = &[
 /// Runs one short move on the machine.
 fn attempt(given: &Try, ini: &Ini, folder: &Path) -> Result<Output, Failure> {
     let program = folder.join("line.ngc");
-    fs::write(&program, line(ini)).map_err(|e| Failure::file(&program, &e))?;
+    hal_output::write(&program, line(ini).as_bytes()).map_err(|e| Failure::file(&program, &e))?;
     run("halrun", |c| {
         c.args(["--virtual", "--headless", "--stub", "missing", "--instance"])
             .arg(format!("try-{}", std::process::id()))

@@ -7,7 +7,7 @@ use std::{
     path::PathBuf,
 };
 
-/// Where a part comes from.
+/// Origin of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Origin {
     /// A plugin of Ferrule.

@@ -85,7 +85,7 @@ fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(usable)
 }
 
-/// One pin as its argument describes it.
+/// Pin as its argument describes it.
 struct PinPlan<'a> {
     text: &'a str,
     name: &'a str,

@@ -9,9 +9,9 @@ const EACH_SECOND: u32 = 64;
 /// The last lease that this process has given.
 #[derive(Debug, Default)]
 struct Given {
-    /// Its number; 0 before the first one.
+    /// Number of the lease; 0 before the first one.
     number: AtomicU32,
-    /// Machine time at which it was given, in nanoseconds.
+    /// Machine time of the lease's beginning, in nanoseconds.
     at: AtomicI64,
 }
 
