@@ -383,7 +383,7 @@ impl<'a> Session<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Captured, show::samples, show::status};
+    use crate::{Bytes, Captured, show::samples, show::status};
     use hal_protocol::{Answer, Failure, Kind, Lock, TicketInfo, Value};
 
     /// A link that answers like an engine and records its requests.

@@ -10,6 +10,7 @@ mod asked;
 mod healthy;
 mod infer;
 mod known;
+mod names;
 mod reach;
 mod settle;
 #[cfg(test)]
