@@ -7,13 +7,18 @@ mod allow;
 mod arrows;
 mod collect;
 mod converter;
+mod coordinates;
 mod entries;
 mod joints;
 mod parts;
+mod plausible;
 mod refused;
 mod render;
+mod repeated;
 mod sarif;
+mod sections;
 mod texts;
+mod tools;
 mod unused;
 
 pub use allow::Allowed;

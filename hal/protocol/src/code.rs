@@ -89,6 +89,8 @@ codes! {
     OddChannel = "H318" Warning "a channel that lacks what all others have";
     Crossed = "H319" Warning "channels that are crossed";
     ArrowTurned = "H320" Warning "an arrow that points the wrong way";
+    SignalMisspelt = "H321" Warning "a signal whose name is nearly another one's";
+    ToolChangeOpen = "H322" Warning "a tool change that nothing answers";
 
     NotWritable = "H401" Error "something that cannot be set";
     BadValue = "H402" Error "a value of the wrong kind";
@@ -98,6 +100,7 @@ codes! {
     ScaleZero = "H406" Warning "a scale of zero";
     BoundsCross = "H407" Warning "a lower bound above the upper one";
     EarlierValue = "H408" Note "a value that LinuxCNC 2.9 has otherwise";
+    NotFinite = "H409" Warning "a value that is no finite number";
 
     NeverAdded = "H501" Warning "a function that no thread runs";
     AddedTwice = "H502" Error "a function in two threads";
@@ -112,6 +115,7 @@ codes! {
     BadPeriod = "H511" Error "a period that a thread cannot have";
     NothingHandedOver = "H512" Warning "a function that waits for one that no thread runs";
     NeedsFp = "H513" Error "a floating-point function in a thread without floating point";
+    OrderLate = "H514" Warning "an order of functions that delays the motors";
 
     StepsTooFast = "H601" Warning "steps faster than the thread can make them";
     DoubleStep = "H602" Note "double steps without a reset";
@@ -132,6 +136,9 @@ codes! {
     EntryMisplaced = "H710" Warning "an INI entry that is misspelt or in the wrong section";
     EntriesDisagree = "H711" Warning "INI entries that contradict each other or the wiring";
     IniIgnored = "H712" Warning "a line of an INI file that is ignored";
+    EntryTwice = "H713" Warning "an INI entry that is there twice with two values";
+    CoordinatesOdd = "H714" Warning "coordinates that do not fit the joints";
+    NoToolTable = "H715" Warning "a tool table that is not there";
 }
 
 impl Code {

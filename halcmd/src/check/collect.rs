@@ -91,9 +91,11 @@ fn collect(dry_run: &mut DryRun, findings: &mut Vec<Finding>) {
             false
         }
         Code::HalfWired => !outside.contains(&f.subject),
-        Code::NoReader | Code::NoWriter | Code::NoPins | Code::SetThenWritten => {
-            !result.unknown.signals.contains(&f.subject)
-        }
+        Code::NoReader
+        | Code::NoWriter
+        | Code::SignalMisspelt
+        | Code::NoPins
+        | Code::SetThenWritten => !result.unknown.signals.contains(&f.subject),
         Code::EstopNotReturned | Code::EstopNotJoined => !wired_unknown,
         // The program that starts such a machine also starts its threads.
         Code::NeverStarted => !starts,

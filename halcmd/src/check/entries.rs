@@ -1,6 +1,10 @@
 //! Entries of an INI file that are missing, misplaced, or contradict each other or the wiring.
 
-use super::joints::{place, value};
+use super::{
+    coordinates,
+    joints::{place, value},
+    plausible, repeated, sections, tools,
+};
 use crate::{
     ini::{Entry, Ini},
     language::hint::nearest,
@@ -76,7 +80,7 @@ const KNOWN: &[(&str, &[&str])] = &[
 ];
 
 /// Returns a finding about an entry.
-fn about(code: Code, entry: &Entry, text: String) -> Finding {
+pub(super) fn about(code: Code, entry: &Entry, text: String) -> Finding {
     let subject = format!("[{}]{}", entry.section, entry.name);
     Finding::new(code, &subject, text).at(place(entry))
 }
@@ -91,6 +95,12 @@ pub(super) fn findings(dry_run: &mut DryRun, unread: bool) -> Vec<Finding> {
         items.extend(all.map(|i| (i.original.clone().unwrap_or_else(|| i.name.clone()), i)));
     }
     let mut found = names(&ini, dry_run);
+    found.extend(sections::findings(&ini, &dry_run.result().entries, &found));
+    found.extend(repeated::findings(&ini));
+    found.extend(tools::table(&ini));
+    if !unread {
+        found.extend(tools::answers(&ini, &items));
+    }
     found.extend(no_numbers(&ini));
     let motion = items.contains_key("motion.in-position");
     if motion || ini.has_section("KINS") || ini.has_section("TRAJ") && ini.has_section("EMCMOT") {
@@ -99,13 +109,22 @@ pub(super) fn findings(dry_run: &mut DryRun, unread: bool) -> Vec<Finding> {
     let kind = if ini.is_old() { "axis" } else { "joint" };
     let section = kind.to_ascii_uppercase();
     let Some((count, stated)) = joints(&ini) else { return found };
-    for n in 0..count.min(100) {
-        let joint = Joint { ini: &ini, section: format!("{section}_{n}"), items: &items, kind, n };
+    let mut letters = coordinates::of_joints(dry_run).into_iter();
+    let of = |n| {
+        let section = format!("{section}_{n}");
+        Joint { ini: &ini, section, items: &items, kind, n, letter: letters.next() }
+    };
+    let all: Vec<Joint<'_>> = (0..count.min(100)).map(of).collect();
+    for joint in &all {
         found.extend(joint.entries(stated));
+        found.extend(plausible::joint(joint));
         if !unread {
             found.extend(joint.wiring());
         }
     }
+    found.extend(plausible::sequence(&all));
+    found.extend(plausible::units(&ini, &all));
+    found.extend(coordinates::findings(dry_run, Some(count)));
     found.extend(surplus(&ini, &section, count, stated));
     found
 }
@@ -227,24 +246,26 @@ fn surplus(ini: &Ini, kind: &str, count: u32, entry: &Entry) -> Vec<Finding> {
 }
 
 /// A joint of the INI file and its pins.
-struct Joint<'a> {
-    ini: &'a Ini,
-    section: String,
+pub(super) struct Joint<'a> {
+    pub(super) ini: &'a Ini,
+    pub(super) section: String,
     items: &'a BTreeMap<String, ItemInfo>,
     kind: &'a str,
     n: u32,
+    /// Letter of the axis that it moves, if that is known.
+    pub(super) letter: Option<char>,
 }
 
 impl Joint<'_> {
-    fn entry(&self, name: &str) -> Option<&Entry> {
+    pub(super) fn entry(&self, name: &str) -> Option<&Entry> {
         self.ini.all(&self.section, name).next()
     }
 
-    fn number(&self, name: &str) -> Option<f64> {
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
         value(self.entry(name)?)
     }
 
-    fn pin(&self, name: &str) -> Option<&ItemInfo> {
+    pub(super) fn pin(&self, name: &str) -> Option<&ItemInfo> {
         self.items.get(&format!("{}.{}.{name}", self.kind, self.n))
     }
 

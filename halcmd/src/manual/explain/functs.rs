@@ -147,4 +147,31 @@ pub(super) const ROWS: &[Explanation] = &[
         right: "loadrt threads name1=base period1=100000 fp1=0 name2=servo period2=1000000\n\
                 loadrt limit1\naddf limit1.0 servo\nstart\n",
     },
+    Explanation {
+        code: Code::OrderLate,
+        means: "A function that moves a motor, or tells where it is, runs before the one whose result it \
+                works on.",
+        matters: "The motor follows its command a cycle later: following errors grow, and control loops \
+                  may oscillate.",
+        remedy: "Add them in the order of the values: positions are read, motion computes, motors are \
+                 commanded.",
+        wrong: "loadrt iocontrol interlock=1\nloadrt trivkins\n\
+                loadrt motmod base_period_nsec=100000 servo_period_nsec=1000000 num_joints=1\n\
+                loadrt stepgen step_type=0\naddf stepgen.make-pulses base-thread\n\
+                addf stepgen.capture-position servo-thread\naddf stepgen.update-freq servo-thread # <--\n\
+                addf motion-command-handler servo-thread\naddf motion-controller servo-thread\n\
+                net x-cmd joint.0.motor-pos-cmd => stepgen.0.position-cmd\n\
+                net x-fb stepgen.0.position-fb => joint.0.motor-pos-fb\n\
+                net x-on joint.0.amp-enable-out => stepgen.0.enable\n\
+                net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\nstart\n",
+        right: "loadrt iocontrol interlock=1\nloadrt trivkins\n\
+                loadrt motmod base_period_nsec=100000 servo_period_nsec=1000000 num_joints=1\n\
+                loadrt stepgen step_type=0\naddf stepgen.make-pulses base-thread\n\
+                addf stepgen.capture-position servo-thread\naddf motion-command-handler servo-thread\n\
+                addf motion-controller servo-thread\naddf stepgen.update-freq servo-thread\n\
+                net x-cmd joint.0.motor-pos-cmd => stepgen.0.position-cmd\n\
+                net x-fb stepgen.0.position-fb => joint.0.motor-pos-fb\n\
+                net x-on joint.0.amp-enable-out => stepgen.0.enable\n\
+                net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\nstart\n",
+    },
 ];

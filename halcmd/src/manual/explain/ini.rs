@@ -34,6 +34,18 @@ macro_rules! machine {
 /// A machine without mistakes.
 const PLAIN: &str = machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n");
 
+/// The machine with tools that nobody has to change.
+const TOOLS: &str = concat!(
+    machine!(
+        "HALFILE = tools.hal\n",
+        "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[EMCIO]\nTOOL_TABLE = m.tbl\n"
+    ),
+    "--- m.tbl\nT1 P1\n",
+    "--- tools.hal\n",
+    "net tool-ready iocontrol.0.tool-prepare => iocontrol.0.tool-prepared\n",
+    "net tool-done iocontrol.0.tool-change => iocontrol.0.tool-changed\n"
+);
+
 pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: Code::IniUnreadable,
@@ -136,8 +148,11 @@ pub(super) const ROWS: &[Explanation] = &[
     Explanation {
         code: Code::EntriesDisagree,
         means: "An entry contradicts another one or the wiring: HOME is outside the travel limits, \
-                a search for a home switch has no switch, FERROR is less than a step, a value is \
-                no finite number.",
+                a search for a home switch has no switch or no latch velocity, HOME_SEQUENCE has a gap, \
+                FERROR is less than a step, than the way of one servo period or than MIN_FERROR, both travel \
+                limits are the same, BACKLASH is more than a millimetre or a degree, TYPE is not that of the \
+                joint's axis, LINEAR_UNITS does not fit the joints' travel and speed, a value is no finite \
+                number.",
         matters: "The machine starts, and fails when it homes or moves. Sections of joints that the \
                   machine does not have are a note.",
         remedy: "Correct the one that is wrong.",
@@ -159,5 +174,58 @@ pub(super) const ROWS: &[Explanation] = &[
         remedy: "Correct the line, or make it a comment, with # or ; at its beginning.",
         wrong: machine!("", "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nHOME 5\n# <--\n"),
         right: PLAIN,
+    },
+    Explanation {
+        code: Code::EntryTwice,
+        means: "A section in which each name stands for one value has the entry twice, with different \
+                values.",
+        matters: "The first counts; whoever changes the second one changes nothing.",
+        remedy: "Keep the one that is meant.",
+        wrong: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\nMAX_VELOCITY = 30\n# <--\n"
+        ),
+        right: PLAIN,
+    },
+    Explanation {
+        code: Code::CoordinatesOdd,
+        means: "A letter is repeated in [TRAJ]COORDINATES or in coordinates= of the kinematics, as for an axis \
+                that two joints move, and the other place or the number of joints does not agree.",
+        matters: "Motion takes the wrong joints for an axis, or refuses to start.",
+        remedy: "Write each letter as often as joints move that axis.",
+        wrong: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[TRAJ]\nCOORDINATES = XX\n# <--\n"
+        ),
+        right: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[TRAJ]\nCOORDINATES = X\n"
+        ),
+    },
+    Explanation {
+        code: Code::NoToolTable,
+        means: "The file of [EMCIO]TOOL_TABLE is neither beside the INI file nor where its path says.",
+        matters: "The machine starts without tools: no tool has a length or a diameter.",
+        remedy: "Make the file, or correct its name.",
+        wrong: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[EMCIO]\nTOOL_TABLE = m.tbl\n# <--\n"
+        ),
+        right: TOOLS,
+    },
+    Explanation {
+        code: Code::ToolChangeOpen,
+        means: "The machine has a tool table, and the request for a tool and the pin that answers it are not \
+                linked.",
+        matters: "The first T or M6 of a program waits for ever.",
+        remedy: "Link what changes tools, such as hal_manualtoolchange; or link each request to its answer.",
+        wrong: concat!(
+            machine!(
+                "",
+                "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[EMCIO]\nTOOL_TABLE = m.tbl\n# <--\n"
+            ),
+            "--- m.tbl\nT1 P1\n"
+        ),
+        right: TOOLS,
     },
 ];

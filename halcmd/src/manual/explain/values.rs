@@ -87,4 +87,14 @@ pub(super) const ROWS: &[Explanation] = &[
         right: "loadrt threads name1=servo period1=1000000\nloadrt limit3\naddf limit3.0 servo\n\
                 setp limit3.0.maxa 1e20\nstart\n",
     },
+    Explanation {
+        code: Code::NotFinite,
+        means: "The value is nan, which is not a number, or infinite where no bound is set.",
+        matters: "Every result that is computed from it is no number either; comparisons with it are never \
+                  true.",
+        remedy: "Write a number.",
+        wrong: "loadrt limit1\nsetp limit1.0.max nan # <--\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt limit1\naddf limit1.0 servo\n\
+                setp limit1.0.max 5\nsetp limit1.0.min -5\nstart\n",
+    },
 ];

@@ -118,4 +118,15 @@ pub(super) const ROWS: &[Explanation] = &[
                 addf siggen.0.update servo\naddf lowpass.0 servo\n\
                 net wave lowpass.0.in <= siggen.0.sine\nnet smooth lowpass.0.out\nstart\n",
     },
+    Explanation {
+        code: Code::SignalMisspelt,
+        means: "The signal has only outputs or only inputs, and its name differs by one typing error from \
+                that of a signal which has the other end.",
+        matters: "The two are not joined: the input stays at its value.",
+        remedy: "Write the same name in both lines.",
+        wrong: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=2\naddf or2.0 servo\n\
+                addf or2.1 servo\nnet lamp-on or2.0.out\nnet lamp-no or2.1.in0 # <--\nstart\n",
+        right: "loadrt threads name1=servo period1=1000000\nloadrt or2 count=2\naddf or2.0 servo\n\
+                addf or2.1 servo\nnet lamp-on or2.0.out\nnet lamp-on or2.1.in0\nstart\n",
+    },
 ];

@@ -65,11 +65,39 @@ impl<'g> Look<'g> {
         for channels in components.values() {
             let all: Vec<_> = channels.iter().map(|(n, c)| (*n, c)).take(MAX_CHANNELS).collect();
             for (n, a) in all.iter().enumerate() {
+                self.step_and_direction(a.0, &a.1.outputs);
                 for b in all.iter().skip(n + 1) {
                     self.exchange(*a, *b);
                 }
             }
         }
+    }
+
+    /// Reports a channel whose step is called a direction, and whose direction a step.
+    fn step_and_direction(&mut self, channel: &str, outputs: &BTreeMap<&'g str, End<'g>>) {
+        let (Some(step), Some(dir)) = (outputs.get("step"), outputs.get("dir")) else { return };
+        let has = |signal: &str, words: &[&str]| {
+            let mut parts = signal.split(BETWEEN).map(str::to_ascii_lowercase);
+            parts.any(|part| words.iter().any(|word| part.ends_with(word)))
+        };
+        let (steps, turns): (&[&str], &[&str]) = (&["step", "pulse"], &["dir", "direction"]);
+        let is =
+            |signal: &str, one: &[&str], other: &[&str]| has(signal, one) && !has(signal, other);
+        if !is(step.signal, turns, steps) || !is(dir.signal, steps, turns) {
+            return;
+        }
+        let [a, b] = [step, dir].map(|end| (self.shown(end.pin), self.linked_at(end.pin)));
+        let text = format!(
+            "'{}' writes signal '{}', and '{}' writes '{}': they are crossed",
+            a.0, step.signal, b.0, dir.signal
+        );
+        let remedy = format!("exchange the signals of '{}' and '{}'", a.0, b.0);
+        self.add(
+            finding(Code::Crossed, channel, text)
+                .at(a.1)
+                .remedy(remedy)
+                .related(b.1, format!("'{}' is linked here", b.0)),
+        );
     }
 
     fn exchange(

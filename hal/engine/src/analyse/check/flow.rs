@@ -5,6 +5,17 @@ use super::{Look, finding, names};
 use hal_protocol::{At, Code, HopInfo, LoopInfo, OrderInfo, ThreadOrder};
 use std::collections::BTreeSet;
 
+/// The function whose results motion works on in the same cycle.
+const COMMANDS: &str = "motion-command-handler";
+/// Last parts of the names of pins that command a motor.
+const COMMANDED: &[&str] = &["motor-pos-cmd", "position-cmd"];
+/// Last part of the name of the pin that tells where a motor is.
+const FEEDBACK: &str = "motor-pos-fb";
+/// Last parts of the names of functions that read where motors are.
+const CAPTURES: &[&str] = &["capture-position", "capture_position", "read"];
+/// Last part of the name of the function that computes a control loop, whose result is a command.
+const LOOP: &str = "do-pid-calcs";
+
 impl Look<'_> {
     pub(super) fn flow(&mut self, order: &OrderInfo) {
         for thread in &order.threads {
@@ -37,6 +48,23 @@ impl Look<'_> {
         }
     }
 
+    /// Returns whether a value that passes from one function to the next moves a motor, or tells where it is.
+    fn moves(&self, hop: &HopInfo) -> bool {
+        if hop.by.is_empty() {
+            return hop.from == COMMANDS;
+        }
+        let last = |name: &'_ str| name.rsplit('.').next().unwrap_or_default().to_owned();
+        let from = last(&hop.from);
+        let signals = hop.by.iter().filter_map(|name| self.graph.find_signal(name).ok());
+        let mut pins = signals.flat_map(|signal| self.graph.pins_of(signal));
+        pins.any(|pin| {
+            let pin = last(self.graph.item(pin).map_or("", |item| item.name.as_str()));
+            COMMANDED.contains(&pin.as_str())
+                || pin == FEEDBACK && CAPTURES.contains(&from.as_str())
+                || pin == "velocity-cmd" && from == LOOP
+        })
+    }
+
     fn late(&mut self, thread: &ThreadOrder, hop: &HopInfo) {
         let through = if hop.by.is_empty() {
             "what it hands over".to_owned()
@@ -50,10 +78,11 @@ impl Look<'_> {
             thread.name,
             time(thread.period)
         );
+        let code = if self.moves(hop) { Code::OrderLate } else { Code::OrderCosts };
         let place =
             |name: &str| thread.functs.iter().find(|f| f.name == name).and_then(|f| f.at.clone());
         self.add(
-            finding(Code::OrderCosts, &hop.to, text)
+            finding(code, &hop.to, text)
                 .at(place(&hop.to))
                 .remedy(format!("add them in this order: {}", thread.better.join(", ")))
                 .related(place(&hop.from), format!("'{}' is added here", hop.from)),

@@ -88,6 +88,10 @@ impl<'g> Look<'g> {
                 continue;
             }
             // A counter of one line, and a step generator in the other mode, need no such input.
+            // A pid whose gains are 0 passes its command on, and its feedback changes nothing.
+            if *last == "feedback" && self.passes_command(name) {
+                continue;
+            }
             let mode = self.number_of(&format!("{name}.counter-mode"));
             if *last == "phase-B" && mode.is_some_and(|m| m != 0.0)
                 || *last == "speed" && self.item(&format!("{name}.ppr")).is_none()
@@ -101,6 +105,15 @@ impl<'g> Look<'g> {
                 "link it: net SIGNAL PIN => {pin}; or give it its value: setp {pin} VALUE"
             )));
         }
+    }
+
+    /// Returns whether a control loop has gains, all of them are 0, and no signal sets them.
+    fn passes_command(&self, channel: &str) -> bool {
+        ["Pgain", "Igain", "Dgain"].iter().all(|gain| {
+            self.item(&format!("{channel}.{gain}")).is_some_and(|(ix, _)| {
+                self.graph.signal_of(ix).is_none() && self.number(ix) == Some(0.0)
+            })
+        })
     }
 
     fn unused_result(&mut self, name: &str, channel: &[Part<'g>]) {

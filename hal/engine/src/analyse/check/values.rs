@@ -13,6 +13,7 @@ impl Look<'_> {
             self.set_twice(ix, item.shown().as_str());
             self.set_then_linked(ix, item);
             self.scale(ix, item);
+            self.finite(ix, item);
             self.bounds(ix, item);
         }
         for (_, signal) in self.graph.signal_names() {
@@ -103,6 +104,23 @@ impl Look<'_> {
             finding(Code::ScaleZero, name, format!("'{name}' is 0"))
                 .at(Some(at))
                 .remedy("set what one unit is, in steps, counts or volts; negative turns it round"),
+        );
+    }
+
+    /// Reports a float that a script line has set to NaN, or to infinity where that is no open bound.
+    fn finite(&mut self, ix: Ix, item: &Item) {
+        let (Some(at), Some(value)) = (self.set_at(ix), self.number(ix)) else { return };
+        let last = item.name.as_str().rsplit('.').next().unwrap_or_default();
+        let is_bound = ["min", "max"].iter().any(|bound| last.contains(bound));
+        if item.ty != Type::Float || value.is_finite() || !value.is_nan() && is_bound {
+            return;
+        }
+        let name = item.shown().as_str();
+        let text = format!("'{name}' is set to {value}, which is no finite number");
+        self.add(
+            finding(Code::NotFinite, name, text)
+                .at(Some(at))
+                .remedy(format!("write a number: setp {name} 1.5")),
         );
     }
 
