@@ -2,8 +2,10 @@
 
 mod hal;
 mod ini;
+mod joints;
 mod judge;
 mod values;
+mod wiring;
 
 pub use judge::{Counts, Verdict, judge, table};
 

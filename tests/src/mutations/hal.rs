@@ -3,6 +3,7 @@
 use super::{
     Mutant,
     values::{setp, setp_values, start},
+    wiring::{coordinates, letter, nan, step_and_direction, swapped, tool_change},
 };
 
 /// Makes the mutants of one line.
@@ -38,9 +39,15 @@ const KINDS: &[(&str, Make)] = &[
     ("net", net_wiring),
     ("net", net_channels),
     ("net", net_crossed),
+    ("net", step_and_direction),
+    ("net", tool_change),
+    ("net", letter),
     ("addf", addf),
+    ("addf", swapped),
     ("loadrt", loadrt),
     ("loadrt", loadrt_arguments),
+    ("loadrt", coordinates),
+    ("setp", nan),
     ("setp", setp),
     ("setp", setp_values),
     ("start", start),

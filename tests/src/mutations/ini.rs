@@ -1,13 +1,13 @@
 //! Mistakes in INI files.
 
-use super::{Mutant, hal::misspelt};
+use super::{Mutant, hal::misspelt, joints};
 
 /// An entry.
-struct Entry<'a> {
-    index: usize,
-    section: &'a str,
-    key: &'a str,
-    value: &'a str,
+pub(super) struct Entry<'a> {
+    pub(super) index: usize,
+    pub(super) section: &'a str,
+    pub(super) key: &'a str,
+    pub(super) value: &'a str,
 }
 
 /// Entries whose absence changes the machine.
@@ -49,6 +49,9 @@ pub(super) fn mutants(name: &str, lines: &[String]) -> Vec<Mutant> {
     }
     let source = (name, lines);
     let mut all = Vec::new();
+    for e in &entries {
+        joints::mutants(&mut all, source, e, &entries);
+    }
     for e in entries.iter().filter(|e| is_machine(e.section)) {
         entry(&mut all, source, e, &entries);
         joint(&mut all, source, e, &entries);
