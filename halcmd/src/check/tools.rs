@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What iocontrol asks for, and the pin that must answer.
+/// Pairs of a request of iocontrol and the pin that answers it.
 const ANSWERS: [(&str, &str); 2] =
     [("tool-prepare", "tool-prepared"), ("tool-change", "tool-changed")];
 

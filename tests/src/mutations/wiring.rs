@@ -24,7 +24,7 @@ pub(super) fn swapped(s: &Source<'_>, n: usize, words: &[&str]) -> Vec<Mutant> {
         .collect()
 }
 
-/// Sets a float to what is no number.
+/// Sets a float to NaN.
 pub(super) fn nan(s: &Source<'_>, n: usize, words: &[&str]) -> Vec<Mutant> {
     if words[2].parse::<f64>().is_err() {
         return Vec::new();
