@@ -49,6 +49,10 @@ impl Error {
                 "a machine with motmod has one if its INI file has TASK = milltask in section TASK"
                     .to_owned(),
             ),
+            Self::StandinUsed { .. } => Some(
+                "start it with its hardware and its screen, or with --virtual, or take that line out"
+                    .to_owned(),
+            ),
             Self::NotYet { instead, .. } => Some((*instead).to_owned()),
             Self::NoTclsh => Some("apt-get install tcl".to_owned()),
             Self::LoadsDiffer { .. } => {
