@@ -112,6 +112,8 @@ pub struct Session<'a> {
     pub(crate) returned: Option<String>,
     /// Pass of a start with `[HAL]TWOPASS`.
     pub(crate) pass: Option<Pass>,
+    /// `loadusr -w sleep N` sleeps on the machine's clock, which is virtual.
+    pub(crate) sleeps_on_the_clock: bool,
     /// The lines are those of a file of `POSTGUI_HALFILE`.
     pub(crate) is_postgui: bool,
     /// Request for stand-ins in a dry run.
@@ -163,6 +165,7 @@ impl<'a> Session<'a> {
             operator: None,
             returned: None,
             pass: None,
+            sleeps_on_the_clock: false,
             is_postgui: false,
             asked: Asked::default(),
             stand_ins: StandIns::default(),

@@ -27,7 +27,7 @@ use crate::{
     session::remote::{is_gone, pause},
     terminal::print_error,
 };
-use hal_engine::{Ends, Engine, Options};
+use hal_engine::{ClockKind, Ends, Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
 use serve::{Local, serve_until_end};
@@ -250,6 +250,7 @@ fn script(
         session.set_ini(ini);
         session.warn(ini.warnings());
     }
+    session.sleeps_on_the_clock = plan.options.clock == ClockKind::Virtual && !plan.options.hold;
     if let Some(path) = &plan.record {
         let path = path.display().to_string();
         session.before_start(Request::Record { path, patterns: Vec::new() });

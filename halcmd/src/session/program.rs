@@ -15,6 +15,8 @@ use std::{
 /// Number of polls after which a message says that the session is waiting for a component.
 const SILENT_POLLS: u32 = 100;
 const POLL_MS: u32 = 10;
+/// Longest sleep that is machine time, in seconds.
+const MAX_SLEEP: f64 = 1e6;
 
 impl Session<'_> {
     /// Executes `loadusr`.
@@ -28,6 +30,12 @@ impl Session<'_> {
         if self.stand_ins.replaces(base) || of_screen && self.stand_ins.is_headless() {
             self.note(&format!("a stand-in is there for '{base}'"));
             return Ok(());
+        }
+        if let Some(ns) = launch.sleeps().filter(|_| launch.until_end)
+            && self.sleeps_on_the_clock
+        {
+            // Machine time passes, as it does on the real clock, and no time of the person.
+            return self.ask(Request::Run { ns }).map(|_| ());
         }
         self.reap();
         let expected = launch.expected();
@@ -261,6 +269,12 @@ impl Session<'_> {
     }
 }
 
+/// Converts seconds of a sleep, which are finite and not negative.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded by MAX_SLEEP")]
+fn nanoseconds(seconds: f64) -> u64 {
+    (seconds * 1e9).round() as u64
+}
+
 /// Returns whether a child has ended, without collecting its exit status.
 fn has_ended(child: &Child) -> bool {
     let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
@@ -294,6 +308,15 @@ fn python_path() -> Option<std::ffi::OsString> {
 }
 
 impl Launch {
+    /// Returns the time that `sleep SECONDS` sleeps, in nanoseconds; several times add up.
+    fn sleeps(&self) -> Option<u64> {
+        let is_sleep = self.program.rsplit('/').next() == Some("sleep") && !self.args.is_empty();
+        let seconds =
+            |arg: &String| arg.parse::<f64>().ok().filter(|s| (0.0..=MAX_SLEEP).contains(s));
+        let all = self.args.iter().map(seconds).sum::<Option<f64>>().filter(|_| is_sleep)?;
+        Some(nanoseconds(all))
+    }
+
     /// Returns whether a program that a file of `POSTGUI_HALFILE` starts belongs to the screen: it stays, and is none of ours.
     pub(crate) fn is_of_screen(&self) -> bool {
         !self.until_end && beside(&self.program).is_none()
