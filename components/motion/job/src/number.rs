@@ -55,6 +55,7 @@ fn stated<'a>(ini: &'a Ini, section: &str, name: &str) -> Option<(&'a Entry, &'a
 pub(crate) fn of_language(ini: &Ini, settings: &mut Settings) -> Result<(), String> {
     settings.arc_tolerance = arc_tolerance(ini)?;
     settings.no_fanuc_subs = is_one(ini, "RS274NGC", "DISABLE_FANUC_STYLE_SUB");
+    settings.counts_arguments = is_one(ini, "RS274NGC", "OWORD_NARGS");
     settings.orient_offset = number(ini, "RS274NGC", "ORIENT_OFFSET")?.unwrap_or(0.0);
     Ok(())
 }
@@ -130,8 +131,10 @@ mod tests {
         assert_eq!(machine.settings.dialect, hal_gcode::Dialect::Rs274d);
         assert_eq!(machine.settings.default_feed, 50.8);
         for (value, is_set) in [("1", true), ("0", false), ("TRUE", false), ("", false)] {
-            let machine = read(&format!("[RS274NGC]\nDISABLE_FANUC_STYLE_SUB = {value}\n"));
-            assert_eq!(machine.ok().unwrap().settings.no_fanuc_subs, is_set, "{value}");
+            let entries = format!("DISABLE_FANUC_STYLE_SUB = {value}\nOWORD_NARGS = {value}\n");
+            let settings = read(&format!("[RS274NGC]\n{entries}")).ok().unwrap().settings;
+            let set = (settings.no_fanuc_subs, settings.counts_arguments);
+            assert_eq!(set, (is_set, is_set), "{value}");
         }
         let machine = read("[RS274NGC]\nORIENT_OFFSET = -42.5\n").ok().unwrap();
         assert_eq!(machine.settings.orient_offset, -42.5);

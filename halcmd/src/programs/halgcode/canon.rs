@@ -7,7 +7,11 @@ use crate::{
     terminal::print_error,
 };
 use hal_gcode::{
-    Call, Error, Interpreter, Settings, axis::AxisMask, canon::Unit, program::numbered_line,
+    Call, Error, Interpreter, Settings, Text,
+    axis::AxisMask,
+    canon::Unit,
+    error::Problem,
+    program::{has_percent_signs, numbered_line},
 };
 use hal_job::{
     machine::{Files, Machine},
@@ -140,6 +144,7 @@ fn stand_in(machine: &mut Machine, keeps_parameters: bool) {
         remaps,
         random_changer: machine.settings.random_changer,
         no_fanuc_subs: machine.settings.no_fanuc_subs,
+        counts_arguments: machine.settings.counts_arguments,
         orient_offset: machine.settings.orient_offset,
         dialect: machine.settings.dialect,
         default_feed: machine.settings.default_feed,
@@ -224,6 +229,9 @@ impl Job<'_> {
                 Err(Stop::Output(reason)) => return Err(reason),
                 Err(Stop::Program(error)) => error,
             };
+            if reads_to_percent(&error, world) {
+                printer.text("FINISH()", None)?;
+            }
             printer.flush().map_err(|e| e.to_string())?;
             self.report(&error, world);
             let goes_on = match self.on_error {
@@ -239,7 +247,7 @@ impl Job<'_> {
             it.state.ended = false;
             it.state.pending = None;
             let mut out = Vec::new();
-            let end_of_file = matches!(error.problem, hal_gcode::error::Problem::NoProgramEnd);
+            let end_of_file = matches!(error.problem, Problem::NoProgramEnd);
             if end_of_file {
                 return Ok(true);
             }
@@ -261,10 +269,7 @@ impl Job<'_> {
 
     /// Tells an error as `rs274` does: the message, and the line.
     fn report(&self, error: &Error, world: &World) {
-        use hal_gcode::Environment;
-        let text = world.open(&error.place.file);
-        let text =
-            text.or_else(|| filter::load(Path::new(&*error.place.file), &world.machine).ok());
+        let text = text_of(error, world);
         let longest = world.machine.settings.limits.line_length;
         let line = text.and_then(|t| numbered_line(&t, error.place.line.into(), longest));
         let line = line.map(|l| String::from_utf8_lossy(&l).trim_end_matches('\r').to_owned());
@@ -273,6 +278,20 @@ impl Job<'_> {
             print_error(&format!("{error}\n"));
         }
     }
+}
+
+/// Tells whether `rs274`, which looks for a label down to the end of its file, has read the percent sign there.
+fn reads_to_percent(error: &Error, world: &World) -> bool {
+    let seeks = matches!(error.problem, Problem::LabelMissing { .. } | Problem::EndMissing { .. });
+    let longest = world.machine.settings.limits.line_length;
+    seeks && text_of(error, world).is_some_and(|text| has_percent_signs(&text, longest))
+}
+
+/// Returns the text of the file in which an error is.
+fn text_of(error: &Error, world: &World) -> Option<Text> {
+    use hal_gcode::Environment;
+    let file = &*error.place.file;
+    world.open(file).or_else(|| filter::load(Path::new(file), &world.machine).ok())
 }
 
 /// Runs lines of MDI from standard input to its end, then asks whether the program goes on.

@@ -40,15 +40,17 @@ problems! {
     LineTooLong { limit: usize }: "Command too long (limit {limit} bytes)", "break the line up";
     NestedComment: "Nested comment found", "use other brackets inside a comment";
     UnclosedComment: "Unclosed comment found", "close the comment with )";
-    NoNumber: "Bad number format (conversion failed)", "write a number, #parameter, function or [expression]";
+    NoNumber: "No characters found in reading real value", "write a number, #parameter, function or [expression]";
+    NumberFormat { shown: Box<str> }: "bad number format (conversion failed) parsing '{shown}'", "write a number, #parameter, function or [expression]";
     NumberTooLarge: "number is too large", "";
     BadUnsigned: "Bad format unsigned integer", "write digits only";
     NoName: "Expected a name in < >", "write #<name>";
-    UnclosedName: "Unclosed name: missing >", "write #<name>";
+    UnclosedName: "Named parameter not terminated", "end the name with >";
     NoBracket: "Left bracket missing after word", "write [expression]";
     UnclosedExpression: "Unclosed expression", "close the expression with ]";
     UnknownOperator: "Unknown operation", "operators are + - * / ** mod eq ne gt ge lt le and or xor";
-    ExistsNeedsName: "Expected # after exists[", "write exists[#<name>] or exists[#n]";
+    ExistsUnclosed: "Expected ] reading bracketed parameter", "exists takes one parameter and no operators";
+    ExistsNeedsName: "Expected # reading parameter", "write exists[#<name>] or exists[#n]";
     AtanNeedsSlash: "Slash missing after first atan argument", "write atan[y]/[x]";
     AtanNeedsBracket: "Left bracket missing after slash with atan", "write atan[y]/[x]";
     UnknownWord { first: char }: "Unknown word starting with {first}", "functions are abs acos asin atan cos exists exp fix fup ln round sin sqrt tan";
@@ -249,6 +251,8 @@ problems! {
     ProfileLevels { limit: u32 }: "the cycle has more than {limit} levels", "use a larger I";
     ProfileCalls { label: Box<str> }: "the profile calls '{label}', which is a function of another language", "describe the profile in lines of G-code";
     ProfileEmpty: "the profile has no motion", "";
+    ProfileSide: "cutter radius compensation puts the tool on the other side of the profile than it comes from", "use the other one of G41 and G42";
+    ProfileEndFalls: "a compensated tool cannot come back from the fall at the end of the profile to its next pass", "use one pass, or end the profile with a rise";
     ProfileGoesBack: "the profile is not monotonic", "Z must go one way for G71, X for G72, and each fillet must fit";
 
     // M codes.
@@ -265,6 +269,10 @@ problems! {
     NoProgramEnd: "File ended with no percent sign or program end", "end the program with M2, M30 or %";
     LabelDuplicate { label: Box<str> }: "o-word label is already defined: o<{label}>", "";
     SubNested: "Nested subroutine definition", "end the outer one first";
+    PartCalled: "Fanuc 'O....' subroutine must be called with 'M98'", "call it with M98, or begin it with sub and end it with endsub";
+    PartEnded: "Fanuc 'O....' subroutine definition must end with 'M99'", "end it with M99, or begin it with sub and call it with call";
+    SubAsPart: "'O.... sub' subroutine must be called with 'O.... call'", "call it with call, or take its sub away and end it with M99";
+    SubEndedByM99: "'O.... endsub' or 'O.... return' must follow 'O.... sub' subroutine definition", "end it with endsub";
     NotInSub { label: Box<str>, word: &'static str }: "not in a subroutine definition: 'o{label} {word}'", "";
     NotInLoop { label: Box<str>, word: &'static str }: "undefined O-word label: 'o{label} {word}'", "its beginning is missing";
     LabelMissing { label: Box<str> }: "Unable to open file or find o-word: o<{label}>", "";

@@ -86,7 +86,7 @@ pub struct Interpreter {
     /// Values of HAL for the next line.
     hal: hal::Known,
     /// The places of a problem in lines that a code reads ahead, the innermost last.
-    problem_at: Vec<Place>,
+    pub(crate) problem_at: Vec<Place>,
     /// The block to go on with after an O-word that ended a remapped code.
     pub(crate) remapped: Option<Box<Remapped>>,
 }

@@ -239,6 +239,9 @@ impl Interpreter {
                     numbered.push((index, value));
                 }
                 Target::Named(name) => {
+                    if self.state.is_argument_count(name) {
+                        return Err(here(Problem::NamedReadOnly { name: name.clone() }));
+                    }
                     if system::is_system(&self.state, name) {
                         // The reference ignores an assignment to a value of the INI file or HAL.
                         if reader.exists(name) && !name.ends_with(']') {
@@ -288,6 +291,12 @@ impl Interpreter {
     /// Tells whether the first line with text of a file that is known is a percent sign.
     pub(super) fn begins_with_percent(&mut self, file: &str) -> bool {
         self.first_text(file).is_some_and(|(line, _)| line.trim_ascii() == b"%")
+    }
+
+    /// Tells whether the line of a percent sign that ends at `next` is the end of a file, which began with one.
+    pub(crate) fn is_closing_percent(&mut self, file: &str, next: Cursor) -> bool {
+        self.first_text(file)
+            .is_some_and(|(line, first)| line.trim_ascii() == b"%" && first != next)
     }
 
     /// Returns the first line with text of a file that is known, and the cursor behind it.

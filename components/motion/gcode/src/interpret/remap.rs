@@ -89,10 +89,11 @@ impl Interpreter {
             self.begin_function(Hook::Body, name, arguments, Some(remapped));
             return Ok(Step::Line);
         }
-        let (file, start) = self.locate(Found::Sub(&remap.ngc), &remap.ngc, env).map_err(|_| {
+        let Ok((file, start)) = self.locate(Found::Sub(&remap.ngc), &remap.ngc, env) else {
+            self.problem_at.clear();
             let (code, name) = (remap.code.to_string().into(), remap.ngc.clone());
-            BlockError::from(Problem::RemapFile { code, name })
-        })?;
+            return Err(Problem::RemapFile { code, name }.into());
+        };
         let mut level = Level::new(file, start, LevelKind::Sub);
         level.label.clone_from(&remap.ngc);
         level.saved = self.state.numbered.locals();
@@ -112,6 +113,7 @@ impl Interpreter {
         if remap.line_number {
             set_name(&mut level.locals, "n", f64::from(self.state.line))?;
         }
+        self.state.count_arguments(&mut level, numbered.len())?;
         self.state.numbered.set_locals(&numbered);
         level.remapped = Some(remapped);
         self.state.returned = None;

@@ -235,7 +235,7 @@ fn upper(letter: u8) -> char {
     char::from(letter.to_ascii_uppercase())
 }
 
-/// Returns a positive value with four significant digits.
+/// Returns a positive value with at most four significant digits.
 fn four_digits(value: f64) -> String {
     let mut digits = 3usize;
     let mut scaled = value;
@@ -247,5 +247,9 @@ fn four_digits(value: f64) -> String {
         scaled /= 10.0;
         digits -= 1;
     }
-    format!("{value:.digits$}")
+    let text = format!("{value:.digits$}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

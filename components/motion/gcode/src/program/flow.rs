@@ -3,7 +3,7 @@
 use super::{Found, scan::o_word};
 use crate::{
     environment::Environment,
-    error::Problem,
+    error::{Place, Problem},
     function::Hook,
     interpret::{BlockError, BlockErrorAt, Interpreter},
     parameters::system::Reader,
@@ -239,6 +239,9 @@ impl Interpreter {
         let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
         let mut cursor = from;
         while let Some(next) = self.read(&file, cursor, env, &mut raw)? {
+            if raw.trim_ascii() == b"%" && self.is_closing_percent(&file, next) {
+                break;
+            }
             if let Some((found, rest)) = o_word(&raw, &mut cleaned)
                 && let Some(word) = oword::keyword(rest)
                 && let Some(word) = words.iter().find(|w| **w == word)
@@ -293,8 +296,10 @@ impl Interpreter {
     ) -> Result<(), BlockError> {
         let value = value.map(|v| self.value(v, env)).transpose()?;
         // The label of the word does not matter, as in the reference: the innermost subroutine ends.
-        if self.level()?.kind != LevelKind::Sub {
-            return Err(Problem::NotInSub { label: label.into(), word }.into());
+        match self.level()?.kind {
+            LevelKind::Sub => {}
+            LevelKind::Part(..) => return Err(Problem::PartEnded.into()),
+            _ => return Err(Problem::NotInSub { label: label.into(), word }.into()),
         }
         self.state.returned = value;
         self.pop_level(env)
@@ -366,6 +371,7 @@ impl Interpreter {
         let mut level = Level::new(file, start, LevelKind::Sub);
         level.label = label.into();
         level.saved = self.state.numbered.locals();
+        self.state.count_arguments(&mut level, values.len())?;
         self.state.numbered.set_locals(&values);
         self.state.returned = None;
         self.state.levels.push(level);
@@ -381,15 +387,27 @@ impl Interpreter {
     ) -> Result<(Box<str>, Cursor), BlockError> {
         let files: Vec<Box<str>> = self.state.levels.iter().rev().map(|l| l.file.clone()).collect();
         let longest = self.state.settings.limits.line_length;
-        for file in files {
-            if let Some(start) = self.sources.find(&file, wanted, longest, env)? {
-                return Ok((file, start));
+        for file in &files {
+            if let Some(start) = self.sources.find(file, wanted, longest, env)? {
+                return Ok((file.clone(), start));
             }
         }
         // A label is no path: the writer of a program chooses no files of other folders.
         let is_name = !label.contains('/') && !label.ends_with(".ngc");
         if is_name && let Some(start) = self.sources.find(label, wanted, longest, env)? {
             return Ok((label.into(), start));
+        }
+        let (other, problem) = match wanted {
+            Found::Sub(label) => (Found::Part(label), Problem::PartCalled),
+            Found::Part(label) => (Found::Sub(label), Problem::SubAsPart),
+        };
+        for file in files {
+            if let Some(Cursor { line, .. }) = self.sources.find(&file, other, longest, env)? {
+                // The definition is the place, and the line in execution is its call.
+                self.problem_at = self.places();
+                self.problem_at.push(Place { file, line, column: 0 });
+                return Err(problem.into());
+            }
         }
         Err(Problem::LabelMissing { label: label.into() }.into())
     }

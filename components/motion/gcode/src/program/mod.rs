@@ -82,6 +82,23 @@ impl Sources {
     }
 }
 
+/// Tells whether a text begins with a percent sign and has another one, which is its end.
+pub fn has_percent_signs(text: &Text, longest: usize) -> bool {
+    let mut pages = Pages::new(Arc::clone(text));
+    let (mut cursor, mut line, mut begins) = (Cursor::default(), Vec::new(), false);
+    while let Ok(Some(next)) = pages.line(cursor, longest, &mut line) {
+        cursor = next;
+        match line.trim_ascii() {
+            b"%" if begins => return true,
+            b"%" => begins = true,
+            b"" => {}
+            _ if begins => {}
+            _ => return false,
+        }
+    }
+    false
+}
+
 /// Returns a line of a text by its number, from 1 on, or at most its first `longest` bytes and one more.
 pub fn numbered_line(text: &Text, number: u64, longest: usize) -> Option<Vec<u8>> {
     let mut pages = Pages::new(Arc::clone(text));

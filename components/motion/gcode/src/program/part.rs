@@ -24,6 +24,7 @@ impl Interpreter {
         let (file, start) = self.locate(Found::Part(&label), &label, env)?;
         let mut level = Level::new(file, start, LevelKind::Part(start, repeats));
         level.label = label.into();
+        self.state.count_arguments(&mut level, 0)?;
         self.state.levels.push(level);
         Ok(())
     }
@@ -40,9 +41,8 @@ impl Interpreter {
                 Ok(true)
             }
             LevelKind::Part(..) => self.pop_level(env).map(|()| true),
-            LevelKind::Sub | LevelKind::Function(_) | LevelKind::Text(_) => {
-                Err(Problem::M99Context.into())
-            }
+            LevelKind::Sub => Err(Problem::SubEndedByM99.into()),
+            LevelKind::Function(_) | LevelKind::Text(_) => Err(Problem::M99Context.into()),
             LevelKind::Main { .. } | LevelKind::Mdi => Ok(false),
         }
     }

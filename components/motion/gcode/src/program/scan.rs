@@ -28,7 +28,8 @@ pub struct Index {
 }
 
 impl Index {
-    /// Reads the definitions of a text; the first one of a label counts. `read` reads a line.
+    /// Reads the definitions of a text; the first one of a label counts. Of a text that begins with a percent sign, the
+    /// next one is the end. `read` reads a line.
     ///
     /// # Errors
     /// A line cannot be read.
@@ -38,8 +39,16 @@ impl Index {
         let mut out = Self::default();
         let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
         let mut cursor = Cursor::default();
+        let mut begins_with_percent = None;
         while let Some(next) = read(cursor, &mut raw)? {
             cursor = next;
+            let text = raw.trim_ascii();
+            match begins_with_percent {
+                None if text.is_empty() => {}
+                None => begins_with_percent = Some(text == b"%"),
+                Some(true) if text == b"%" => break,
+                Some(_) => {}
+            }
             let Some((Label::Name(label), rest)) = o_word(&raw, &mut cleaned) else { continue };
             match oword::keyword(rest) {
                 Some("sub") => {

@@ -16,9 +16,10 @@ use crate::{
     axis::Position,
     canon::Frame,
     dialect::Dialect,
+    error::Problem,
     function::{Function, Hook},
     interpret::block::Block,
-    parameters::{Names, Numbered},
+    parameters::{Names, Numbered, set_name},
     question::Request,
     tool::Tool,
 };
@@ -28,6 +29,9 @@ pub use level::{Cursor, Level, LevelKind, Open, OpenKind, Remapped, Saved};
 pub use modal::{FeedMode, Modal, Side};
 pub use rs274d::Rs274d;
 pub use settings::{Limits, Settings};
+
+/// The local parameter that has the number of arguments of a call.
+const ARGUMENT_COUNT: &str = "n_args";
 
 /// A block that waits for an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -115,6 +119,23 @@ impl State {
     pub fn scope_mut(&mut self) -> Option<&mut Level> {
         let index = self.scope_index();
         self.levels.get_mut(index)
+    }
+
+    /// Gives a call the number of its arguments, if the INI file asks for it.
+    pub(crate) fn count_arguments(&self, level: &mut Level, count: usize) -> Result<(), Problem> {
+        if !self.settings.counts_arguments {
+            return Ok(());
+        }
+        let count = u32::try_from(count).unwrap_or(u32::MAX);
+        set_name(&mut level.locals, ARGUMENT_COUNT, f64::from(count))
+    }
+
+    /// Tells whether a name is that of the number of arguments, which a call cannot change.
+    pub(crate) fn is_argument_count(&self, name: &str) -> bool {
+        let is_call = |l: &Level| matches!(l.kind, LevelKind::Sub | LevelKind::Part(..));
+        self.settings.counts_arguments
+            && name == ARGUMENT_COUNT
+            && self.scope().is_some_and(is_call)
     }
 
     fn scope_index(&self) -> usize {

@@ -63,6 +63,9 @@ pub struct Settings {
     /// M98 and O-words without a keyword are refused (`[RS274NGC]DISABLE_FANUC_STYLE_SUB`).
     #[serde(default)]
     pub no_fanuc_subs: bool,
+    /// `#<n_args>` is the number of arguments of a call (`[RS274NGC]OWORD_NARGS`).
+    #[serde(default)]
+    pub counts_arguments: bool,
     /// The angle in degrees that M19 adds to its R (`[RS274NGC]ORIENT_OFFSET`).
     #[serde(default)]
     pub orient_offset: f64,
@@ -88,6 +91,7 @@ impl Default for Settings {
             task: false,
             random_changer: false,
             no_fanuc_subs: false,
+            counts_arguments: false,
             orient_offset: 0.0,
             remaps: Vec::new(),
             dialect: Dialect::default(),

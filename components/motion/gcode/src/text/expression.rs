@@ -231,8 +231,11 @@ fn function<'a>(input: Input<'a>, depth: u32, operators: &Cell<u32>) -> Parsed<'
 
 /// Reads the parameter in brackets behind `exists`.
 fn exists<'a>(input: Input<'a>, depth: u32, operators: &Cell<u32>) -> Parsed<'a, Expr> {
-    let [b'[', b'#', inner @ ..] = input else {
-        return fail(input, Problem::ExistsNeedsName);
+    let Some(rest) = input.strip_prefix(b"[") else {
+        return fail(input, Problem::NoBracket);
+    };
+    let Some(inner) = rest.strip_prefix(b"#") else {
+        return fail(rest, Problem::ExistsNeedsName);
     };
     let (after, found) = match parameter(inner, depth, operators)? {
         (after, Expr::Named(_, name)) => (after, Expr::Exists(name)),
@@ -241,7 +244,7 @@ fn exists<'a>(input: Input<'a>, depth: u32, operators: &Cell<u32>) -> Parsed<'a,
     };
     match after.split_first() {
         Some((b']', after)) => Ok((after, found)),
-        _ => fail(after, Problem::UnclosedExpression),
+        _ => fail(after, Problem::ExistsUnclosed),
     }
 }
 

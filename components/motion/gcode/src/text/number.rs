@@ -23,13 +23,22 @@ pub fn number(input: Input<'_>) -> Parsed<'_, f64> {
         _ => (rest, &[][..]),
     };
     if whole.is_empty() && fraction.is_empty() {
-        return fail(input, Problem::NoNumber);
+        return fail(input, missing(input, rest));
     }
     let value = exact(whole, fraction).unwrap_or_else(|| slow(whole, fraction));
     if !value.is_finite() {
         return fail(input, Problem::NumberTooLarge);
     }
     Ok((rest, if sign == Some('-') { -value } else { value }))
+}
+
+/// Returns the problem of a place without a number; `rest` is what follows its sign and point.
+fn missing(input: Input<'_>, rest: Input<'_>) -> Problem {
+    if input.is_empty() {
+        return Problem::NoNumber;
+    }
+    let read = input.get(..input.len().saturating_sub(rest.len())).unwrap_or_default();
+    Problem::NumberFormat { shown: String::from_utf8_lossy(read).into() }
 }
 
 /// Reads an unsigned integer, as line numbers and O-words have.

@@ -36,6 +36,9 @@ fn peer(room: &Path, name: &str) -> Peer {
     if name.starts_with("no-parts-") {
         command.args(["-i", "no-parts.ini"]);
     }
+    if name.starts_with("nargs-") {
+        command.args(["-i", "nargs.ini"]);
+    }
     command.arg(&file);
     command.current_dir(room).stdin(Stdio::null());
     let output = command.output().unwrap();
@@ -153,6 +156,7 @@ fn programs_give_the_calls_of_the_reference() {
     std::fs::write(room.join("random.ini"), "[EMCIO]\nRANDOM_TOOLCHANGER=1\n").unwrap();
     let no_parts = "[RS274NGC]\nDISABLE_FANUC_STYLE_SUB=1\n";
     std::fs::write(room.join("no-parts.ini"), no_parts).unwrap();
+    std::fs::write(room.join("nargs.ini"), "[RS274NGC]\nOWORD_NARGS=1\n").unwrap();
     std::fs::write(room.join("offset.ini"), "[RS274NGC]\nORIENT_OFFSET=42\n").unwrap();
     std::fs::write(room.join("v.var"), "").unwrap();
     // The reference links its parameter file to a second name, which only the owner of a file may do.

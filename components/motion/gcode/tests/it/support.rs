@@ -95,6 +95,7 @@ pub(crate) fn settings_of(name: &str) -> Settings {
     out.random_changer = name.starts_with("random-");
     out.orient_offset = if name.starts_with("offset-") { 42.0 } else { 0.0 };
     out.no_fanuc_subs = name.starts_with("no-parts-");
+    out.counts_arguments = name.starts_with("nargs-");
     out
 }
 
