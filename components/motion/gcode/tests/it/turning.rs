@@ -426,6 +426,58 @@ fn many_cycles_remove_what_is_outside_of_profile_and_allowance() {
     assert_right(2, 5000);
 }
 
+/// Returns a case's program with compensation for a tool of `radius`, which comes to the place of the cycle from above.
+fn compensated(case: &Case, radius: f64) -> String {
+    let text = case.text();
+    let mut lines: Vec<&str> = text.lines().collect();
+    let scale = if case.diameter { 2.0 } else { 1.0 };
+    let [x, z] = case.machine([case.place[0], case.place[1] + 10.0 * radius]);
+    let code = if case.mirrors() { "g42.1" } else { "g41.1" };
+    let entry = format!("g0 x{:.6} z{z:.6}\n{code} d{:.6}", x * scale, 2.0 * radius);
+    let cycle = lines.len() - 2;
+    let place = lines[cycle - 1].trim_start_matches("g0").to_owned();
+    let finish = format!("{}{place}", lines[cycle]);
+    (lines[cycle - 1], lines[cycle]) = (&entry, &finish);
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn a_compensated_finish_comes_no_nearer_to_the_part_than_the_tool_is_wide() {
+    let world = World::new();
+    let mut random = Random(5);
+    let (mut run, mut refused) = (0, 0);
+    for _ in 0..3000 {
+        let case = case(&mut random);
+        if case.code != 700 || case.words != Words::Absolute {
+            continue;
+        }
+        let radius = rounded(random.between(0.01, 0.1));
+        let text = compensated(&case, radius);
+        let line = u32::try_from(text.lines().count() - 1).unwrap();
+        let mut interpreter = interpreter();
+        interpreter.load("turning.ngc", Arc::new(text.clone().into_bytes()));
+        let (calls, error) = run_with(&mut interpreter, &world, |_| {});
+        if let Some(error) = error {
+            let said = error.to_string();
+            let known = ["gouging", "Tool radius", "come back from the fall"];
+            assert!(known.iter().any(|k| said.contains(k)), "{said}\n{text}");
+            refused += 1;
+            continue;
+        }
+        run += 1;
+        let allowance = case.d.min(case.e) + radius;
+        // The first move is the entry.
+        for pass in case.passes(&calls, line).iter().skip(1) {
+            for n in 0..=24 {
+                let depth = case.depth(pass.way.at(f64::from(n) / 24.0), allowance);
+                assert!(depth <= HAIR, "{depth} at {pass:?}\n{text}");
+            }
+        }
+    }
+    assert!(run > 50, "{run} run, {refused} refused");
+    eprintln!("{run} run, {refused} refused");
+}
+
 /// Returns the passes with the end of one of them moved towards the part, if one of them runs along it.
 fn moved_in(case: &Case, passes: &[Pass], random: &mut Random, by: f64) -> Option<Vec<Pass>> {
     let along = |pass: &&Pass| (case.distance(pass.way.to) - case.d).abs() < 1e-9;

@@ -45,6 +45,10 @@ impl Interpreter {
         let saved = self.state.numbered.locals();
         let (position, line, depth) =
             (self.state.position, self.state.line, self.state.levels.len());
+        // It describes the part: compensation is that of the cycle's moves.
+        let programmed = Run::new(&mut self.state, env, out).programmed();
+        let compensation = core::mem::take(&mut self.state.compensation);
+        self.state.position = programmed;
         self.state.numbered.set_locals(&[]);
         let mut level = Level::new(file.clone(), start, LevelKind::Sub);
         level.label = label;
@@ -56,6 +60,7 @@ impl Interpreter {
         self.state.levels.truncate(depth);
         self.state.numbered.set_locals(&saved);
         self.state.position = position;
+        self.state.compensation = compensation;
         self.state.line = line;
         let pieces = pieces?;
         let mut run = Run::new(&mut self.state, env, out);

@@ -8,17 +8,24 @@ mod passes;
 
 use serde::{Deserialize, Serialize};
 
-use super::geometry::Point;
+use super::{
+    arc::{Shape, in_plane},
+    geometry::Point,
+};
 use crate::{
     axis::Position,
     canon::{Call, Plane},
     error::Problem,
     interpret::{Run, block::Block},
+    state::FeedMode,
 };
 use contour::Piece;
 
 /// The largest coordinate or distance of a cycle, in program units.
 const LARGEST: f64 = 1e9;
+
+/// The code of the finish.
+const FINISH: u16 = 700;
 
 /// The words of a cycle, in program units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,16 +107,21 @@ impl Run<'_> {
             return Err(Problem::ProfilePlane);
         }
         if self.state.compensation.is_on() {
-            return Err(Problem::CompWith { code: "G70 to G72.2" });
+            if b.motion != Some(FINISH) {
+                return Err(Problem::CompWith { code: "G71 to G72.2" });
+            }
+            if self.state.modal.feed_mode == FeedMode::InverseTime {
+                return Err(Problem::CycleInverse);
+            }
         }
         self.check_feed(b, "g1")?;
         // Bad words are told before the first move.
         self.words_of_profile(b, b.motion.unwrap_or_default())?;
         let label = b.integer(b'q')?.ok_or(Problem::ProfileNeedsQ)?;
-        let mut place = self.state.position;
+        let mut place = self.programmed();
         place.x = b.get(b'x').unwrap_or(place.x);
         place.z = b.get(b'z').unwrap_or(place.z);
-        self.rapid(place)?;
+        self.profile_line(place, true)?;
         Ok(label.to_string().into())
     }
 
@@ -120,9 +132,9 @@ impl Run<'_> {
         code: u16,
         profile: &[Piece],
     ) -> Result<(), ProfileError> {
-        let place = self.state.position;
+        let place = self.programmed();
         let mut cycle = self.words_of_profile(b, code)?;
-        let finish = code == 700;
+        let finish = code == FINISH;
         let (Some(first), Some(last)) = (profile.first(), profile.last()) else {
             return Err(Problem::ProfileEmpty.into());
         };
@@ -149,6 +161,11 @@ impl Run<'_> {
             .collect();
         contour::check_forward(&pieces)
             .map_err(|line| ProfileError { line, problem: Problem::ProfileGoesBack })?;
+        let comp = &self.state.compensation;
+        // The tool is on the left of a profile that goes forward below it.
+        if comp.moves_path() && (comp.sign() > 0.0) == turned.mirrors() {
+            return Err(Problem::ProfileSide.into());
+        }
         if finish {
             self.finish(&mut cycle, turned, &pieces)?;
         } else {
@@ -159,7 +176,7 @@ impl Run<'_> {
 
     /// Returns the words of a cycle.
     fn words_of_profile(&self, b: &Block, code: u16) -> Result<Cycle, Problem> {
-        let place = self.state.position;
+        let place = self.programmed();
         let passes = match u32::try_from(b.integer(b'p')?.unwrap_or(1)) {
             Ok(n) if (1..=100_000).contains(&n) => n,
             _ => return Err(Problem::NegativeWord { letter: 'P' }),
@@ -174,7 +191,7 @@ impl Run<'_> {
             increment: b.get(b'i').unwrap_or(1.0),
             retract: b.get(b'r').unwrap_or(0.5),
         };
-        if code != 700 && cycle.increment <= 0.0 {
+        if code != FINISH && cycle.increment <= 0.0 {
             return Err(Problem::ProfileIncrement);
         }
         if cycle.retract < 0.0 {
@@ -194,14 +211,26 @@ impl Run<'_> {
         }
     }
 
+    /// Makes a straight move of a finish, with compensation.
+    fn profile_line(&mut self, end: Position, rapid: bool) -> Result<(), Problem> {
+        if self.state.compensation.moves_path() {
+            return self.compensated_line(&Block::default(), end, rapid);
+        }
+        if rapid { self.rapid(end) } else { self.feed(end) }
+    }
+
     /// Moves along a piece at feed.
     fn along(&mut self, turned: Turned, piece: &Piece) -> Result<(), Problem> {
         let end = turned.position(piece.to, self.state.position);
         let Some(arc) = piece.arc.filter(|_| !piece.is_nearly_straight()) else {
-            return self.feed(end);
+            return self.profile_line(end, false);
         };
         let centre = turned.position(arc.centre, end);
         let turns = if arc.left == turned.mirrors() { -1 } else { 1 };
+        if self.state.compensation.moves_path() {
+            let shape = Shape { centre: in_plane(Plane::Xz, centre), turns };
+            return self.compensated_arc(&Block::default(), end, shape);
+        }
         self.emit(Call::ArcFeed {
             plane: Plane::Xz,
             end,

@@ -29,13 +29,21 @@ impl Run<'_> {
             let start = turned.position(first.from, cycle.place);
             if turned.point(cycle.place).second < first.from.second - NEAR {
                 let beside = Point::new(turned.point(cycle.place).first, first.from.second);
-                self.rapid(turned.position(beside, cycle.place))?;
+                self.profile_line(turned.position(beside, cycle.place), true)?;
             }
-            self.rapid(start)?;
+            self.profile_line(start, true)?;
+            if self.state.compensation.moves_path() && has_closed_slot(&pieces) {
+                return Err(Problem::CompGouge);
+            }
             for piece in &pieces {
                 self.along(turned, piece)?;
             }
             if pass > 1 {
+                let end = pieces.last().map_or(Point::default(), |p| p.direction(p.to));
+                let falls = end.second < 0.0 && end.first < 0.1;
+                if falls && self.state.compensation.moves_path() {
+                    return Err(Problem::ProfileEndFalls);
+                }
                 self.back_over(cycle, turned, top)?;
             }
         }
@@ -44,14 +52,21 @@ impl Run<'_> {
 
     /// Moves from the end of a profile to the place of the cycle, over all that is between.
     fn back_over(&mut self, cycle: &Cycle, turned: Turned, top: f64) -> Result<(), Problem> {
-        let (end, place) = (turned.point(self.state.position), turned.point(cycle.place));
-        let height = top.max(place.second);
-        if end.second < top - NEAR || place.second < top - NEAR {
+        let (end, place) = (turned.point(self.programmed()), turned.point(cycle.place));
+        let room = self.room_to_return();
+        let height = top.max(place.second) + room;
+        if room > 0.0 || end.second < top - NEAR || place.second < top - NEAR {
             for along in [end.first, place.first] {
-                self.rapid(turned.position(Point::new(along, height), cycle.place))?;
+                self.profile_line(turned.position(Point::new(along, height), cycle.place), true)?;
             }
         }
-        self.rapid(cycle.place)
+        self.profile_line(cycle.place, true)
+    }
+
+    /// Returns how far above a profile its moves back are: compensation puts the tool below them.
+    fn room_to_return(&self) -> f64 {
+        let comp = &self.state.compensation;
+        if comp.moves_path() { 4.0 * comp.radius } else { 0.0 }
     }
 
     /// Moves from the place of a cycle to one before the moved profile, which becomes the place of the cycle.
@@ -65,10 +80,14 @@ impl Run<'_> {
         let Some(begin) = pieces.first().map(|p| p.from) else { return Ok(()) };
         let mut place = turned.point(cycle.place);
         let top = top_of(pieces);
-        if place.first > begin.first && place.second < top - NEAR {
+        let room = self.room_to_return();
+        if place.first > begin.first && (room > 0.0 || place.second < top - NEAR) {
             // The tool leaves a pocket upwards.
-            for along in [place.first, begin.first] {
-                self.rapid(turned.position(Point::new(along, top), cycle.place))?;
+            let height = top.max(place.second) + room;
+            let before =
+                if room > 0.0 { begin.first - distance.max(0.0) - room } else { begin.first };
+            for along in [place.first, before] {
+                self.profile_line(turned.position(Point::new(along, height), cycle.place), true)?;
             }
             place = Point::new(begin.first, place.second.max(begin.second));
         } else if place.second < begin.second - NEAR {
@@ -77,8 +96,12 @@ impl Run<'_> {
         } else {
             place.first = place.first.min(begin.first);
         }
+        if room > 0.0 {
+            // On the way down to a wall, the tool is between the way and the wall.
+            place.first = place.first.min(begin.first - distance.max(0.0) - room);
+        }
         cycle.place = turned.position(place, cycle.place);
-        self.rapid(cycle.place)
+        self.profile_line(cycle.place, true)
     }
 
     /// Makes the passes of G71 and G72.
@@ -242,6 +265,14 @@ impl Cut<'_> {
         let index = self.peaks.first_at(from, level - NEAR)?;
         self.parts.get(index).map(|p| p.at_level(level))
     }
+}
+
+/// Tells whether a piece that falls is followed by one that comes straight back: no tool fits between them.
+fn has_closed_slot(pieces: &[Piece]) -> bool {
+    pieces.iter().zip(pieces.iter().skip(1)).any(|(piece, next)| {
+        let (fall, rise) = (piece.direction(piece.to), next.direction(next.from));
+        fall.second < 0.0 && rise.second > 0.0 && fall.dot(rise) < -0.99
+    })
 }
 
 /// Returns the highest level of some pieces.
