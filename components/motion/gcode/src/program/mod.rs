@@ -1,6 +1,7 @@
 //! Programs: files and the lines in them, flow control, saved modal state.
 
 pub mod flow;
+mod locate;
 mod pages;
 mod part;
 pub mod save;
