@@ -62,8 +62,8 @@ pub(crate) struct Start {
 
 /// Facts from a dry run of a machine's lines.
 pub(crate) struct Facts<'a> {
-    /// Modules and programs whose names are not known, and whether each is a screen.
-    pub(crate) makers: Vec<(&'a str, bool)>,
+    /// Modules and programs whose names are not known; whether each is a screen, and whether it names a device.
+    pub(crate) makers: Vec<(&'a str, bool, bool)>,
     /// Modules and programs whose names lines use.
     pub(crate) used: BTreeSet<&'a str>,
     /// Modules and programs that lines load or start.
@@ -91,9 +91,11 @@ impl StandIns {
     /// Decides what is replaced, and finds the pins of that.
     pub(crate) fn of(facts: &Facts<'_>, wires: &Wires, asked: &Asked) -> Self {
         let (mut replaced, mut missing) = (BTreeSet::new(), BTreeSet::new());
-        for (name, is_screen) in &facts.makers {
+        for (name, is_screen, names_device) in &facts.makers {
             let is_absent = facts.absent.contains(*name);
-            let is_replaced = asked.replaces(name, is_absent) || *is_screen && asked.is_headless();
+            let is_replaced = asked.replaces(name, is_absent)
+                || *is_screen && asked.is_headless()
+                || *names_device && asked.is_simulated();
             if is_replaced && (facts.loaded.contains(*name) || facts.used.contains(name)) {
                 replaced.insert((*name).to_owned());
             } else if is_absent && !is_replaced {

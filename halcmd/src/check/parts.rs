@@ -1,6 +1,6 @@
 //! Parts of a machine: the modules and programs that its files load, and whether each is there.
 
-use crate::{Error, session::dry_run::DryRun, standin};
+use crate::{Error, language::command::is_interpreter, session::dry_run::DryRun, standin};
 use hal_protocol::{At, Kind, Link, Reply, Request};
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -56,7 +56,11 @@ pub(super) fn text(
         let of_screen = result.of_screen.contains(name) || standin::is_screen(name);
         let origin = match (is_module, is_absent) {
             _ if of_screen => Origin::Screen,
-            (false, _) | (true, true) if standin::drives_hardware(name) => Origin::Hardware,
+            (false, _) | (true, true)
+                if standin::drives_hardware(name) || result.hardware.contains(name) =>
+            {
+                Origin::Hardware
+            }
             (_, true) => Origin::Missing,
             (true, false) if foreign.contains_key(name) => Origin::InC,
             (true, false) => Origin::Native,
@@ -103,7 +107,11 @@ fn loaded(words: &[String]) -> Option<(&str, bool)> {
             "--prefix" | "-Wn" | "-wn" => drop(words.next()),
             word if word.starts_with('-') => {}
             word => {
-                name = word.rsplit('/').next();
+                let base = word.rsplit('/').next();
+                if base.is_some_and(is_interpreter) {
+                    continue;
+                }
+                name = base;
                 break;
             }
         }
@@ -131,6 +139,7 @@ mod tests {
             ("loadrt --c --prefix p mine", Some(("mine", true))),
             ("loadusr -W hy_vfd -n vfd", Some(("hy_vfd", false))),
             ("loadusr -Wn vfd /usr/bin/hy_vfd", Some(("hy_vfd", false))),
+            ("loadusr -Wn mpg python -u /x/mpg.py --port=/dev/ttyUSB0", Some(("mpg.py", false))),
             ("loadusr", None),
             ("net a b", None),
         ] {

@@ -133,7 +133,33 @@ pub struct Launch {
     pub args: Vec<String>,
 }
 
+/// Programs that execute the file in their first argument.
+const INTERPRETERS: &[&str] =
+    &["python", "python2", "python3", "sh", "bash", "perl", "sudo", "env"];
+
+/// Returns the last part of a path.
+fn base(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+/// Returns whether a program of this name executes the file in its first argument.
+pub(crate) fn is_interpreter(name: &str) -> bool {
+    INTERPRETERS.contains(&name)
+}
+
 impl Launch {
+    /// Returns the name of the program without its folder; for an interpreter, that of the file that it executes.
+    pub(crate) fn name(&self) -> &str {
+        let own = base(&self.program);
+        let file = self.args.iter().find(|arg| !arg.starts_with('-'));
+        file.filter(|_| is_interpreter(own)).map_or(own, |file| base(file))
+    }
+
+    /// Returns whether an argument names a device.
+    pub(crate) fn names_device(&self) -> bool {
+        self.args.iter().any(|arg| arg.contains("/dev/"))
+    }
+
     /// Returns the name of the component that the program should make: the given name, or that of
     /// the program.
     #[must_use]

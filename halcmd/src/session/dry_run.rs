@@ -62,6 +62,8 @@ pub struct DryRunResult {
     pub loaded: BTreeSet<String>,
     /// Programs that belong to a screen: files of `POSTGUI_HALFILE` start them.
     pub of_screen: BTreeSet<String>,
+    /// Programs with an argument that names a device.
+    pub hardware: BTreeSet<String>,
     /// Loaded modules and programs that are not there.
     pub absent: BTreeSet<String>,
 }
@@ -216,10 +218,12 @@ impl DryRun {
     /// Returns the stand-ins for what is missing and asked for.
     pub(crate) fn stand_ins(&mut self, asked: &Asked) -> StandIns {
         let wires = Wires::of(&mut self.engine);
-        let DryRunResult { unknown, of_screen, loaded, absent, statements, .. } = &self.result;
+        let DryRunResult { unknown, of_screen, hardware, loaded, absent, statements, .. } =
+            &self.result;
         let makers = unknown.makers().map(|maker| {
             let name = maker.name();
-            (name, matches!(maker, Maker::Screen(_)) || of_screen.contains(name))
+            let is_screen = matches!(maker, Maker::Screen(_)) || of_screen.contains(name);
+            (name, is_screen, hardware.contains(name))
         });
         let facts = Facts {
             makers: makers.collect(),

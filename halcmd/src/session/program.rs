@@ -25,7 +25,7 @@ impl Session<'_> {
         if self.state()?.lock.0 & Lock::LOAD.0 != 0 {
             return Err(Error::Locked);
         }
-        let base = program.rsplit('/').next().unwrap_or_default();
+        let base = launch.name();
         let of_screen = self.is_postgui && launch.is_of_screen();
         if self.stand_ins.replaces(base) || of_screen && self.stand_ins.is_headless() {
             self.note(&format!("a stand-in is there for '{base}'"));
@@ -58,7 +58,12 @@ impl Session<'_> {
         }
         self.note(&format!("Program '{program}' started"));
         let result = if launch.until_ready {
-            self.until_ready(&mut child, program, &expected, &before)
+            let ready = self.until_ready(&mut child, program, &expected, &before);
+            if ready.is_err() && self.stand_ins.is_simulated() && !self.link.is_ending() {
+                let text = format!("--stub {base} puts pins in the place of this program");
+                self.warn_at(&text);
+            }
+            ready
         } else if launch.until_end {
             self.until_end(&mut child, launch)
         } else {
@@ -196,10 +201,7 @@ impl Session<'_> {
             if polls == SILENT_POLLS {
                 self.warn_at(&format!("Waiting for component '{component}' to become ready."));
                 if self.stand_ins.is_simulated() {
-                    let base = program.rsplit('/').next().unwrap_or_default();
-                    self.warn_at(&format!(
-                        "if it waits for hardware or a screen: --stub {base} puts pins in its place"
-                    ));
+                    self.warn_at("it may wait for hardware or a screen that is not here");
                 }
                 for other in self.components()?.iter().filter(|c| !before.contains(c)) {
                     self.warn_at(&format!(

@@ -65,6 +65,11 @@ impl Asked {
         }
     }
 
+    /// Returns whether hardware is simulated.
+    pub(super) const fn is_simulated(&self) -> bool {
+        self.simulated
+    }
+
     /// Returns whether no screen is shown.
     pub(crate) const fn is_headless(&self) -> bool {
         self.headless

@@ -10,6 +10,9 @@ use super::{
 use hal_protocol::{At, Direction, Type};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Ends of the names of pins that a function has by itself.
+const TIMES: [&str; 3] = [".time", ".tmax", ".tmax-increased"];
+
 /// Beginning of the inputs that get the speed of a spindle, in turns per second; its number follows.
 pub(super) const RPS: &str = "standin.sim.rps-";
 
@@ -198,7 +201,14 @@ impl Named {
             }
         }
         let mut pins = Vec::new();
-        for (name, uses) in &self.uses {
+        // Times of functions are pins that functions have by themselves.
+        let is_time = |name: &str| {
+            TIMES.iter().any(|end| {
+                let funct = name.strip_suffix(end);
+                funct.is_some_and(|funct| self.functs.iter().any(|other| other == funct))
+            })
+        };
+        for (name, uses) in self.uses.iter().filter(|(name, _)| !is_time(name)) {
             let known = uses.signals.iter().find_map(|signal| self.known_type(signal, wires));
             let given = uses.value.as_deref().and_then(type_of);
             let ty = known.or_else(|| given.filter(|_| uses.signals.is_empty()));

@@ -116,6 +116,9 @@ const KNOWN: &[Known] = &[
     screen("classicladder", &[]),
 ];
 
+/// Beginning of the paths of devices.
+const DEVICE: &[u8] = b"/dev/";
+
 /// Returns what is known of a name.
 pub(crate) fn find(name: &str) -> Option<&'static Known> {
     KNOWN.iter().find(|known| known.name == name)
@@ -130,6 +133,10 @@ pub(super) fn is_view(name: &str) -> bool {
 /// Returns whether a text names a program that a simulation replaces, or a module of hardware.
 pub(crate) fn is_named_in(text: &[u8]) -> bool {
     let lines = text.split(|c| *c == b'\n').filter_map(|line| line.split(|c| *c == b'#').next());
+    // An argument that names a device is one of such a program.
+    if text.windows(DEVICE.len()).any(|part| part == DEVICE) {
+        return true;
+    }
     lines.flat_map(|line| line.split(|c| c.is_ascii_whitespace() || *c == b'/')).any(|word| {
         let known = KNOWN.iter().find(|known| known.name.as_bytes() == word);
         let is_view = core::str::from_utf8(word).is_ok_and(is_view);

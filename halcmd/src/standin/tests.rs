@@ -113,6 +113,11 @@ fn outputs_are_written_by_the_function_that_reads() {
 
 #[test]
 fn what_is_known_is_not_made_again() {
+    let (pins, _) = inferred(
+        "",
+        "addf card.read t\nnet s card.read.time\nnet t card.read.tmax\nnet u card.read.times",
+    );
+    assert_eq!(pins, ["card.read.times|bit|in|0||?"]);
     let (pins, functs) =
         inferred("x card.0.a in", "setp card.0.a 1\nsetp card.0.b 1\nsetp and2.0.in0 1");
     assert_eq!((pins, functs.len()), (vec!["card.0.b|float|in|||".to_owned()], 0));

@@ -24,6 +24,9 @@ const INTERFACES: [(&str, &str, &[&str]); 5] = [
     ("HAL", "HALUI", &["halui"]),
 ];
 
+/// Entries that name the component of a program, in the files of mb2hal and vfdmod.
+const NAMED_BY: [&str; 2] = ["HAL_MODULE_NAME", "ComponentName"];
+
 /// Component of LinuxCNC's programs that show a machine.
 const VIEW: &str = "vismach";
 /// Failure code for a name that does not exist.
@@ -191,7 +194,7 @@ impl Session<'_> {
     /// Handles `loadusr`. The pins of our own programs are known; those of other programs are not.
     fn expect_program(&mut self, launch: &Launch) -> Result<(), Error> {
         let at = self.current_line();
-        let base = launch.program.rsplit('/').next().unwrap_or_default().to_owned();
+        let base = launch.name().to_owned();
         if base == hal_manualtoolchange::NAME {
             return Ok(hal_manualtoolchange::join(self.link)?);
         }
@@ -200,6 +203,9 @@ impl Session<'_> {
         result.loaded.insert(base.clone());
         if of_screen {
             result.of_screen.insert(base.clone());
+        }
+        if launch.names_device() {
+            result.hardware.insert(base.clone());
         }
         let is_there = program::exists(&launch.program, |path| self.found_at(path));
         if !is_there {
@@ -233,7 +239,23 @@ impl Session<'_> {
         for word in &launch.args {
             unknown.expect(word.rsplit('=').next().unwrap_or_default(), &at, program);
         }
+        // Drivers of Modbus devices get it in a file of their own.
+        let named: Vec<String> = launch.args.iter().flat_map(|word| self.named_in(word)).collect();
+        for name in named {
+            self.unknown_names().expect(&name, &at, program);
+        }
         Ok(())
+    }
+
+    /// Returns the names of components that a program's own file of settings gives, if an argument names that file.
+    fn named_in(&self, word: &str) -> Vec<String> {
+        let path = self.found_at(word.rsplit('=').next().unwrap_or_default());
+        let is_file = path.extension().is_some_and(|e| e == "ini") && path.is_file();
+        let text = is_file.then(|| hal_ini::file::whole(&path).ok()).flatten().unwrap_or_default();
+        let text = String::from_utf8_lossy(&text).into_owned();
+        let entries = text.lines().filter_map(|line| line.split_once('='));
+        let names = entries.filter(|(name, _)| NAMED_BY.contains(&name.trim()));
+        names.map(|(_, value)| value.trim().to_owned()).collect()
     }
 
     /// Expects the pins of the user interfaces that an INI file starts.
