@@ -116,6 +116,8 @@ pub struct Session<'a> {
     pub(crate) sleeps_on_the_clock: bool,
     /// The lines are those of a file of `POSTGUI_HALFILE`.
     pub(crate) is_postgui: bool,
+    /// A dry run before a start: what can be read only once is left to the start.
+    pub(crate) is_first_look: bool,
     /// Request for stand-ins in a dry run.
     pub(crate) asked: Asked,
     /// Stand-ins of the machine.
@@ -167,6 +169,7 @@ impl<'a> Session<'a> {
             pass: None,
             sleeps_on_the_clock: false,
             is_postgui: false,
+            is_first_look: false,
             asked: Asked::default(),
             stand_ins: StandIns::default(),
             open_commands: Vec::new(),

@@ -20,6 +20,7 @@ const GROUPS: &[&[Explanation]] = &[
     loading::ROWS,
     links::ROWS,
     wiring::ROWS,
+    ini::WIRING,
     values::ROWS,
     functs::ROWS,
     steps::ROWS,

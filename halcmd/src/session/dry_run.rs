@@ -154,6 +154,7 @@ impl DryRun {
         let style = Style { keep_going: true, ..Style::default() };
         let mut session = Session::new(&mut engine, &mut terminal, style, "trial");
         session.begin_dry_run();
+        session.is_first_look = asked.is_some();
         session.asked = match (asked, &ini) {
             (Some(asked), _) => asked.clone(),
             (None, Some(ini)) => Asked::of_ini(ini, true, false),

@@ -22,7 +22,7 @@ impl Session<'_> {
             return Err(Error::TooManySourced { path: path.into() });
         }
         let found = self.found_at(path);
-        if self.is_dry_run() && found.exists() && !found.is_file() {
+        if self.is_first_look && found.exists() && !found.is_file() {
             // A pipe can be read only once.
             self.doubt_what_follows(path);
             return Ok(());

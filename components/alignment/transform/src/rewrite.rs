@@ -133,6 +133,8 @@ impl Program<'_> {
         let mut known = Known::default();
         let mut words = Words::default();
         let (mut header, mut begun, mut ended) = (self.options.header.is_some(), false, false);
+        // Behind a last % of a program without a first one, subroutines are found all the same.
+        let mut is_framed = false;
         for (number, line) in (1_u32..).zip(text.split_inclusive(|b| *b == b'\n')) {
             let body = without_end(line);
             let end = line.get(body.len()..).unwrap_or_default();
@@ -143,7 +145,8 @@ impl Program<'_> {
                 header = false;
             }
             if ended || percent {
-                ended = ended || begun;
+                is_framed = is_framed || !begun;
+                ended = ended || begun && is_framed;
                 begun = begun || percent;
                 out.text.extend(line);
                 continue;

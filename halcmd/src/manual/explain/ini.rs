@@ -213,19 +213,21 @@ pub(super) const ROWS: &[Explanation] = &[
         ),
         right: TOOLS,
     },
-    Explanation {
-        code: Code::ToolChangeOpen,
-        means: "The machine has a tool table, and the request for a tool and the pin that answers it are not \
-                linked.",
-        matters: "The first T or M6 of a program waits for ever.",
-        remedy: "Link what changes tools, such as hal_manualtoolchange; or link each request to its answer.",
-        wrong: concat!(
-            machine!(
-                "",
-                "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[EMCIO]\nTOOL_TABLE = m.tbl\n# <--\n"
-            ),
-            "--- m.tbl\nT1 P1\n"
-        ),
-        right: TOOLS,
-    },
 ];
+
+/// Wiring that only the machine's INI file shows to be wrong.
+pub(super) const WIRING: &[Explanation] = &[Explanation {
+    code: Code::ToolChangeOpen,
+    means: "The machine has a tool table, and the request for a tool and the pin that answers it are not \
+                linked.",
+    matters: "The first T or M6 of a program waits for ever.",
+    remedy: "Link what changes tools, such as hal_manualtoolchange; or link each request to its answer.",
+    wrong: concat!(
+        machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[EMCIO]\nTOOL_TABLE = m.tbl\n# <--\n"
+        ),
+        "--- m.tbl\nT1 P1\n"
+    ),
+    right: TOOLS,
+}];

@@ -119,7 +119,7 @@ fn in_another_environment() {
         &[
             ("LC_ALL", "de_DE.UTF-8"),
             ("LANG", "tr_TR.UTF-8"),
-            ("HOME", "/nonexistent"),
+            ("HOME", "/dev/null/none"),
             ("TZ", "Pacific/Chatham"),
             ("PADDING", &padding),
         ],
@@ -144,7 +144,7 @@ fn a_program_that_is_awaited_moves_no_machine_time() {
         "loadrt threads name1=fast period1=1000000\nloadrt siggen\naddf siggen.0.update fast\nstart\nrun 5ms\n",
     );
     for seconds in ["0", "0.003", "0.011", "0.02", "0.033", "1.3"] {
-        writeln!(script, "loadusr -w sleep {seconds}\ngetp siggen.0.sine").unwrap();
+        writeln!(script, "loadusr -w sh -c \"sleep {seconds}\"\ngetp siggen.0.sine").unwrap();
     }
     script.push_str("run 5ms\ngetp siggen.0.sine\n");
     let scratch = Scratch::new("awaited");

@@ -19,6 +19,7 @@ use std::{
     net::{TcpListener, UdpSocket},
     os::fd::OwnedFd,
     path::Path,
+    sync::atomic::{AtomicU8, Ordering::Relaxed},
 };
 
 /// Columns of the rows of a table in `tests/compat/outside/`.
@@ -337,9 +338,11 @@ fn ports_by_instruction_are_simulated() {
 /// whether a packet came.
 fn with_card(program: &str, words: &[&str]) -> Option<(Output, bool)> {
     let folder = installed()?;
-    // An address for each process: the port of the cards is fixed.
+    // An address for each process and test: the port of the cards is fixed.
+    static CARDS: AtomicU8 = AtomicU8::new(64);
+    let net = CARDS.fetch_add(1, Relaxed);
     let [low, high, ..] = std::process::id().to_le_bytes();
-    let address = format!("127.77.{high}.{}", low | 1);
+    let address = format!("127.{net}.{high}.{}", low | 1);
     let card = UdpSocket::bind((address.as_str(), 27181)).unwrap();
     card.set_nonblocking(true).unwrap();
     let scratch = Scratch::new("outside-card");
