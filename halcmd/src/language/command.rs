@@ -137,6 +137,22 @@ pub struct Launch {
 const INTERPRETERS: &[&str] =
     &["python", "python2", "python3", "sh", "bash", "perl", "sudo", "env"];
 
+/// Beginnings of the paths of devices that programs drive hardware with.
+pub(crate) const DEVICES: &[&str] = &[
+    "/dev/tty",
+    "/dev/serial",
+    "/dev/rfcomm",
+    "/dev/usb",
+    "/dev/hidraw",
+    "/dev/input",
+    "/dev/i2c",
+    "/dev/spi",
+    "/dev/gpio",
+    "/dev/parport",
+    "/dev/can",
+    "/dev/comedi",
+];
+
 /// Returns the last part of a path.
 fn base(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
@@ -155,9 +171,10 @@ impl Launch {
         file.filter(|_| is_interpreter(own)).map_or(own, |file| base(file))
     }
 
-    /// Returns whether an argument names a device.
+    /// Returns whether an argument names a device of a port, a bus or a person's hand.
     pub(crate) fn names_device(&self) -> bool {
-        self.args.iter().any(|arg| arg.contains("/dev/"))
+        let is_named = |arg: &String| DEVICES.iter().any(|device| arg.contains(device));
+        self.args.iter().any(is_named)
     }
 
     /// Returns the name of the component that the program should make: the given name, or that of

@@ -1,5 +1,7 @@
 //! Components and programs that drive hardware or show a screen, with the beginnings of their pins.
 
+use crate::language::command::DEVICES;
+
 /// Kind of a known name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PartKind {
@@ -116,9 +118,6 @@ const KNOWN: &[Known] = &[
     screen("classicladder", &[]),
 ];
 
-/// Beginning of the paths of devices.
-const DEVICE: &[u8] = b"/dev/";
-
 /// Returns what is known of a name.
 pub(crate) fn find(name: &str) -> Option<&'static Known> {
     KNOWN.iter().find(|known| known.name == name)
@@ -134,7 +133,8 @@ pub(super) fn is_view(name: &str) -> bool {
 pub(crate) fn is_named_in(text: &[u8]) -> bool {
     let lines = text.split(|c| *c == b'\n').filter_map(|line| line.split(|c| *c == b'#').next());
     // An argument that names a device is one of such a program.
-    if text.windows(DEVICE.len()).any(|part| part == DEVICE) {
+    let has = |device: &&str| text.windows(device.len()).any(|part| part == device.as_bytes());
+    if DEVICES.iter().any(has) {
         return true;
     }
     lines.flat_map(|line| line.split(|c| c.is_ascii_whitespace() || *c == b'/')).any(|word| {

@@ -97,7 +97,13 @@ fn work_that_waits_for_its_turn_ends_with_its_request() {
             Ok(())
         });
         let second = async {
-            let mut waits = Box::pin(pool.run("eva", |_| Ok(())));
+            // It would never end, even if its turn comes at once.
+            let endless = |work: &mut Work| -> Result<(), Error> {
+                loop {
+                    work.look(0)?;
+                }
+            };
+            let mut waits = Box::pin(pool.run("eva", endless));
             let state =
                 core::future::poll_fn(|cx| core::task::Poll::Ready(waits.as_mut().poll(cx)));
             assert!(state.await.is_pending());
