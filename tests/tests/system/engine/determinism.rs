@@ -144,10 +144,12 @@ fn a_program_that_is_awaited_moves_no_machine_time() {
         "loadrt threads name1=fast period1=1000000\nloadrt siggen\naddf siggen.0.update fast\nstart\nrun 5ms\n",
     );
     for seconds in ["0", "0.003", "0.011", "0.02", "0.033", "1.3"] {
-        writeln!(script, "loadusr -w sh -c \"sleep {seconds}\"\ngetp siggen.0.sine").unwrap();
+        writeln!(script, "loadusr -w sh wait.sh {seconds}\ngetp siggen.0.sine").unwrap();
     }
     script.push_str("run 5ms\ngetp siggen.0.sine\n");
     let scratch = Scratch::new("awaited");
+    // A sleep of the script itself would be machine time.
+    scratch.write("wait.sh", "sleep $1\n");
     scratch.write("wait.hal", script);
     let output = scratch.halrun(&["--virtual", "-f", "wait.hal"]);
     assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)));
