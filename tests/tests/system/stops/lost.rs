@@ -16,8 +16,10 @@ use hal_tests::{
 use rustix::process::Signal;
 use serde::Deserialize;
 use serde_json::{Value, json};
-use std::{collections::BTreeSet, thread};
+use std::{collections::BTreeSet, fs, thread};
 
+/// Folder of programs of a machine whose INI file names none.
+const PROGRAMS: &str = "nc_files";
 /// Cycles for which the machine is watched behind the loss: longer than a lease lasts, and than a brake.
 const WATCHED: usize = 2500;
 /// Cycles for which nothing may move behind that.
@@ -243,9 +245,16 @@ impl Commander {
                 .iter()
                 .find_map(|(name, args)| by_page(rig, socket, name, args))
             }
-            Self::Rsh(rsh) => ["mode auto".to_owned(), format!("open {part}"), "run".to_owned()]
-                .iter()
-                .find_map(|line| meanwhile(rig, || rsh.give(line))),
+            Self::Rsh(rsh) => {
+                // Who speaks lines opens programs of the machine's folder of programs.
+                let text = rig.scratch.read(part);
+                fs::create_dir_all(rig.scratch.path().join(PROGRAMS)).unwrap();
+                rig.scratch.write(&format!("{PROGRAMS}/{part}"), &text);
+                let open = format!("open {PROGRAMS}/{part}");
+                ["mode auto".to_owned(), open, "run".to_owned()]
+                    .iter()
+                    .find_map(|line| meanwhile(rig, || rsh.give(line)))
+            }
             Self::Python(python) => python.order(&format!("run {part}"), &mut || rig.run(1)),
         }
     }
