@@ -18,7 +18,7 @@ mod tests;
 mod wires;
 
 pub(crate) use asked::Asked;
-pub(crate) use known::is_named_in;
+pub(crate) use known::{is_named_in, is_view};
 pub(crate) use wires::Wires;
 
 use hal_protocol::{At, Request};
@@ -42,8 +42,7 @@ pub(crate) fn drives_hardware(name: &str) -> bool {
 
 /// Returns whether a program of this name shows something.
 pub(crate) fn is_screen(name: &str) -> bool {
-    known::is_view(name)
-        || known::find(name).is_some_and(|known| known.kind == known::PartKind::Screen)
+    is_view(name) || known::find(name).is_some_and(|known| known.kind == known::PartKind::Screen)
 }
 
 /// Extent of the simulation in a start of a machine.
@@ -81,6 +80,8 @@ pub(crate) struct Facts<'a> {
 pub(crate) struct StandIns {
     /// Modules and programs whose lines load nothing.
     replaced: BTreeSet<String>,
+    /// Names that were asked for and that no line loads.
+    idle: BTreeSet<String>,
     /// Modules and programs that are not there and are not replaced.
     pub(crate) missing: BTreeSet<String>,
     inferred: Inferred,
@@ -102,12 +103,14 @@ impl StandIns {
                 missing.insert((*name).to_owned());
             }
         }
-        replaced.extend(asked.names().map(str::to_owned));
+        let is_there = |name: &&str| facts.loaded.contains(*name) || facts.used.contains(name);
+        let idle = asked.names().filter(|name| !is_there(name)).map(str::to_owned).collect();
+        replaced.extend(asked.names().filter(is_there).map(str::to_owned));
         let inferred = infer::infer(facts.statements, wires, |name| match (facts.maker)(name) {
             Some(maker) => replaced.contains(maker),
             None => asked.takes_all() && wires.is_foreign(name),
         });
-        Self { replaced, missing, inferred, start: Start::default() }
+        Self { replaced, idle, missing, inferred, start: Start::default() }
     }
 
     /// Returns the stand-ins for a start that simulates this.
@@ -126,7 +129,7 @@ impl StandIns {
     }
 
     /// Returns the modules and programs that are replaced.
-    pub(crate) fn replaced_names(&self) -> impl Iterator<Item = &str> {
+    fn replaced_names(&self) -> impl Iterator<Item = &str> {
         self.replaced.iter().map(String::as_str)
     }
 
@@ -148,7 +151,8 @@ impl StandIns {
 
     /// Returns what is replaced and which pins are doubtful, in sentences.
     pub(crate) fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
+        let idle = |name| format!("--stub {name}: no line loads or starts it");
+        let mut notes: Vec<String> = self.idle.iter().map(idle).collect();
         if !self.replaced.is_empty() {
             let names: Vec<&str> = self.replaced_names().collect();
             let functs = match self.inferred.functs.len() {

@@ -1,6 +1,6 @@
 //! Parts of a machine: the modules and programs that its files load, and whether each is there.
 
-use crate::{Error, language::command::is_interpreter, session::dry_run::DryRun, standin};
+use crate::{Command, Error, language::syntax::Statement, session::dry_run::DryRun, standin};
 use hal_protocol::{At, Kind, Link, Reply, Request};
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -52,6 +52,7 @@ pub(super) fn text(
     let mut parts: BTreeMap<(Origin, String), At> = BTreeMap::new();
     for (at, words) in &result.statements {
         let Some((name, is_module)) = loaded(words) else { continue };
+        let name = name.as_str();
         let is_absent = result.absent.contains(name);
         let of_screen = result.of_screen.contains(name) || standin::is_screen(name);
         let origin = match (is_module, is_absent) {
@@ -93,30 +94,14 @@ pub(super) fn text(
 }
 
 /// Returns the name of the module or program that a line loads or starts, and whether it is a module.
-fn loaded(words: &[String]) -> Option<(&str, bool)> {
-    let mut words = words.iter().map(String::as_str);
-    let is_module = match words.next()? {
-        "loadrt" => true,
-        "loadusr" => false,
-        _ => return None,
-    };
-    let mut name = None;
-    while let Some(word) = words.next() {
-        match word {
-            // The option takes a word.
-            "--prefix" | "-Wn" | "-wn" => drop(words.next()),
-            word if word.starts_with('-') => {}
-            word => {
-                let base = word.rsplit('/').next();
-                if base.is_some_and(is_interpreter) {
-                    continue;
-                }
-                name = base;
-                break;
-            }
+fn loaded(words: &[String]) -> Option<(String, bool)> {
+    match Statement::of_words(words).0.command().ok()? {
+        Command::Launch(launch) => Some((launch.name().to_owned(), false)),
+        Command::Send(Request::Load { module, .. } | Request::LoadForeign { module, .. }, _) => {
+            Some((module, true))
         }
+        _ => None,
     }
-    Some((name?, is_module))
 }
 
 /// Returns the components in C with their files.
@@ -144,7 +129,9 @@ mod tests {
             ("net a b", None),
         ] {
             let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
-            assert_eq!(loaded(&words), want, "{line}");
+            let found = loaded(&words);
+            let found = found.as_ref().map(|(name, is_module)| (name.as_str(), *is_module));
+            assert_eq!(found, want, "{line}");
         }
     }
 }

@@ -158,17 +158,12 @@ fn base(path: &str) -> &str {
     path.rsplit('/').next().unwrap_or(path)
 }
 
-/// Returns whether a program of this name executes the file in its first argument.
-pub(crate) fn is_interpreter(name: &str) -> bool {
-    INTERPRETERS.contains(&name)
-}
-
 impl Launch {
     /// Returns the name of the program without its folder; for an interpreter, that of the file that it executes.
     pub(crate) fn name(&self) -> &str {
         let own = base(&self.program);
         let file = self.args.iter().find(|arg| !arg.starts_with('-'));
-        file.filter(|_| is_interpreter(own)).map_or(own, |file| base(file))
+        file.filter(|_| INTERPRETERS.contains(&own)).map_or(own, |file| base(file))
     }
 
     /// Returns whether an argument names a device of a port, a bus or a person's hand.
@@ -182,7 +177,7 @@ impl Launch {
     #[must_use]
     pub fn expected(&self) -> String {
         self.component.clone().unwrap_or_else(|| {
-            let base = self.program.rsplit('/').next().unwrap_or(&self.program);
+            let base = base(&self.program);
             base.split('.').next().unwrap_or(base).to_owned()
         })
     }

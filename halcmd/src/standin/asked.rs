@@ -43,7 +43,8 @@ impl Asked {
         self.all || !self.names.is_empty()
     }
 
-    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+    /// Returns the names that a person gave.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(String::as_str)
     }
 

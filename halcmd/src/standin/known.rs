@@ -124,7 +124,7 @@ pub(crate) fn find(name: &str) -> Option<&'static Known> {
 }
 
 /// Returns whether a program is a view of a machine, as LinuxCNC's are, by its name.
-pub(super) fn is_view(name: &str) -> bool {
+pub(crate) fn is_view(name: &str) -> bool {
     let stem = name.strip_suffix(".py").unwrap_or(name);
     stem.ends_with("gui") || stem.ends_with("_vismach")
 }

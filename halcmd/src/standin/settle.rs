@@ -3,7 +3,7 @@
 use super::{
     StandIns,
     healthy::{self, Driver, Want},
-    infer::RPS,
+    infer::{Pin, RPS},
     reach,
     wires::Wires,
 };
@@ -89,7 +89,9 @@ impl StandIns {
     /// # Errors
     /// On the real clock, motion depends on a stand-in. A value is refused.
     pub(crate) fn settle(&self, link: &mut dyn Link, last: bool) -> Result<BTreeSet<u32>, Error> {
-        if self.inferred.pins.is_empty() && !self.start.ports && !self.start.homes {
+        // Homes are asked for once, before motion gets its data.
+        let homes = self.start.homes && !last;
+        if self.inferred.pins.is_empty() && !self.start.ports && !homes {
             return Ok(BTreeSet::new());
         }
         let wires = Wires::of(link);
@@ -108,24 +110,21 @@ impl StandIns {
         }
         let is_source = |pin: &str| is_ours(pin) || self.start.ports && line(&wires, pin).is_some();
         let mut made: Made = last.then(BTreeMap::new);
-        for (pin, want) in healthy::wants(&wires, &is_source) {
-            match line(&wires, &pin).filter(|_| !is_ours(&pin)) {
+        let wants = healthy::wants(&wires, &is_source);
+        for (pin, want) in &wants {
+            match line(&wires, pin).filter(|_| !is_ours(pin)) {
                 Some((bit, opposite)) => {
                     if let Want::Bit(value) = want {
-                        set(link, &wires, &bit, value ^ opposite)?;
+                        set(link, &wires, &bit, *value ^ opposite)?;
                     }
                 }
-                None => self.give(link, &wires, &pin, &want, &mut made)?,
+                None => self.give(link, &wires, pin, want, &mut made)?,
             }
         }
-        for pin in self.inferred.pins.iter().filter(|pin| pin.is_plain_bit()) {
+        let free = |pin: &&Pin| pin.is_plain_bit() && !wants.contains_key(&pin.name);
+        for pin in self.inferred.pins.iter().filter(free) {
             let end = pin.name.rsplit('.').next().unwrap_or_default();
-            let has_want = wires
-                .signal_of(&pin.name)
-                .is_some_and(|signal| wires.signals.get(signal).is_some_and(|s| s.pins.len() > 1));
-            let works =
-                WORKING.iter().any(|word| end == *word || end.ends_with(&format!("-{word}")));
-            if works && !(has_want && end == "at-speed") {
+            if WORKING.iter().any(|word| end == *word || end.ends_with(&format!("-{word}"))) {
                 set(link, &wires, &format!("{SIM}{}", pin.name), true)?;
             }
         }
@@ -135,7 +134,7 @@ impl StandIns {
                 follow(link, &wires, &pin.name, &from, &mut made)?;
             }
         }
-        Ok(if self.start.homes { unswitched(&wires, &is_source) } else { BTreeSet::new() })
+        Ok(if homes { unswitched(&wires, &is_source) } else { BTreeSet::new() })
     }
 
     /// Gives an output of a stand-in its value.

@@ -161,6 +161,18 @@ fn wants_go_back_through_logic() {
             "a=1 b=0",
         ),
         ("debounce d.0.out out home\ndebounce d.0.in in s\nc card.a out s", "a=0"),
+        // Feedback and answers are those of their requests.
+        ("motmod joint.0.motor-pos-fb fin fb\nc card.a fout fb", "a~joint.0.motor-pos-cmd"),
+        (
+            "iocontrol iocontrol.0.tool-changed in done\nc card.a out done",
+            "a~iocontrol.0.tool-change",
+        ),
+        ("near n.out out fast\nnear n.in1 fin cmd\nnear n.in2 fin fb\nc card.a fout fb", "a~n.in1"),
+        ("halui halui.program.pause in p\nc card.a out p", "a=0"),
+        (
+            "xor2 x.out out lim\nxor2 x.in0 in s\nxor2 x.in1 in t\nc card.a out s\nc card.b out t",
+            "a=0 b=0",
+        ),
         // The e-stop counts before a limit on the same wire.
         ("c card.a out ok\nmotmod joint.1.neg-lim-sw-in in ok", "a=1"),
         // Nothing is wanted of what a component computes, or of what nobody reads.
@@ -177,6 +189,33 @@ fn wants_go_back_through_logic() {
             })
             .collect();
         assert_eq!(found.join(" "), want, "{chain}");
+    }
+}
+
+/// A table of five inputs gives the row with the fewest inputs that are TRUE, of those that are linked.
+#[test]
+fn wants_go_back_through_tables() {
+    let chain = "iocontrol iocontrol.0.emc-enable-in in ok\nlut5 l.out out ok\nlut5 l.in-0 in s\nlut5 l.in-1 in t\n\
+                 lut5 l.in-2 in\nc card.a out s\nc card.b out t";
+    for (function, want) in [
+        (0b1000, "a=1 b=1"),
+        (0b0100, "a=0 b=1"),
+        (0b1110, "a=1 b=0"),
+        (0b0001, "a=0 b=0"),
+        // Only the third input, which is not linked, or nothing makes it TRUE.
+        (0b1_0000, ""),
+        (0, ""),
+    ] {
+        let mut wires = wires(chain);
+        let value = Value::U32(function);
+        let owner = "lut5".to_owned();
+        let pin = Wired { direction: Direction::Rw, value, signal: None, owner };
+        wires.pins.insert("l.function".to_owned(), pin);
+        let found: Vec<String> = wants(&wires, &|pin| pin.starts_with("card."))
+            .iter()
+            .map(|(pin, want)| format!("{}={}", &pin[5..], u8::from(*want == Want::Bit(true))))
+            .collect();
+        assert_eq!(found.join(" "), want, "{function:#b}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The pins and signals of an instance.
 
-use hal_protocol::{Direction, ItemInfo, Kind, Link, Reply, Request, SignalInfo, Type, Value};
+use hal_protocol::{Direction, Kind, Link, Reply, Request, SignalInfo, Type, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A pin or parameter.
@@ -25,24 +25,18 @@ pub(crate) struct Wires {
 impl Wires {
     /// Reads them from an engine.
     pub(crate) fn of(link: &mut dyn Link) -> Self {
-        let mut list = |kind| {
-            let hidden = vec!["*".to_owned()];
-            // Pins of simulation are listed only when a pattern names them.
-            let sim = vec!["*.sim.*".to_owned()];
-            let mut ask = |patterns| link.call(Request::List { kind, patterns, ty: None });
-            let all = ask(hidden);
-            (all, matches!(kind, Kind::Pins).then(|| ask(sim)))
+        let mut list = |kind, pattern: &str| {
+            link.call(Request::List { kind, patterns: vec![pattern.to_owned()], ty: None })
         };
-        let items = |reply| match reply {
+        // Pins of simulation are listed only when a pattern names them.
+        let lists = [(Kind::Pins, "*"), (Kind::Pins, "*.sim.*"), (Kind::Params, "*")];
+        let items = lists.map(|(kind, pattern)| match list(kind, pattern) {
             Ok(Reply::Items(items)) => items,
             _ => Vec::new(),
-        };
-        let (pins, sim) = list(Kind::Pins);
-        let mut all: Vec<ItemInfo> = items(pins);
-        all.extend(sim.map(items).unwrap_or_default());
-        all.extend(items(list(Kind::Params).0));
+        });
+        let (signals, functs) = (list(Kind::Signals, "*"), list(Kind::Functs, "*"));
         let mut wires = Self::default();
-        for item in all {
+        for item in items.into_iter().flatten() {
             let wired = Wired {
                 direction: item.direction,
                 value: item.value,
@@ -54,10 +48,10 @@ impl Wires {
             }
             wires.pins.insert(item.name, wired);
         }
-        if let Ok(Reply::Signals(signals)) = list(Kind::Signals).0 {
+        if let Ok(Reply::Signals(signals)) = signals {
             wires.signals = signals.into_iter().map(|s| (s.name.clone(), s)).collect();
         }
-        if let Ok(Reply::Functs(functs)) = list(Kind::Functs).0 {
+        if let Ok(Reply::Functs(functs)) = functs {
             wires.functs = functs.into_iter().map(|f| f.name).collect();
         }
         let names = wires.pins.keys().chain(&wires.functs);

@@ -19,7 +19,7 @@ echo "-- a script"
 halrun --instance b --virtual --stub hostmot2,hm2_eth -f script.hal 2>&1 </dev/null
 echo "status $?"
 echo "-- a mistake"
-halrun --instance b --virtual --stub missing -f misspelt.hal 2>&1 </dev/null
+halrun --instance b --virtual --stub missing,lcecc -f misspelt.hal 2>&1 </dev/null
 echo "status $?"
 echo "-- the parts, and the page of a trial, which leaves nothing behind"
 rm -f *.var *.spindle named.ini

@@ -77,7 +77,7 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     trap::watch();
     let simulated = host.flags & host_flags::SIMULATED != 0;
     if simulated {
-        outside::check(&path, &elf).map_err(refuse(Status(-libc::EPERM)))?;
+        outside::check(&path, &elf).map_err(String::from).map_err(refuse(Status(-libc::EPERM)))?;
     }
     let before = objects::mapped();
     let handle =
@@ -93,7 +93,9 @@ fn load_file(host: Host, file: ForeignFile) -> Result<(), Refusal> {
     let main = module::main(handle)
         .map_err(|why| (Status::EINVAL, format!("{}: {why}", path.display())))?;
     find_providers(&host, &file, &elf)?;
-    outside::redirect(&module, &before).map_err(refuse(Status(-libc::EPERM)))?;
+    outside::redirect(&module, &before)
+        .map_err(String::from)
+        .map_err(refuse(Status(-libc::EPERM)))?;
     // SAFETY: the engine's words, alive during the load.
     let words = unsafe { core::slice::from_raw_parts(file.words, file.n_words) };
     let words: Vec<String> = words.iter().map(|w| text(*w)).collect();

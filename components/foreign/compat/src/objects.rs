@@ -1,5 +1,6 @@
 //! Libraries in this process: which there are, and the places that hold the addresses of what each one imports.
 
+use crate::outside::OutsideError;
 use core::ffi::{CStr, c_char, c_int, c_void};
 use std::ffi::CString;
 
@@ -180,17 +181,16 @@ impl Mapped {
     pub(crate) fn redirect(
         &self,
         with: impl Fn(&CStr) -> Option<*const c_void>,
-    ) -> Result<(), String> {
+    ) -> Result<(), OutsideError> {
         let mut failed = None;
         self.imports(|place, name| {
             if let Some(with) = with(name)
                 && !self.write(place, with)
             {
-                failed = Some(format!(
-                    "the call of {} cannot be redirected: {}",
-                    name.to_string_lossy(),
-                    std::io::Error::last_os_error()
-                ));
+                failed = Some(OutsideError::NotRedirected {
+                    name: name.to_string_lossy().into_owned().into(),
+                    why: std::io::Error::last_os_error().to_string().into(),
+                });
             }
         });
         failed.map_or(Ok(()), Err)

@@ -22,7 +22,7 @@ const MAX_FILES: usize = 64;
 pub(super) fn prepare(session: &mut Session<'_>, plan: &Plan, files: &Files) -> Outcome {
     let Some((path, ini)) = files_of(plan) else { return Outcome::Good };
     let asked = asked(plan, files);
-    let needed = asked.is_explicit() || needs(plan, files, &path);
+    let needed = asked.is_explicit() || needs(plan, files, &path, &asked);
     let found =
         if needed { of(&path, ini.as_deref(), plan, &asked) } else { Ok(StandIns::default()) };
     // The start itself says what is wrong with the files.
@@ -39,19 +39,20 @@ pub(super) fn prepare(session: &mut Session<'_>, plan: &Plan, files: &Files) -> 
 /// Says which stand-ins would let a machine start that did not.
 pub(super) fn propose(session: &mut Session<'_>, plan: &Plan, files: &Files) {
     let Some((path, ini)) = files_of(plan) else { return };
-    let Ok(found) = of(&path, ini.as_deref(), plan, &asked(plan, files)) else { return };
+    let asked = asked(plan, files);
+    let Ok(found) = of(&path, ini.as_deref(), plan, &asked) else { return };
     if found.missing.is_empty() {
         return;
     }
-    let names: Vec<&str> =
-        found.replaced_names().chain(found.missing.iter().map(String::as_str)).collect();
-    let names =
-        names.into_iter().collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>().join(",");
+    let missing: Vec<&str> = found.missing.iter().map(String::as_str).collect();
+    let names: BTreeSet<&str> = asked.names().chain(missing.iter().copied()).collect();
+    let names: Vec<&str> = names.into_iter().collect();
     session.stand_at(&path, 0);
     let with = if plan.options.simulate { "" } else { " --virtual" };
     session.warn_at(&format!(
-        "not there: {}; pins in their place let the rest of the machine be tried:{with} --stub {names}",
-        found.missing.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
+        "not there: {}; pins in their place let the rest of the machine be tried:{with} --stub {}",
+        missing.join(", "),
+        names.join(",")
     ));
 }
 
@@ -85,7 +86,7 @@ fn asked(plan: &Plan, files: &Files) -> Asked {
 }
 
 /// Returns whether the machine's files name programs of hardware, or pins of a screen that is not shown.
-fn needs(plan: &Plan, files: &Files, path: &str) -> bool {
+fn needs(plan: &Plan, files: &Files, path: &str, asked: &Asked) -> bool {
     let scripts = match (&plan.script, &files.ini) {
         (Script::Hal(_), _) => {
             return plan.options.simulate
@@ -94,11 +95,10 @@ fn needs(plan: &Plan, files: &Files, path: &str) -> bool {
         (_, Some(ini)) => scripts(ini, path),
         _ => return false,
     };
-    let shown = files.ini.as_ref().is_some_and(|ini| display::is_shown(plan, ini));
     let postgui =
         files.ini.as_ref().is_some_and(|ini| ini.all("HAL", "POSTGUI_HALFILE").next().is_some());
     let named = scripts.iter().any(|(path, text)| names(text, path, &mut BTreeSet::new()));
-    !shown && postgui || (plan.options.simulate || plan.headless) && named
+    asked.is_headless() && postgui || (plan.options.simulate || plan.headless) && named
 }
 
 /// Returns whether a text, or a file that it sources, names such a program. `seen` has the files that were looked at.

@@ -232,7 +232,7 @@ impl Session<'_> {
             unknown.expect(name, &at, program);
         }
         // LinuxCNC's views of machines, such as puma560gui, have a second component for the view itself.
-        if stem.ends_with("gui") {
+        if standin::is_view(&base) {
             unknown.expect(VIEW, &at, program);
         }
         // A program often gets the name for its component as an argument.
