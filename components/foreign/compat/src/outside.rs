@@ -65,9 +65,9 @@ pub(crate) fn check(path: &Path, elf: &Elf) -> Result<(), OutsideError> {
 /// Code of a file that cannot be held back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unheld {
-    /// It runs as the file is opened.
+    /// Code that runs as the file is opened.
     Constructor,
-    /// It has the addresses of functions in itself.
+    /// Code with the addresses of functions in itself.
     WithinCode,
 }
 
