@@ -278,8 +278,7 @@ pub(crate) fn mdi(order: &mut SetLine<'_>, _: &[&str]) -> bool {
 pub(crate) fn open(order: &mut SetLine<'_>, args: &[&str]) -> bool {
     !args.is_empty() && {
         let file = format!("file={}", order.rest);
-        // It ends at once; a refusal that nobody waits for would be told nowhere.
-        order.command("task.open", &[file]) && order.wait()
+        order.command("task.open", &[file])
     }
 }
 

