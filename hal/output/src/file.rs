@@ -3,10 +3,11 @@
 use crate::target::Target;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::{
-    fs::File,
+    fs::{File, Permissions},
     io::{self, BufWriter, Error, ErrorKind, Write},
-    os::unix::fs::MetadataExt,
+    os::unix::fs::{MetadataExt, PermissionsExt as _},
     path::Path,
+    time::SystemTime,
 };
 
 /// Size of the write buffer in bytes.
@@ -83,6 +84,26 @@ impl Whole {
             file.sync_all()?;
         }
         self.target.settle(file)
+    }
+
+    /// Completes the file, as [`Self::finish`] does, and stores its name on the disk too.
+    ///
+    /// # Errors
+    /// The system returned an error. The old file is then unchanged, unless only its name could not be stored.
+    pub(crate) fn finish_stored(mut self) -> io::Result<()> {
+        self.out.flush()?;
+        let Out(file) = self.out.get_ref();
+        self.target.settle_stored(file)
+    }
+
+    /// Gives the file these permissions and this time of its last change, behind everything that was written.
+    pub(crate) fn set(&mut self, mode: u32, time: SystemTime) -> io::Result<()> {
+        self.out.flush()?;
+        let Out(file) = self.out.get_ref();
+        // Some file systems have neither.
+        file.set_permissions(Permissions::from_mode(mode)).unwrap_or_default();
+        file.set_modified(time).unwrap_or_default();
+        Ok(())
     }
 }
 

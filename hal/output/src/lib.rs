@@ -3,15 +3,17 @@
 #![forbid(unsafe_code)]
 
 mod file;
+mod history;
 mod program;
 mod stdout;
 mod target;
 mod terminal;
 
 pub use file::{Growing, Whole, close_file, install, write};
+pub use history::{KeptState, MAX_STATES, STATES_FOLDER, keep, states, write_kept};
 pub use program::program;
 pub use stdout::{Unwritten, lose_reader, print, reader_is_gone};
-pub use terminal::{is_coloured, is_person, state_file};
+pub use terminal::{is_coloured, is_person, state_file, state_of_machine};
 
 /// Returns the system's text for an error, without the error number.
 #[must_use]

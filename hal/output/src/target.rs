@@ -38,7 +38,7 @@ struct Attributes {
 }
 
 /// The file that a path means after its links are followed.
-enum Meant {
+pub(crate) enum Meant {
     /// A device, a pipe, or an open file such as `/dev/stdout`, which cannot be replaced.
     Fixed,
     /// A file that does not exist yet.
@@ -154,16 +154,21 @@ impl Disk for Placing<'_> {
     }
 
     fn store_folder(&mut self) -> io::Result<()> {
-        match File::open(folder(&self.target.path))?.sync_all() {
-            // Some file systems store names on their own only.
-            Err(e) if e.kind() == ErrorKind::InvalidInput => Ok(()),
-            stored => stored,
-        }
+        store(folder(&self.target.path))
+    }
+}
+
+/// Stores the names of a folder on the disk.
+pub(crate) fn store(folder: &Path) -> io::Result<()> {
+    match File::open(folder)?.sync_all() {
+        // Some file systems store names on their own only.
+        Err(e) if e.kind() == ErrorKind::InvalidInput => Ok(()),
+        stored => stored,
     }
 }
 
 /// Follows links one by one, because the last link may lead to a file that does not exist.
-fn meant(path: &Path) -> io::Result<Meant> {
+pub(crate) fn meant(path: &Path) -> io::Result<Meant> {
     let mut path = path.to_owned();
     for _ in 0..LINKS {
         let found = match fs::symlink_metadata(&path) {
@@ -189,7 +194,7 @@ fn is_of_processes(folder: &Path) -> bool {
     statfs(folder).is_ok_and(|s| s.f_type == PROC_SUPER_MAGIC)
 }
 
-fn folder(path: &Path) -> &Path {
+pub(crate) fn folder(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

@@ -4,9 +4,12 @@ use std::{
     env, fs,
     os::{
         fd::AsFd,
-        unix::fs::{DirBuilderExt as _, PermissionsExt as _},
+        unix::{
+            ffi::OsStrExt as _,
+            fs::{DirBuilderExt as _, PermissionsExt as _},
+        },
     },
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
 /// Returns whether a person types and reads at a terminal that can move its cursor.
@@ -42,4 +45,17 @@ pub fn state_file(name: &str) -> Option<PathBuf> {
         fs::set_permissions(&folder, fs::Permissions::from_mode(0o700)).unwrap_or_default();
     }
     Some(folder.join(name))
+}
+
+/// Returns the begin of the names of a machine's files in the user's state folder: the name of its INI file, and a number
+/// that the path of it gives. Returns `None` without a home folder.
+#[must_use]
+pub fn state_of_machine(ini: &Path) -> Option<PathBuf> {
+    // FNV-1a: the same number with every compiler.
+    let hash = ini.as_os_str().as_bytes().iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    // A caller gives the name an ending, which replaces the part behind a dot.
+    let stem = ini.file_stem().unwrap_or_default().to_string_lossy().replace('.', "_");
+    state_file(&format!("{stem}-{hash:016x}"))
 }

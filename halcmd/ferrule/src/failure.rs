@@ -27,6 +27,12 @@ pub(crate) enum Failure {
     NotRecorded { line: Box<str> },
     /// The folder of the demonstration holds another file of this name.
     Other { path: PathBuf },
+    /// None of the machine's files has this name.
+    NoKept { name: PathBuf, known: Box<str> },
+    /// A file has no state of this number.
+    NoState { file: Box<str>, number: u32, numbers: Box<[u32]> },
+    /// The machine runs, and writes its files itself.
+    Writes { name: Box<str> },
     /// A question needs a person at a terminal.
     NoTerminal { what: &'static str, instead: &'static str },
     /// Standard output does not take the text.
@@ -70,6 +76,23 @@ impl core::fmt::Display for Failure {
                 f,
                 "{}: is there already, and is not the demonstration's: choose another --folder",
                 path.display()
+            ),
+            Self::NoKept { name, known } => write!(
+                f,
+                "{}: is none of the machine's files with states, which are: {}",
+                name.display(),
+                known
+            ),
+            Self::NoState { file, number, numbers } if numbers.is_empty() => {
+                write!(f, "{file}: has no state {number}: it has none")
+            }
+            Self::NoState { file, number, numbers } => {
+                let numbers: Vec<String> = numbers.iter().map(u32::to_string).collect();
+                write!(f, "{file}: has no state {number}: it has {}", numbers.join(", "))
+            }
+            Self::Writes { name } => write!(
+                f,
+                "instance '{name}' runs and writes its files itself: 'ferrule stop' ends it, then restore"
             ),
             Self::NoTerminal { what, instead } => {
                 write!(f, "{what} asks a person at a terminal: {instead}")

@@ -8,6 +8,7 @@ mod doctor;
 mod failure;
 mod options;
 mod report;
+mod restore;
 mod start;
 mod trial;
 
@@ -46,5 +47,6 @@ fn run(task: &Task) -> Result<ExitCode, Failure> {
         Task::Try(given) => trial::trial(given),
         Task::Doctor(given) => doctor::doctor(given),
         Task::Report(given) => report::report(given),
+        Task::Restore(given) => restore::restore(given),
     }
 }

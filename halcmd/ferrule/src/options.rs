@@ -44,6 +44,8 @@ pub(crate) enum Task {
     Doctor(Doctor),
     /// Pack what a report of a fault needs into an archive, without private details.
     Report(Report),
+    /// List what the machine's files were before their last writes, compare, and go back.
+    Restore(Restore),
 }
 
 /// Options of `ferrule start`.
@@ -132,4 +134,25 @@ pub(crate) struct Report {
     /// Write it without a question.
     #[arg(long)]
     pub(crate) yes: bool,
+}
+
+/// Options of `ferrule restore`.
+#[derive(Debug, Args)]
+pub(crate) struct Restore {
+    /// INI file of the machine.
+    pub(crate) machine: PathBuf,
+    /// The file, as the list names it.
+    pub(crate) file: Option<PathBuf>,
+    /// Number of the state, as the list names it.
+    #[arg(requires = "file")]
+    pub(crate) number: Option<u32>,
+    /// Show the difference, and write nothing.
+    #[arg(long, requires = "number")]
+    pub(crate) compare: bool,
+    /// Write it back without a question.
+    #[arg(long, conflicts_with = "compare")]
+    pub(crate) yes: bool,
+    /// Name of the instance, which must not run.
+    #[arg(long)]
+    pub(crate) instance: Option<String>,
 }

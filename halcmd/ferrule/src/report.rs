@@ -56,7 +56,7 @@ pub(crate) fn report(given: &Report) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn agrees(question: &str) -> Result<bool, Failure> {
+pub(crate) fn agrees(question: &str) -> Result<bool, Failure> {
     hal_output::print(&format!("{question} [y/N] "))?;
     let mut answer = String::new();
     // Without an answer nothing is written.

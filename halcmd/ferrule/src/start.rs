@@ -1,6 +1,6 @@
 //! `ferrule start`: an instance, and the panel beside it, for as long as the instance runs.
 
-use crate::{beside, failure::Failure, options::Start};
+use crate::{beside, failure::Failure, options::Start, restore};
 use hal_ini::Ini;
 use hal_protocol::{Client, Link as _, Place, Reply, Request};
 use rustix::{
@@ -10,6 +10,7 @@ use rustix::{
 use signal_hook::{consts, flag};
 use std::{
     fs,
+    io::{self, Write as _},
     net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener},
     os::unix::process::CommandExt as _,
     path::{Path, PathBuf},
@@ -60,6 +61,10 @@ pub(crate) fn start(given: &Start) -> Result<ExitCode, Failure> {
         if let Some((option, _)) = option.into_iter().find(|(_, is_given)| *is_given) {
             return Err(Failure::PanelOfIni { option });
         }
+    }
+    for failure in restore::keep_description(&given.machine) {
+        // Without standard error there is nowhere to say it.
+        drop(writeln!(io::stderr(), "ferrule: no state to go back to is kept: {failure}"));
     }
     let ending = ending()?;
     let address_file = place.folder().join(format!("panel-{}.url", place.name()));
@@ -201,7 +206,7 @@ fn wait() {
 fn tell(given: &Start, address_file: &Path) -> Result<(), Failure> {
     let address = fs::read_to_string(address_file).map_err(|e| Failure::file(address_file, &e))?;
     let address = address.trim();
-    let is_person = rustix::termios::isatty(std::io::stdout());
+    let is_person = rustix::termios::isatty(io::stdout());
     let shown = if is_person {
         address.to_owned()
     } else {
@@ -274,7 +279,7 @@ impl Running {
     }
 }
 
-fn failed(name: &'static str, error: &std::io::Error) -> Failure {
+fn failed(name: &'static str, error: &io::Error) -> Failure {
     Failure::NotStarted { name, why: hal_output::reason(error).into() }
 }
 

@@ -99,20 +99,38 @@ impl Kept {
             };
             done.map_err(|e| Failure::file(&path, &e))?;
         }
+        // Folders of states that were not there are empty now; the others have something in them.
+        let states = folder.join(hal_output::STATES_FOLDER);
+        for path in folders(&states).into_iter().chain([states]) {
+            fs::remove_dir(path).unwrap_or_default();
+        }
         Ok(())
     }
 }
 
-/// Returns the files of a folder that a machine may have written.
+/// Returns the files of a folder that a machine may have written, and the states that are kept of them.
 fn written(folder: &Path) -> Vec<PathBuf> {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_small = |path: &PathBuf| {
+        fs::symlink_metadata(path).is_ok_and(|m| m.is_file() && m.len() <= MAX_BYTES)
+    };
     let is_written = |path: &PathBuf| {
         let end = path.extension().map(|e| e.to_string_lossy().into_owned());
-        let small = fs::symlink_metadata(path).is_ok_and(|m| m.is_file() && m.len() <= MAX_BYTES);
-        small && end.is_some_and(|end| WRITTEN.contains(&end.as_str()))
+        end.is_some_and(|end| WRITTEN.contains(&end.as_str()))
     };
-    entries.map(|entry| entry.path()).filter(is_written).collect()
+    let own = entries(folder).into_iter().filter(is_written);
+    let states = folders(&folder.join(hal_output::STATES_FOLDER));
+    let states = states.iter().flat_map(|folder| entries(folder));
+    own.chain(states).filter(is_small).collect()
+}
+
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).collect()
+}
+
+fn folders(folder: &Path) -> Vec<PathBuf> {
+    entries(folder).into_iter().filter(|path| path.is_dir()).collect()
 }
 
 /// Differences between the trial and the machine.

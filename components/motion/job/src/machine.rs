@@ -135,12 +135,8 @@ impl Machine {
             out.apply(&ini, files.letters.unwrap_or("XYZ"))?;
             let beside = |name: &str| out.folder.join(name);
             table = ini.get("EMCIO", "TOOL_TABLE").map(beside);
-            out.spindle_file = ini.get("EMCIO", "SPINDLE_FILE").map(beside);
-            if let Some(table) = table.as_ref().filter(|_| out.spindle_file.is_none()) {
-                let mut name = table.clone().into_os_string();
-                name.push(".spindle");
-                out.spindle_file = Some(name.into());
-            }
+            let named = ini.get("EMCIO", "SPINDLE_FILE").map(beside);
+            out.spindle_file = named.or_else(|| spindle::file(table.as_deref()?, files.state));
             parameters = ini.get("RS274NGC", "PARAMETER_FILE").map(beside);
             if ini.section("RS274NGC").next().is_none() {
                 // Nothing is written beside an INI file that says nothing of programs.

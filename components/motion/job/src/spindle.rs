@@ -13,6 +13,7 @@
 //! line before it counts.
 
 use crate::checksum;
+use std::path::{Path, PathBuf};
 
 /// Number of the tool in the spindle if it is unknown.
 pub const UNKNOWN: i32 = -1;
@@ -85,6 +86,15 @@ impl Spindle {
 /// Returns the text of the file.
 pub fn print(before: Spindle, now: Spindle) -> String {
     before.line() + &now.line()
+}
+
+/// Returns the file of the record where the INI file names none: beside the tool table if it is there already, else a file
+/// whose name begins with `state`.
+pub(crate) fn file(table: &Path, state: Option<&Path>) -> Option<PathBuf> {
+    let mut name = table.as_os_str().to_owned();
+    name.push(".spindle");
+    let beside = Some(PathBuf::from(name)).filter(|path| path.exists());
+    beside.or_else(|| Some(state?.with_extension("spindle")))
 }
 
 /// Returns the record of a file; `None` if no line is whole.

@@ -14,7 +14,6 @@ use hal_job::{
 };
 use std::{
     collections::{BTreeMap, BTreeSet},
-    os::unix::ffi::OsStrExt as _,
     path::{Path, PathBuf},
 };
 
@@ -38,7 +37,7 @@ pub(crate) fn read(
     let whole = |file| std::path::absolute(file).unwrap_or_else(|_| Path::new(file).into());
     let given = ini.unwrap_or_default();
     let ini = ini.map(whole);
-    let state = ini.as_deref().filter(|_| !is_virtual).and_then(state);
+    let state = ini.as_deref().filter(|_| !is_virtual).and_then(hal_output::state_of_machine);
     let files = machine::Files {
         ini: ini.as_deref(),
         letters,
@@ -79,17 +78,6 @@ pub(crate) fn read(
     };
     let world = World { machine, hal: BTreeMap::new(), functions: None };
     Ok((Box::new(Core::new(world, rules)?), files))
-}
-
-/// Returns the begin of the names of this machine's files in the user's state folder: its name, and a number that its path
-/// gives. Returns `None` without a home folder.
-fn state(ini: &Path) -> Option<PathBuf> {
-    // FNV-1a: the same number with every compiler.
-    let hash = ini.as_os_str().as_bytes().iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    let stem = ini.file_stem().unwrap_or_default().to_string_lossy();
-    hal_output::state_file(&format!("{stem}-{hash:016x}"))
 }
 
 /// Returns the file of the journal: that of the INI file, or one beside it.

@@ -1,12 +1,15 @@
 //! The folder in which a test runs. It has links to the machine's own files, with some of them
-//! replaced, so that files which the machine writes stay out of the machine's folder.
+//! replaced, so that files which the machine writes stay out of the machine's folder. What a used machine has
+//! remembered (parameters, the tool in the spindle, the journal) is not there, and its tool table is a copy.
 
 use super::{
     outcome::{Complaint, Spot},
     test::{MachineFile, Test},
 };
 use crate::ini::plain;
+use hal_ini::Ini;
 use std::{
+    collections::BTreeSet,
     fs::{self, DirBuilder},
     io,
     os::unix::fs::{DirBuilderExt, symlink},
@@ -78,15 +81,18 @@ pub(super) fn set(test: &Test, stage: &Path) -> Result<(PathBuf, String), Compla
         _ => around.join("machine"),
     };
     fs::create_dir_all(&copy).map_err(wrong)?;
-    let is_replaced = |n: &std::ffi::OsStr| test.replace.iter().any(|(r, _)| *r.name == *n);
-    links(&folder, &copy, &is_replaced).map_err(wrong)?;
+    let written = Written::of(&folder, &name);
+    written.set_up(&folder, &copy, Path::new("")).map_err(wrong)?;
     for (file, text) in &test.replace {
         let plain = Path::new(&file.name).components().all(|c| matches!(c, Component::Normal(_)));
         if !plain || Path::new(&file.name).components().count() != 1 {
             let text = format!("'{}' is not a file beside '{name}'", file.name);
             return Err(Complaint::new(&file.spot, text));
         }
-        fs::write(copy.join(&file.name), text).map_err(wrong)?;
+        let path = copy.join(&file.name);
+        // What stands there is a link to the machine's own file, or nothing.
+        fs::remove_file(&path).or_else(is_gone).map_err(wrong)?;
+        fs::write(path, text).map_err(wrong)?;
     }
     Ok((copy, name))
 }
@@ -122,4 +128,83 @@ fn links(from: &Path, to: &Path, without: &dyn Fn(&std::ffi::OsStr) -> bool) -> 
         }
     }
     Ok(())
+}
+
+fn is_gone(error: io::Error) -> io::Result<()> {
+    if error.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(error) }
+}
+
+/// Entries of an INI file that name files which the machine writes and reads again at its next start.
+const REMEMBERED: [(&str, &str); 4] = [
+    ("RS274NGC", "PARAMETER_FILE"),
+    ("EMCIO", "SPINDLE_FILE"),
+    ("TASK", "JOURNAL"),
+    ("TRAJ", "POSITION_FILE"),
+];
+/// Endings of the names beside such files, the INI file and the tool table.
+const BESIDE: [&str; 3] = ["bak", "spindle", "journal"];
+
+/// Files of a machine that it writes, relative to its folder.
+#[derive(Debug, Default)]
+struct Written {
+    /// Parameters, positions, the tool in the spindle, the journal: a test begins without them.
+    remembered: BTreeSet<PathBuf>,
+    /// The tool table: a test works on a copy.
+    copied: BTreeSet<PathBuf>,
+}
+
+impl Written {
+    /// Finds the files that the INI file `name` of a folder names. A script names none.
+    fn of(folder: &Path, name: &str) -> Self {
+        let mut out = Self::default();
+        let path = folder.join(name);
+        // The start of the machine reports an error of the file.
+        let Some(ini) =
+            path.extension().filter(|e| *e == "ini").and_then(|_| Ini::read(&path).ok())
+        else {
+            return out;
+        };
+        let inside = |name: &str| {
+            let path = folder.join(name.trim());
+            let inside = path.strip_prefix(folder).ok()?;
+            let is_plain = inside.components().all(|c| matches!(c, Component::Normal(_)));
+            is_plain.then(|| inside.to_path_buf())
+        };
+        out.copied.extend(ini.get("EMCIO", "TOOL_TABLE").and_then(inside));
+        for (section, entry) in REMEMBERED {
+            out.remembered.extend(ini.get(section, entry).and_then(inside));
+        }
+        let named = out.remembered.iter().chain(&out.copied).cloned();
+        for file in named.chain([PathBuf::from(name)]).collect::<Vec<_>>() {
+            for ending in BESIDE {
+                let mut longer = file.clone().into_os_string();
+                longer.push(format!(".{ending}"));
+                out.remembered.extend([PathBuf::from(longer), file.with_extension(ending)]);
+            }
+        }
+        out
+    }
+
+    /// Links every entry of a folder of the machine into its copy, but for what the machine writes. `at` is the folder's
+    /// path from the machine's own.
+    fn set_up(&self, from: &Path, to: &Path, at: &Path) -> io::Result<()> {
+        links(from, to, &|name| self.is_about(&at.join(name)))?;
+        for entry in fs::read_dir(from)? {
+            let name = entry?.file_name();
+            let (path, own) = (at.join(&name), from.join(&name));
+            if self.copied.contains(&path) {
+                fs::copy(own, to.join(&name))?;
+            } else if self.is_about(&path) && own.is_dir() && name != hal_output::STATES_FOLDER {
+                fs::create_dir(to.join(&name))?;
+                self.set_up(&own, &to.join(&name), &path)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns whether a file is one of these, or a folder has one of them.
+    fn is_about(&self, path: &Path) -> bool {
+        let mut all = self.remembered.iter().chain(&self.copied);
+        path.ends_with(hal_output::STATES_FOLDER) || all.any(|file| file.starts_with(path))
+    }
 }

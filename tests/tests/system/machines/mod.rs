@@ -7,6 +7,7 @@ mod functions;
 mod haltest;
 mod haltest_rust;
 mod job;
+mod kept;
 mod maxnc;
 mod meanwhile;
 mod picture;

@@ -128,9 +128,9 @@ fn failed(path: &Path, error: &Error) -> String {
     format!("{}: {}", path.display(), hal_output::reason(error))
 }
 
-/// Replaces a file as a whole.
+/// Replaces a file of the machine as a whole, and keeps its state of before.
 pub(super) fn written(path: &Path, text: &str) -> Result<(), String> {
-    hal_output::write(path, text.as_bytes()).map_err(|e| failed(path, &e))
+    hal_output::write_kept(path, text.as_bytes()).map_err(|e| failed(path, &e))
 }
 
 #[cfg(test)]
