@@ -14,6 +14,8 @@ pub const VERSION: &str = "hal-names 1";
 pub const COMPONENT: u8 = b'c';
 /// Prefix of the symbol by which a [`ForeignLoader`](crate::ForeignLoader) recognizes its files.
 pub const LOADER: u8 = b'l';
+/// Prefix of the release of Ferrule that the library is part of. A library of somebody else's has none.
+pub const RELEASE: u8 = b'v';
 /// Maximum number of bytes that an engine reads.
 pub const MAX_LEN: usize = 1 << 20;
 

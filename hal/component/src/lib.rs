@@ -194,10 +194,13 @@ macro_rules! export {
         #[unsafe(export_name = concat!("hal_names_", env!("CARGO_CRATE_NAME")))]
         pub static HAL_NAMES: [u8; HAL_NAMES_LEN] = $crate::abi::names::bytes(HAL_NAMES_OF);
         const HAL_NAMES_LEN: usize = $crate::abi::names::len(HAL_NAMES_OF);
-        const HAL_NAMES_OF: &[(u8, &[&str])] = &[(
-            $crate::abi::names::COMPONENT,
-            &$crate::names::<{ HAL_DESCRIBED.len() }>(HAL_DESCRIBED),
-        )];
+        const HAL_NAMES_OF: &[(u8, &[&str])] = &[
+            (
+                $crate::abi::names::COMPONENT,
+                &$crate::names::<{ HAL_DESCRIBED.len() }>(HAL_DESCRIBED),
+            ),
+            ($crate::abi::names::RELEASE, $crate::release_of(env!("CARGO_MANIFEST_DIR"))),
+        ];
         // The only place that names the types, so that the compiler complains once of each.
         const HAL_DESCRIBED: &[$crate::Described] = &[$($crate::describe::<$component>()),+];
     };
@@ -237,6 +240,27 @@ pub const fn names<const N: usize>(all: &'static [Described]) -> [&'static str; 
         i += 1;
     }
     out
+}
+
+/// Returns the release of Ferrule, if the crate in this folder is in the source tree of this crate. Plugins of one tree
+/// are made for each other and for its engine; a plugin of somebody else's needs the binary interface alone.
+#[doc(hidden)]
+#[must_use]
+#[expect(clippy::indexing_slicing, reason = "the compiler evaluates it")]
+pub const fn release_of(folder: &str) -> &'static [&'static str] {
+    let (own, folder) = (env!("CARGO_MANIFEST_DIR").as_bytes(), folder.as_bytes());
+    let tree = own.len() - "hal/component".len();
+    if folder.len() < tree {
+        return &[];
+    }
+    let mut i = 0;
+    while i < tree {
+        if folder[i] != own[i] {
+            return &[];
+        }
+        i += 1;
+    }
+    &[env!("CARGO_PKG_VERSION")]
 }
 
 #[doc(hidden)]

@@ -118,18 +118,24 @@ pub struct Folder {
     fd: OwnedFd,
     path: PathBuf,
     owner: u32,
+    /// The group that a system service lets in.
+    group: Option<u32>,
 }
 
 impl Folder {
     /// Opens the folder of one of this user's instances. Root may also open another user's folder
-    /// if it was named explicitly ([`Place::is_named`]).
+    /// if it was named explicitly ([`Place::is_named`]), and so may anybody whom a system service's folder lets in: its
+    /// mode is 0750, and the kernel lets only the service's group pass.
     ///
     /// # Errors
     /// The folder does not exist, or another user could have made it or can change it.
     pub fn open(place: &Place) -> Result<Self, FolderError> {
         let me = rustix::process::geteuid().as_raw();
         let any_user = me == ROOT && place.is_named();
-        Self::checked(place.folder(), |owner| if any_user { owner } else { me })
+        Self::checked(place.folder(), |stat| {
+            let is_let_in = place.is_named() && is_of_service(stat);
+            if any_user || is_let_in { stat.st_uid } else { me }
+        })
     }
 
     /// Opens the folder of this user's instances and creates it if needed. Nobody else reaches what is in it: bits of
@@ -157,8 +163,7 @@ impl Folder {
     fn close_to_others(&self) {
         let Ok(stat) = rustix::fs::fstat(&self.fd) else { return };
         let mode = stat.st_mode & 0o7777;
-        let is_of_service = mode & OTHERS_USE == SERVICE_GROUP && is_service(self.owner);
-        if mode & OTHERS_USE != 0 && !is_of_service {
+        if mode & OTHERS_USE != 0 && !is_of_service(&stat) {
             let own = Mode::from_raw_mode(mode & !OTHERS_USE);
             // Through the open folder, whatever has its name now. Some file systems have no permissions.
             let path = Path::new("/proc/self/fd").join(self.fd.as_raw_fd().to_string());
@@ -166,7 +171,7 @@ impl Folder {
         }
     }
 
-    fn checked(path: &Path, expected: impl Fn(u32) -> u32) -> Result<Self, FolderError> {
+    fn checked(path: &Path, expected: impl Fn(&Stat) -> u32) -> Result<Self, FolderError> {
         let flags = OFlags::PATH | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
         let fd = rustix::fs::open(path, flags, Mode::empty()).map_err(|e| match e {
             Errno::NOENT => FolderError::Missing { path: path.into() },
@@ -178,7 +183,7 @@ impl Folder {
         })?;
         let stat = rustix::fs::fstat(&fd)
             .map_err(|e| FolderError::System { path: path.into(), why: reason(&e.into()) })?;
-        let expected = expected(stat.st_uid);
+        let expected = expected(&stat);
         if stat.st_uid != expected {
             return Err(FolderError::Owner { path: path.into(), owner: stat.st_uid, expected });
         }
@@ -186,7 +191,8 @@ impl Folder {
         if mode & OTHERS_WRITE != 0 {
             return Err(FolderError::Writable { path: path.into(), mode });
         }
-        Ok(Self { fd, path: path.to_owned(), owner: stat.st_uid })
+        let group = is_of_service(&stat).then_some(stat.st_gid);
+        Ok(Self { fd, path: path.to_owned(), owner: stat.st_uid, group })
     }
 
     /// Connects to the engine of an instance. Returns `None` if nothing listens.
@@ -283,8 +289,14 @@ impl Folder {
         }
     }
 
-    /// Listens at the instance's socket, which only its user can reach. The caller must hold the
-    /// lock. Removes a socket that a dead engine left behind.
+    /// Returns whether users of a system service's group can reach the socket.
+    #[must_use]
+    pub const fn lets_in_a_group(&self) -> bool {
+        self.group.is_some()
+    }
+
+    /// Listens at the instance's socket, which only its user can reach, and the group of a system service's folder
+    /// (mode 0660). The caller must hold the lock. Removes a socket that a dead engine left behind.
     ///
     /// # Errors
     /// A system call failed.
@@ -304,6 +316,13 @@ impl Folder {
         let address = SocketAddrUnix::new(self.through(&name)).map_err(system)?;
         rustix::net::bind(&socket, &address).map_err(system)?;
         rustix::fs::chmodat(&self.fd, &*name, mode, AtFlags::empty()).map_err(system)?;
+        if let Some(group) = self.group {
+            let group = Some(rustix::fs::Gid::from_raw(group));
+            rustix::fs::chownat(&self.fd, &*name, None, group, AtFlags::SYMLINK_NOFOLLOW)
+                .map_err(system)?;
+            let mode = mode | Mode::RGRP | Mode::WGRP;
+            rustix::fs::chmodat(&self.fd, &*name, mode, AtFlags::empty()).map_err(system)?;
+        }
         rustix::net::listen(&socket, 128).map_err(system)?;
         Ok(socket.into())
     }
@@ -351,8 +370,10 @@ impl Folder {
     }
 }
 
-const fn is_service(user: u32) -> bool {
-    user != ROOT && user < FIRST_PERSON
+/// Returns whether a folder is a system service's that lets its group in.
+const fn is_of_service(stat: &Stat) -> bool {
+    let user = stat.st_uid;
+    stat.st_mode & OTHERS_USE == SERVICE_GROUP && user != ROOT && user < FIRST_PERSON
 }
 
 /// Returns the user id of the process at the other end of a connection, as the kernel recorded it
@@ -361,6 +382,18 @@ const fn is_service(user: u32) -> bool {
 /// # Errors
 /// The system call failed.
 pub fn peer(socket: impl AsFd) -> std::io::Result<u32> {
+    Ok(credentials(socket)?.uid)
+}
+
+/// Returns the process id of that process, as this process sees it: 0 if it cannot.
+///
+/// # Errors
+/// The system call failed.
+pub fn peer_process(socket: impl AsFd) -> std::io::Result<i32> {
+    Ok(credentials(socket)?.pid)
+}
+
+fn credentials(socket: impl AsFd) -> std::io::Result<libc::ucred> {
     let mut peer = libc::ucred { pid: 0, uid: u32::MAX, gid: u32::MAX };
     let mut size = libc::socklen_t::try_from(size_of::<libc::ucred>()).unwrap_or(0);
     // SAFETY: the kernel writes at most `size` bytes; `peer` and `size` live across the call.
@@ -373,7 +406,7 @@ pub fn peer(socket: impl AsFd) -> std::io::Result<u32> {
             &raw mut size,
         )
     };
-    if status == 0 { Ok(peer.uid) } else { Err(std::io::Error::last_os_error()) }
+    if status == 0 { Ok(peer) } else { Err(std::io::Error::last_os_error()) }
 }
 
 /// Returns the system's error text without the error number.
@@ -403,7 +436,8 @@ mod tests {
             drop(Folder::make(&place).unwrap());
             let (now, owner) =
                 (fs::metadata(&path).unwrap().mode(), fs::metadata(&path).unwrap().uid());
-            let wanted = if mode == 0o750 && super::is_service(owner) { 0o750 } else { 0o700 };
+            let is_service = owner != super::ROOT && owner < super::FIRST_PERSON;
+            let wanted = if mode == 0o750 && is_service { 0o750 } else { 0o700 };
             assert_eq!(now & 0o7777, wanted, "{mode:o}");
         }
         fs::remove_dir_all(&path).unwrap();

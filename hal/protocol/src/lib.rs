@@ -42,7 +42,7 @@ pub use code::Code;
 pub use failure::Failure;
 pub use finding::{Finding, Level, Related};
 pub use flight::{FlightInfo, FlightSpec, KeptInfo, KeptState};
-pub use folder::{Folder, FolderError, peer};
+pub use folder::{Folder, FolderError, peer, peer_process};
 pub use info::{
     AliasInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo, ForeignPart,
     FunctInfo, GapInfo, ItemInfo, Offer, RealtimeInfo, SignalInfo, StatusInfo, StoppedRecording,

@@ -70,4 +70,5 @@ pub static HAL_LIBRARY: Library = {
 /// Offered names, which the engine reads from the file without opening the library.
 #[unsafe(export_name = "hal_names_compat")]
 pub static HAL_NAMES: [u8; names::len(NAMES)] = names::bytes(NAMES);
-const NAMES: &[(u8, &[&str])] = &[(names::LOADER, &[SYMBOL])];
+const NAMES: &[(u8, &[&str])] =
+    &[(names::LOADER, &[SYMBOL]), (names::RELEASE, &[env!("CARGO_PKG_VERSION")])];

@@ -8,6 +8,7 @@ pub enum PluginError {
     Irregular { file: Box<str>, what: &'static str },
     WrongMajor { file: Box<str>, has: u32, want: u32 },
     NewerMinor { file: Box<str>, has: u32, want: u32 },
+    OtherRelease { file: Box<str>, has: Box<str>, runs: &'static str },
     Aborts { file: Box<str> },
     Owner { file: Box<str>, path: Box<str>, owner: u32 },
     Writable { file: Box<str>, path: Box<str>, mode: u32 },
@@ -28,6 +29,7 @@ impl PluginError {
             | Self::Irregular { .. }
             | Self::WrongMajor { .. }
             | Self::NewerMinor { .. }
+            | Self::OtherRelease { .. }
             | Self::Aborts { .. }
             | Self::Dies { .. }
             | Self::Ending { .. } => None,
@@ -50,6 +52,11 @@ impl core::fmt::Display for PluginError {
                 f,
                 "{file}: built for minor version {has} of the plugin contract, this engine has \
                  only {want}"
+            ),
+            Self::OtherRelease { file, has, runs } => write!(
+                f,
+                "{file}: part of Ferrule {has}, and this instance runs {runs}: restart the machine, which then \
+                 uses {has}"
             ),
             Self::Aborts { file } => write!(
                 f,

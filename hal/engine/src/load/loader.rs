@@ -287,7 +287,9 @@ fn open(path: &Path, stay: Stay) -> Result<(Contents, Arc<Library>), Error> {
     let not =
         |why: String| PluginError::NotAPlugin { file: shown.as_str().into(), why: why.into() };
     let file = PluginFile::find(path)?.ok_or_else(|| not("it has gone".to_owned()))?;
-    let symbol = file.describe()?.symbol;
+    let described = file.describe()?;
+    described.permit(path)?;
+    let symbol = described.symbol;
     let whole = file.openable()?;
     try_first(path, file.identity(), &[ToOpen { path: whole.clone(), global: false }])?;
     let stays = if stay == Stay::Mapped { os::STAY_MAPPED } else { 0 };

@@ -45,7 +45,12 @@ pub(crate) struct Names {
     pub(crate) components: BTreeSet<String>,
     /// Symbols by which the library's loaders recognise their files.
     pub(crate) loaders: BTreeSet<String>,
+    /// Release of Ferrule that the library is part of; absent in a library of somebody else's.
+    pub(crate) release: Option<String>,
 }
+
+/// Release of this engine.
+const RELEASE: &str = env!("CARGO_PKG_VERSION");
 
 /// A plugin library, before it is opened.
 #[derive(Debug)]
@@ -144,6 +149,19 @@ impl PluginFile {
     }
 }
 
+impl Described {
+    /// Refuses a library of another release of Ferrule: it is made for the engine and the plugins of that release, and
+    /// lies where this engine's own lay when the machine began.
+    pub(crate) fn permit(&self, path: &Path) -> Result<(), PluginError> {
+        match self.names.as_ref().and_then(|names| names.release.as_deref()) {
+            Some(has) if has != RELEASE => {
+                Err(PluginError::OtherRelease { file: shown(path), has: has.into(), runs: RELEASE })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Names {
     fn parse(bytes: &[u8]) -> Option<Self> {
         let mut out = Self::default();
@@ -151,6 +169,7 @@ impl Names {
             match letter {
                 names::COMPONENT => out.components.insert(name.to_owned()),
                 names::LOADER => out.loaders.insert(name.to_owned()),
+                names::RELEASE => out.release.replace(name.to_owned()).is_none(),
                 // A kind of a later minor version.
                 _ => false,
             };
@@ -210,6 +229,18 @@ mod tests {
         let read = Names::parse(&BYTES).unwrap();
         assert_eq!(read.components, set(&["and2", "or2", "\u{e4}"]));
         assert_eq!(read.loaders, set(&["rtapi_app_main"]));
+        assert_eq!(read.release, None);
+        let of = |names: &[u8]| Described { symbol: String::new(), names: Names::parse(names) };
+        let permit = |names: &[u8]| of(names).permit(Path::new("x.so")).map_err(|e| e.to_string());
+        let own = format!("hal-names 1\0ca\0v{RELEASE}\0");
+        assert_eq!(
+            (permit(&BYTES), permit(own.as_bytes()), permit(b"\0")),
+            (Ok(()), Ok(()), Ok(()))
+        );
+        let want = format!(
+            "x.so: part of Ferrule 9.8, and this instance runs {RELEASE}: restart the machine, which then uses 9.8"
+        );
+        assert_eq!(permit(b"hal-names 1\0ca\0v9.8\0"), Err(want));
         for (bytes, want) in [
             (&b"hal-names 1\0"[..], Some(0)),
             (b"hal-names 1\0ca\0xlater\0\0cb\0", Some(2)),

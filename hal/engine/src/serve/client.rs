@@ -25,6 +25,17 @@ pub(crate) enum WaitState {
     Poll(i64),
 }
 
+/// What a client may ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Rights {
+    /// Everything.
+    Own,
+    /// What is theirs who speak for people elsewhere, as the client has said of itself.
+    FromAfar,
+    /// The same but for the end of the instance: the client is another user's, whom a system service lets in.
+    Guest,
+}
+
 #[derive(Debug)]
 pub(crate) struct Client {
     pub(crate) id: u64,
@@ -51,8 +62,8 @@ pub(crate) struct Client {
     pub(crate) page: Option<Shared>,
     /// Commands that are executed when the connection ends.
     pub(crate) at_end: Vec<CommandLine>,
-    /// True if the client speaks for people elsewhere, as it has said.
-    pub(crate) speaks_from_afar: bool,
+    /// What the client may ask for.
+    pub(crate) rights: Rights,
     pub(crate) waits: WaitState,
     pub(crate) advances_clock: bool,
     pub(crate) gone: bool,
@@ -83,7 +94,7 @@ impl Client {
             writes: Vec::new(),
             page: None,
             at_end: Vec::new(),
-            speaks_from_afar: false,
+            rights: Rights::Own,
             waits: WaitState::No,
             advances_clock: false,
             gone: false,

@@ -11,6 +11,12 @@ const PACE_MS: i32 = 5;
 impl Engine {
     /// Serves clients until an [`Ended`] condition holds; `for_ns` limits machine time.
     pub fn serve(&mut self, for_ns: Option<u64>) -> Ended {
+        self.serve_with(for_ns, &mut |_| {})
+    }
+
+    /// Serves clients as [`Self::serve`] does, and calls a function in each pass, at least ten times in a second of a
+    /// control side that is not held up.
+    pub fn serve_with(&mut self, for_ns: Option<u64>, pass: &mut dyn FnMut(&mut Self)) -> Ended {
         let limit = for_ns
             .map(|ns| self.runtime.now().saturating_add(i64::try_from(ns).unwrap_or(i64::MAX)))
             .map(|limit| limit.min(MAX_TIME_NS));
@@ -44,6 +50,7 @@ impl Engine {
             }
             let left = limit.map_or(100, |l| (l - self.runtime.now()) / 1_000_000 + 1);
             self.pump(i32::try_from(left).unwrap_or(most_ms).min(most_ms));
+            pass(self);
         };
         self.clients.target = before.min(self.runtime.now());
         ended

@@ -5,7 +5,7 @@ use crate::{
     analyse::guarded,
     os,
     realtime::shared::MAX_TIME_NS,
-    serve::client::{Client, WaitState},
+    serve::client::{Client, Rights, WaitState},
     serve::session,
 };
 use hal_protocol::{ByClass, Class, Reply, Request, TicketInfo, WaitRequest};
@@ -26,9 +26,13 @@ impl Engine {
         request: Request,
         client: Option<&mut Client>,
     ) -> Result<Answer, Error> {
-        let is_from_afar = client.as_ref().is_some_and(|c| c.speaks_from_afar);
+        let rights = client.as_ref().map_or(Rights::Own, |c| c.rights);
+        let is_from_afar = rights > Rights::Own;
         if is_from_afar {
             guarded::permit(self.model.graph(), &request)?;
+        }
+        if rights == Rights::Guest && matches!(request, Request::Shutdown) {
+            return Err(Error::NotFromAfar);
         }
         if let Some(reply) = self.dry_run_reply(&request) {
             return reply.map(Answer::Now);

@@ -2,7 +2,7 @@
 
 use crate::{
     Error, ends, os,
-    serve::client::{Client, WaitState},
+    serve::client::{Client, Rights, WaitState},
 };
 use hal_protocol::{Folder, FolderError, Place, peer};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -91,10 +91,13 @@ impl Server {
                 continue;
             }
             let mut client = Client::new(self.next, socket);
-            if let Err(refusal) = admitted(&client.socket) {
-                client.closing = true;
-                client.answer(Err(refusal.into()));
-                continue;
+            match admitted(&client.socket, &self.folder) {
+                Ok(rights) => client.rights = rights,
+                Err(refusal) => {
+                    client.closing = true;
+                    client.answer(Err(refusal.into()));
+                    continue;
+                }
             }
             self.clients.push(client);
             self.next += 1;
@@ -108,15 +111,19 @@ impl Drop for Server {
     }
 }
 
-/// Checks that the user at the other end may use this instance: its own user, or root.
-fn admitted(socket: &UnixStream) -> Result<(), Error> {
+/// Checks that the user at the other end may use this instance: its own user, or root; as a guest everybody else whom
+/// the kernel lets through to the socket of a system service.
+fn admitted(socket: &UnixStream, folder: &Folder) -> Result<Rights, Error> {
     let me = rustix::process::geteuid().as_raw();
     let peer = peer(socket).map_err(|e| Error::System {
         what: "the user of this program cannot be found out",
         why: os::said(&e),
     })?;
     if peer == me || peer == 0 {
-        return Ok(());
+        return Ok(Rights::Own);
+    }
+    if folder.lets_in_a_group() {
+        return Ok(Rights::Guest);
     }
     let why = format!(
         "this instance belongs to user {me}, and is used by that user and root; this program runs \

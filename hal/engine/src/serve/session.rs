@@ -7,7 +7,7 @@ use crate::{
     graph::new_item::NewItem,
     name::Name,
     os,
-    serve::client::{Client, WaitState},
+    serve::client::{Client, Rights, WaitState},
     serve::dispatch::Answer,
     serve::hold::Hold,
     serve::pins::{Shared, publish_after, take_before},
@@ -15,11 +15,14 @@ use crate::{
 };
 use hal_protocol::{
     CommandLine, ComponentState, Direction, Failure, LATEST, MAX_AT_END, MAX_PAGE_PINS, OwnRequest,
-    PinPageInfo, Reply, Request, Type, Value, WireRequest,
+    PinPageInfo, Reply, Request, Type, Value, WireRequest, peer_process,
 };
 
 /// Longest sleep of a program, in nanoseconds of machine time.
 const MAX_SLEEP_NS: i64 = 1_000_000_000_000;
+
+/// A process id that no process has.
+const NO_PROCESS: i32 = i32::MAX;
 
 /// Executes the request of a line of client `i`; returns `None` when the answer comes later.
 pub(crate) fn respond(
@@ -98,7 +101,7 @@ pub(crate) fn own(
         }
         OwnRequest::AtEnd { commands } => at_end(engine, c, commands)?,
         OwnRequest::SpeakFromAfar => {
-            c.speaks_from_afar = true;
+            c.rights = c.rights.max(Rights::FromAfar);
             Reply::Done
         }
         OwnRequest::MapSnapshot { name } => {
@@ -178,6 +181,7 @@ fn hello(
         let why = format!("this engine speaks version {LATEST} of the protocol, not {protocol}");
         return Err(Error::Protocol { why: why.into() });
     }
+    let pid = if c.rights == Rights::Guest { process_of(c) } else { pid };
     c.pid = pid;
     if !name.is_empty() && c.component.is_none() {
         let name = Name::parse("component", name)?;
@@ -194,6 +198,11 @@ fn hello(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         id: me.map_or(0, |me| me.id),
     })
+}
+
+/// Returns the process of a guest, which cannot name another one: [`NO_PROCESS`] if this process does not see it.
+fn process_of(c: &Client) -> i32 {
+    peer_process(&c.socket).ok().filter(|pid| *pid > 0).unwrap_or(NO_PROCESS)
 }
 
 fn join(engine: &mut Engine, c: &mut Client, name: &str, poll_ns: u64) -> Result<Reply, Error> {
@@ -357,7 +366,7 @@ fn attach(
 pub(crate) fn leave(engine: &mut Engine, c: &mut Client) {
     for line in core::mem::take(&mut c.at_end) {
         // What has ended by itself needs no end: nobody is left to tell.
-        drop(engine.command(&line.name, &line.args, c.speaks_from_afar));
+        drop(engine.command(&line.name, &line.args, c.rights > Rights::Own));
     }
     c.take_page(engine);
     for ring in engine.model.rings_mut().map(|(_, ring)| ring) {

@@ -379,6 +379,129 @@ fn programs_refuse_a_false_engine_with_a_status() {
     assert_eq!(served, 0, "nobody has connected to it");
 }
 
+/// A system service's folder (mode 0750) lets its group in. Whoever is not the service's user or root is a guest: it looks
+/// and gives commands as people elsewhere do, ends nothing, and is no other process.
+#[test]
+fn a_system_service_lets_its_group_in_as_guests() {
+    const SERVICE: u32 = 801;
+    if !is_root() {
+        return;
+    }
+    let reachable = std::process::Command::new(programs().join("halcmd")).uid(USER).output();
+    if reachable.is_err() {
+        return hal_tests::tools::report("another user cannot run the programs under test");
+    }
+    let (scratch, tmp) = temporary("service");
+    let place = Place::at(tmp.join("ferrule"), "default").unwrap();
+    folder_of(SERVICE, place.folder());
+    mode(place.folder(), 0o750);
+    let machine = tmp.join("machine.hal");
+    let script = "loadrt threads name1=t period1=1000000\nloadrt and2\naddf and2.0 t\nloadrt iocontrol\nstart\n";
+    fs::write(&machine, script).unwrap();
+    let start = |user: u32, groups: &str, words: &[&str]| -> Running {
+        let mut command = scratch.command(&[], "halcmd");
+        command.env("HAL_RUNTIME_DIR", &tmp).env_remove("XDG_RUNTIME_DIR").env("TMPDIR", &tmp);
+        let mut as_user = std::process::Command::new("setpriv");
+        as_user.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+        let user = user.to_string();
+        as_user.args(["--reuid", &user, "--regid", &user]);
+        match groups {
+            "" => as_user.arg("--clear-groups"),
+            groups => as_user.args(["--groups", groups]),
+        };
+        as_user.arg(programs().join(words[0])).args(&words[1..]);
+        scratch.start(as_user.current_dir(&tmp))
+    };
+    let run = |user: u32, groups: &str, words: &[&str]| start(user, groups, words).wait();
+    let group = SERVICE.to_string();
+    let guest = |words: &[&str]| run(USER, &group, words);
+    let engine = start(SERVICE, "", &["halrun", "machine.hal"]);
+    until("it runs", || run(SERVICE, "", &["halcmd", "getp", "and2.0.out"]).status == Some(0));
+    let modes = |path: &Path| fs::metadata(path).unwrap().mode() & 0o7777;
+    assert_eq!((modes(place.folder()), modes(&place.socket())), (0o750, 0o660));
+    assert_eq!(fs::metadata(place.socket()).unwrap().gid(), SERVICE);
+    let far = "this is done at the machine, and not from afar";
+    for (words, want) in [
+        (&["halcmd", "getp", "and2.0.out"][..], Ok("FALSE\n")),
+        (&["halcmd", "setp", "and2.0.in0", "1"], Ok("")),
+        (&["halcmd", "iocontrol.estop"], Ok("")),
+        (&["halcmd", "loadrt", "or2"], Err(far)),
+        (&["halcmd", "stop"], Err(far)),
+        (&["halcmd", "record", "x.vcd"], Err(far)),
+        (&["halcmd", "loadusr", "sleep", "1"], Err(far)),
+        (&["halcmd", "shutdown"], Err(far)),
+    ] {
+        let output = guest(words);
+        match want {
+            Ok(text) => {
+                assert_eq!(
+                    (output.status, &*output.stdout),
+                    (Some(0), text),
+                    "{words:?} {}",
+                    output.stderr
+                );
+            }
+            Err(text) => {
+                assert!(
+                    output.stderr.contains(text),
+                    "{words:?}: {} {}",
+                    output.stdout,
+                    output.stderr
+                );
+                assert_ne!(output.status, Some(0), "{words:?}");
+            }
+        }
+    }
+    assert_ne!(guest(&["halrun", "-U"]).status, Some(0), "a guest does not end it");
+    // A guest is the process that the kernel says.
+    let true_one = as_guest(SERVICE, &place);
+    assert_eq!(true_one, std::process::id().cast_signed());
+    // Nobody else reaches the socket.
+    let stranger = run(OTHER, "", &["halcmd", "getp", "and2.0.out"]);
+    assert!(stranger.stderr.contains("Permission denied"), "{}", stranger.stderr);
+    // A folder that is not named, and one of a person, let nobody in.
+    let person = Place::at(tmp.join("person"), "default").unwrap();
+    folder_of(OTHER, person.folder());
+    mode(person.folder(), 0o750);
+    assert!(refusal(USER, &person).contains("belongs to user"), "{}", refusal(USER, &person));
+    assert_eq!(run(SERVICE, "", &["halcmd", "getp", "and2.0.in0"]).stdout, "TRUE\n");
+    assert_eq!(run(SERVICE, "", &["halrun", "-U"]).status, Some(0));
+    assert_eq!(engine.wait().status, Some(0));
+}
+
+/// Joins as a guest that says another process id than its own, and returns the id that the engine lists.
+fn as_guest(group: u32, place: &Place) -> i32 {
+    use rustix::{
+        process::{Gid, Uid},
+        thread::{set_thread_groups, set_thread_res_gid, set_thread_res_uid},
+    };
+    let work = || {
+        let (uid, gid) = (Uid::from_raw(USER), Gid::from_raw(USER));
+        set_thread_groups(&[Gid::from_raw(group)]).unwrap();
+        set_thread_res_gid(gid, gid, gid).unwrap();
+        set_thread_res_uid(uid, uid, uid).unwrap();
+        let mut socket = UnixStream::connect(place.socket()).unwrap();
+        let mut lines = BufReader::new(socket.try_clone().unwrap()).lines();
+        let mut call = |request: &Request| {
+            writeln!(
+                socket,
+                "{}",
+                serde_json::to_string(&WireRequest::new(request.clone())).unwrap()
+            )
+            .unwrap();
+            lines.next().unwrap().unwrap()
+        };
+        let hello = Request::Hello { protocol: hal_protocol::LATEST, name: "guest".into(), pid: 1 };
+        let said = call(&hello);
+        assert!(said.contains("hello"), "{said}");
+        let kind = hal_protocol::Kind::Components;
+        let listed = call(&Request::List { kind, patterns: vec!["guest".into()], ty: None });
+        let after = listed.split("\"pid\":").nth(1).unwrap_or_default();
+        after.split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default().parse().unwrap_or(0)
+    };
+    std::thread::scope(|scope| scope.spawn(work).join().unwrap())
+}
+
 /// Rules that hold for every user: names that lead nowhere else, and modes that do not depend on the umask.
 #[test]
 fn an_instance_has_a_name_and_its_files_their_modes() {

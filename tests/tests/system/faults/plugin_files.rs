@@ -250,6 +250,51 @@ fn a_component_in_c_is_tried_with_those_whose_symbols_it_takes() {
     e.close();
 }
 
+/// The package was changed while the machine runs: its new plugins are for the new engine. A plugin of somebody else's
+/// says no release, and needs the binary interface alone.
+#[test]
+fn a_plugin_of_another_release_asks_for_a_restart() {
+    let scratch = Scratch::new("release");
+    let folder = scratch.path();
+    let own = env!("CARGO_PKG_VERSION");
+    let other = format!("9{}", &own[1..]);
+    let patched = |name: &str, letter: char, release: &str| {
+        let path = folder.join(format!("lib{name}.so"));
+        drop(fs::remove_file(&path));
+        put(folder, name);
+        let mut bytes = fs::read(&path).unwrap();
+        let tag = format!("\0v{own}\0");
+        let at: Vec<usize> = (0..bytes.len() - tag.len())
+            .filter(|i| bytes[*i..].starts_with(tag.as_bytes()))
+            .collect();
+        assert_eq!(at.len(), 1, "{name} says its release once");
+        let new = format!("\0{letter}{release}\0");
+        bytes[at[0]..at[0] + new.len()].copy_from_slice(new.as_bytes());
+        fs::remove_file(&path).unwrap();
+        fs::write(&path, bytes).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    patched("logic", 'v', &other);
+    patched("math", 'x', &other);
+    patched("compat", 'v', &other);
+    let mut e = virtual_one(&[folder]);
+    let refused = |so: &str| {
+        let so = file(folder, so);
+        format!(
+            "{so}: part of Ferrule {other}, and this instance runs {own}: restart the machine, which then uses {other}"
+        )
+    };
+    assert_eq!(says(&mut e, "loadrt and2"), refused("liblogic.so"));
+    assert_eq!(says(&mut e, "loadrt sum2"), "ok");
+    let component = component("", "", "").replace("mine", "old");
+    if compile(folder, "old", &component, &[]).is_some() {
+        assert_eq!(says(&mut e, "loadrt old"), refused("libcompat.so"));
+    }
+    patched("logic", 'v', own);
+    assert_eq!(says(&mut e, "loadrt and2"), "ok");
+    e.close();
+}
+
 #[test]
 fn what_is_no_file_is_refused_by_name_and_never_opened() {
     let scratch = Scratch::new("irregular");

@@ -21,6 +21,10 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("*: built for major version * of the plugin contract, this engine has *", FAULTS),
     ("*: built for minor version * of the plugin contract, this engine has only *", FAULTS),
     ("*: built with panic=abort: a panic in it would end the machine's process", FAULTS),
+    (
+        "*: part of Ferrule *, and this instance runs *: restart the machine, which then uses *",
+        PLUGIN_FILES,
+    ),
     ("*: not a plugin: *", FAULTS),
     ("*: not a plugin: it is *, not a regular file", PLUGIN_FILES),
     ("*: not opened as root: * belongs to user *", PLUGIN_FILES),
