@@ -35,7 +35,7 @@ pub fn page() -> String {
     halcmd::completable().iter().for_each(|option| text.push_str(&option_text(option)));
     text.push_str(".SH COMMANDS\n");
     for (title, rows) in GROUPS {
-        text.push_str(&format!(".SS {}\n", plain(title)));
+        text.push_str(&format!(".SS {}\n", escaped(title)));
         rows.iter().for_each(|row| text.push_str(&command_text(row)));
     }
     text.push_str(concat!(
@@ -57,28 +57,28 @@ pub fn page() -> String {
 
 fn option_text(option: &Opt<()>) -> String {
     let names = [option.short.map(|c| format!("-{c}")), option.long.map(|l| format!("--{l}"))];
-    let names: Vec<String> = names.into_iter().flatten().map(|n| plain(&n)).collect();
+    let names: Vec<String> = names.into_iter().flatten().map(|n| escaped(&n)).collect();
     let value = option.value.map(|v| format!(" \\fI{v}\\fR")).unwrap_or_default();
-    let help = plain(&sentence(option.help));
+    let help = escaped(&sentence(option.help));
     format!(".TP\n\\fB{}\\fR{value}\n{help}\n", names.join("\\fR, \\fB"))
 }
 
 fn command_text(row: &Row) -> String {
-    let mut text = format!(".TP\n\\fB{}\\fR\n", plain(&line(row)));
-    text.push_str(&format!("{}\n", plain(&sentence(row.summary))));
+    let mut text = format!(".TP\n\\fB{}\\fR\n", escaped(&line(row)));
+    text.push_str(&format!("{}\n", escaped(&sentence(row.summary))));
     if !row.help.is_empty() {
-        text.push_str(&format!("{}\n", plain(row.help)));
+        text.push_str(&format!("{}\n", escaped(row.help)));
     }
     if !row.examples.is_empty() {
         text.push_str(".RS\n.PP\n.nf\n");
-        row.examples.iter().for_each(|e| text.push_str(&format!("    {}\n", plain(e))));
+        row.examples.iter().for_each(|e| text.push_str(&format!("    {}\n", escaped(e))));
         text.push_str(".fi\n.RE\n");
     }
     text
 }
 
 /// Escapes a text so that the formatter prints it unchanged.
-fn plain(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let escaped = text.replace('\\', "\\e").replace('-', "\\-");
     let special = escaped.starts_with(['.', '\'']);
     if special { format!("\\&{escaped}") } else { escaped }

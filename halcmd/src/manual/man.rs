@@ -5,6 +5,7 @@ mod grid;
 mod markdown;
 mod pager;
 mod prose;
+mod roff;
 mod text;
 
 use crate::{
@@ -272,13 +273,24 @@ fn is_time(name: &str, functs: &[FunctInfo]) -> bool {
     owner.is_some_and(|owner| functs.iter().any(|f| f.name == owner))
 }
 
-/// Runs `halcmd man NAME [ARGUMENTS]`. On a terminal it uses a pager.
+/// Word that asks for the page in the format of `man`.
+const ROFF: &str = "--roff";
+
+/// Runs `halcmd man [--roff] NAME [ARGUMENTS]`. On a terminal it uses a pager.
 ///
 /// # Errors
 /// There is no such component.
 pub fn main(words: &[String], terminal: &mut dyn Terminal) -> Result<u8, Error> {
+    let (is_roff, words) = match words.split_first() {
+        Some((first, rest)) if first == ROFF => (true, rest),
+        _ => (false, words),
+    };
     let Some((name, args)) = words.split_first() else { return Ok(1) };
     let page = Page::of(name, args, &plugin_path(&|name| std::env::var(name).ok()))?;
+    if is_roff {
+        terminal.out(&page.roff())?;
+        return Ok(0);
+    }
     let text = page.text();
     if !(terminal.is_screen() && pager::show(&text)) {
         terminal.out(&text)?;

@@ -14,6 +14,7 @@ pub(crate) mod plan;
 mod realtime;
 pub(crate) mod refused;
 mod serve;
+mod service;
 mod settings;
 mod stand_ins;
 mod table;
@@ -31,6 +32,7 @@ use hal_engine::{ClockKind, Ends, Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
 use serve::{Local, serve_until_end};
+use service::Service;
 use std::{
     path::Path,
     process::{Child, ExitCode},
@@ -207,8 +209,15 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         && plan.job.is_none()
         && !plan.interactive
         && plan.script != Script::Terminal;
+    let mut service = Service::of_environment();
     if goes_on {
-        serve_until_end(plan, &mut engine);
+        if let Some(service) = &mut service {
+            service.ready(&mut engine, plan.options.place.name());
+        }
+        serve_until_end(plan, &mut engine, &mut service);
+    }
+    if let Some(service) = &service {
+        service.stopping();
     }
     if let Some(said) = ends.said() {
         terminal.err(&format!("halrun: {said}\n"));

@@ -42,13 +42,14 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         name: "man",
-        usage: "COMPONENT [NAME=VALUE...]",
+        usage: "[--roff] COMPONENT [NAME=VALUE...]",
         args: (1, ANY),
         summary: "show the manual page of a component",
         help: "Its pins, parameters, functions and arguments, from what its plugin says, and an \
                example that runs. No machine need be running. What there is depends on how it is \
                loaded: arguments of loadrt may follow. On a terminal the page is shown by MANPAGER, \
-               PAGER or less. Of components in C it tells what can be seen of them.",
+               PAGER or less; --roff prints it in the format of man. Of components in C it tells what \
+               can be seen of them.",
         words: &[W::Manual, W::Many(&[W::ModuleArg])],
         examples: &["man pid", "man mux_generic config=bb4"],
         related: &["help", "show", "explain"],

@@ -14,12 +14,7 @@ impl Page {
         let doc = Doc::of(&self.offer.doc);
         let name = &self.offer.component;
         let mut out = String::new();
-        let summary = if doc.summary.is_empty() {
-            "a component in C, of which only its file tells".to_owned()
-        } else {
-            plain(&doc.summary)
-        };
-        section(&mut out, "NAME", &wrapped(&format!("{name} - {summary}"), IN));
+        section(&mut out, "NAME", &wrapped(&format!("{name} - {}", summary(&doc)), IN));
         let library = &self.offer.library;
         let mut load = wrapped(&synopsis(name, &self.offer.args), IN);
         if !library.is_empty() && library != name {
@@ -35,10 +30,7 @@ impl Page {
         section(&mut out, "PINS", &entries(self.items.iter().filter(|e| e.direction.is_pin())));
         let parameters = entries(self.items.iter().filter(|e| !e.direction.is_pin()));
         section(&mut out, "PARAMETERS", &parameters);
-        let functions = self.functs.iter().map(|f| {
-            let last = f.last.as_ref().map(|last| format!(" to {last}")).unwrap_or_default();
-            entry(&format!("{}{last} ({} thread)", f.first, thread(f)), &f.doc)
-        });
+        let functions = self.functs.iter().map(|f| entry(&funct_title(f), &f.doc));
         section(&mut out, "FUNCTIONS", &functions.collect::<String>());
         let commands = self.commands.iter().map(|c| {
             let args: String = c.args.iter().map(argument).collect();
@@ -52,18 +44,29 @@ impl Page {
         out
     }
 
-    /// Returns the lines that made the pins below, unless it is the plain `loadrt NAME`.
     fn loaded(&self) -> String {
         if let Some(why) = &self.refused {
             return wrapped(&format!("Nothing of it could be made: {why}."), IN);
         }
+        self.loaded_lines().lines().map(|line| format!("    {line}\n")).collect()
+    }
+
+    /// Returns the lines that made the pins below, unless it is the plain `loadrt NAME`.
+    pub(super) fn loaded_lines(&self) -> String {
         let plain = [format!("loadrt {}", self.offer.component)];
         match &*self.loads {
             [lines] if *lines == plain => String::new(),
-            [lines] => lines.iter().map(|line| format!("    {line}\n")).collect(),
-            all => all.iter().filter_map(|l| l.last()).map(|l| format!("    {l}\n")).collect(),
+            [lines] => lines.iter().map(|line| format!("{line}\n")).collect(),
+            all => all.iter().filter_map(|l| l.last()).map(|l| format!("{l}\n")).collect(),
         }
     }
+}
+
+pub(super) fn summary(doc: &Doc) -> String {
+    if doc.summary.is_empty() {
+        return "a component in C, of which only its file tells".to_owned();
+    }
+    plain(&doc.summary)
 }
 
 fn section(out: &mut String, title: &str, body: &str) {
@@ -92,26 +95,35 @@ pub(super) fn synopsis(name: &str, args: &[ArgInfo]) -> String {
 }
 
 fn argument(arg: &ArgInfo) -> String {
+    entry(&argument_title(arg), &arg.doc)
+}
+
+pub(super) fn argument_title(arg: &ArgInfo) -> String {
     let default = arg.default.as_ref().map(|d| format!(", {d} if not given")).unwrap_or_default();
     let required = if arg.required { ", required" } else { "" };
     let range = arg.range();
     let comma = if range.is_empty() { "" } else { ", " };
-    entry(&format!("{} ({}{comma}{range}{required}{default})", arg.name, arg.ty), &arg.doc)
+    format!("{} ({}{comma}{range}{required}{default})", arg.name, arg.ty)
 }
 
 fn entries<'e>(list: impl Iterator<Item = &'e Entry>) -> String {
-    list.map(|e| {
-        let last = e.last.as_ref().map(|last| format!(" to {last}")).unwrap_or_default();
-        let default = match default(e) {
-            Some(value) => format!(", default {value}"),
-            None => String::new(),
-        };
-        let comma = if e.with.is_empty() { "" } else { ", " };
-        let with = format!("{comma}{}", plain(&e.with));
-        let title = format!("{}{last} ({} {}{default}){with}", e.first, e.ty.name(), word(e));
-        entry(&title, &e.doc)
-    })
-    .collect()
+    list.map(|e| entry(&item_title(e), &e.doc)).collect()
+}
+
+pub(super) fn item_title(e: &Entry) -> String {
+    let last = e.last.as_ref().map(|last| format!(" to {last}")).unwrap_or_default();
+    let default = match default(e) {
+        Some(value) => format!(", default {value}"),
+        None => String::new(),
+    };
+    let comma = if e.with.is_empty() { "" } else { ", " };
+    let with = format!("{comma}{}", plain(&e.with));
+    format!("{}{last} ({} {}{default}){with}", e.first, e.ty.name(), word(e))
+}
+
+pub(super) fn funct_title(f: &Function) -> String {
+    let last = f.last.as_ref().map(|last| format!(" to {last}")).unwrap_or_default();
+    format!("{}{last} ({} thread)", f.first, thread(f))
 }
 
 /// Returns the initial value for items that users set, and for others if it is not 0 or FALSE.
@@ -164,6 +176,6 @@ fn prose(paragraphs: &[String]) -> String {
 }
 
 /// Removes the marks of Markdown.
-fn plain(text: &str) -> String {
+pub(super) fn plain(text: &str) -> String {
     text.replace('`', "")
 }

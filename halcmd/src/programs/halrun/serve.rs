@@ -1,6 +1,9 @@
 //! Operation of the engine while a script runs and afterwards.
 
-use super::plan::{Plan, Script};
+use super::{
+    plan::{Plan, Script},
+    service::Service,
+};
 use crate::{Stdio, Terminal, session::INTERRUPTED};
 use hal_engine::{ClockKind, Ended, Engine};
 use hal_protocol::{Failure, Kind, Link, Reply, Request};
@@ -103,18 +106,25 @@ fn has_threads(engine: &mut Engine) -> bool {
     matches!(engine.call(all), Ok(Reply::Threads(threads)) if !threads.is_empty())
 }
 
-/// Serves clients until the instance ends.
-pub(super) fn serve_until_end(plan: &Plan, engine: &mut Engine) {
+/// Serves clients until the instance ends, and tells the service manager, if there is one.
+pub(super) fn serve_until_end(plan: &Plan, engine: &mut Engine, service: &mut Option<Service>) {
     let is_quiet = plan.batch || plan.style.background || plan.style.silent;
     if !is_quiet && std::io::stderr().is_terminal() && has_threads(engine) {
         Stdio.err(&hint(plan));
     }
+    let mut pass = |engine: &mut Engine| {
+        if let Some(service) = service {
+            service.pass(engine);
+        }
+    };
     if plan.script == Script::Nothing && plan.for_ns.is_none() {
         // No thread need exist yet.
         let wait = Request::Idle { ms: 100, flow: !plan.options.hold };
-        while !engine.is_ending() && engine.call(wait.clone()).is_ok() {}
+        while !engine.is_ending() && engine.call(wait.clone()).is_ok() {
+            pass(engine);
+        }
     } else if !plan.batch || plan.for_ns.is_some() {
-        engine.serve(plan.for_ns);
+        engine.serve_with(plan.for_ns, &mut pass);
     }
 }
 
