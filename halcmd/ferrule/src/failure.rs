@@ -35,6 +35,8 @@ pub(crate) enum Failure {
     Writes { name: Box<str> },
     /// A question needs a person at a terminal.
     NoTerminal { what: &'static str, instead: &'static str },
+    /// No section of the manual has the words.
+    NotInManual { words: Box<str> },
     /// Standard output does not take the text.
     Output(hal_output::Unwritten),
     /// Signals cannot be taken.
@@ -97,6 +99,10 @@ impl core::fmt::Display for Failure {
             Self::NoTerminal { what, instead } => {
                 write!(f, "{what} asks a person at a terminal: {instead}")
             }
+            Self::NotInManual { words } => write!(
+                f,
+                "no section of the manual has '{words}': fewer words find more, 'ferrule docs' lists the chapters"
+            ),
             Self::Output(unwritten) => write!(f, "{unwritten}"),
             Self::Signals(why) => write!(f, "signals: {why}"),
         }

@@ -4,6 +4,7 @@
 
 mod beside;
 mod demo;
+mod docs;
 mod doctor;
 mod failure;
 mod options;
@@ -46,6 +47,7 @@ fn run(task: &Task) -> Result<ExitCode, Failure> {
         }
         Task::Try(given) => trial::trial(given),
         Task::Doctor(given) => doctor::doctor(given),
+        Task::Docs(given) => docs::docs(given),
         Task::Report(given) => report::report(given),
         Task::Restore(given) => restore::restore(given),
     }

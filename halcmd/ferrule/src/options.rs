@@ -42,6 +42,8 @@ pub(crate) enum Task {
     Try(Try),
     /// Look at what this computer needs for real time and hardware, and say what to mend and how.
     Doctor(Doctor),
+    /// Open the manual, or print its sections with these words.
+    Docs(Docs),
     /// Pack what a report of a fault needs into an archive, without private details.
     Report(Report),
     /// List what the machine's files were before their last writes, compare, and go back.
@@ -118,6 +120,19 @@ pub(crate) struct Doctor {
     /// Look at the system below this folder.
     #[arg(long, default_value = "/", hide = true)]
     pub(crate) root: PathBuf,
+}
+
+/// Options of `ferrule docs`.
+#[derive(Debug, Args)]
+pub(crate) struct Docs {
+    /// Words that a section must have: it is printed.
+    pub(crate) subject: Vec<String>,
+    /// Write the pages into this folder.
+    #[arg(short, long, value_name = "FOLDER", conflicts_with = "subject")]
+    pub(crate) output: Option<PathBuf>,
+    /// Do not open a browser.
+    #[arg(long)]
+    pub(crate) no_browser: bool,
 }
 
 /// Options of `ferrule report`.

@@ -236,7 +236,7 @@ pub(crate) fn picture(address: &str) -> Option<String> {
 }
 
 /// Opens the user's browser where there is a desktop. A browser that does not come is opened by hand.
-fn open(address: &str) {
+pub(crate) fn open(address: &str) {
     let is_desktop = ["DISPLAY", "WAYLAND_DISPLAY"]
         .iter()
         .any(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()));

@@ -125,7 +125,8 @@ fn arrows_point_only_downward() {
                 "hal-trajectory",
             ],
         ),
-        ("ferrule", &["hal-ini", "hal-output", "hal-protocol", "hal-trace"]),
+        ("hal-docs", &[]),
+        ("ferrule", &["hal-docs", "hal-ini", "hal-output", "hal-protocol", "hal-trace"]),
         ("halcompile", &["hal-output"]),
         ("hal-arm", &[]),
         ("hal-align", &["hal-gcode", "hal-ini"]),
@@ -137,6 +138,7 @@ fn arrows_point_only_downward() {
             &[
                 "hal-align",
                 "hal-beneath",
+                "hal-docs",
                 "hal-gcode",
                 "hal-ini",
                 "hal-job",

@@ -1,4 +1,4 @@
-//! The page's files: those in the program, or those of a folder.
+//! The page's files: those in the program, or those of a folder; and the manual, below `manual/`.
 
 use crate::{
     error::{Code, Error},
@@ -45,13 +45,15 @@ pub(crate) async fn file(folder: Option<&Path>, path: &str, asked: &HeaderMap) -
     let kind = kind.and_then(|e| TYPES.iter().find(|(extension, _)| *extension == e));
     let Some((_, kind)) = kind else { return missing().into_response() };
     let mut gzipped = false;
-    let body = if let Some(folder) = folder {
+    let manual = name.strip_prefix("manual/");
+    let body = if let Some(folder) = folder.filter(|_| manual.is_none()) {
         match block_in_place(|| of_folder(folder, name)) {
             Some(bytes) => Body::from(bytes),
             None => return missing().into_response(),
         }
     } else {
-        let Some((_, bytes)) = FILES.iter().find(|(n, _)| *n == name) else {
+        let (files, name) = manual.map_or((FILES, name), |name| (hal_docs::FILES, name));
+        let Some((_, bytes)) = files.iter().find(|(n, _)| *n == name) else {
             return missing().into_response();
         };
         let accepts = asked.get(header::ACCEPT_ENCODING).and_then(|v| v.to_str().ok());

@@ -312,3 +312,28 @@ fn a_report_has_what_is_listed_and_nothing_private() {
     running.signal(Signal::TERM);
     assert_eq!(running.wait().status, Some(0));
 }
+
+#[test]
+fn the_manual_is_written_listed_and_searched() {
+    let scratch = Scratch::new("manual");
+    let listed = ferrule(&scratch, &["docs"]);
+    assert!(listed.stdout.contains("\n  Hardware\n"), "{listed:?}");
+    assert!(scratch.files().is_empty(), "without a terminal nothing is written");
+    let found = ferrule(&scratch, &["docs", "parallel", "breakout board"]);
+    assert!(found.stdout.starts_with("Hardware · Parallel port\n"), "{found:?}");
+    let why = "ferrule: no section of the manual has 'xyzzy': fewer words find more, 'ferrule docs' lists the chapters\n";
+    refused(&scratch, &["docs", "xyzzy"], why);
+    let written = ferrule(&scratch, &["docs", "-o", "manual"]);
+    assert_eq!(
+        (written.stdout.as_str(), written.status),
+        ("The manual is manual/index.html\n", Some(0))
+    );
+    let page = scratch.read("manual/index.html");
+    assert!(page.contains("About this manual") && page.contains("href=\"hardware.html\""));
+    for (name, _) in hal_docs::FILES {
+        assert!(scratch.path().join("manual").join(name).is_file(), "{name}");
+    }
+    // A folder that cannot be made is named.
+    scratch.write("file", "");
+    refused(&scratch, &["docs", "-o", "file/in"], "ferrule: file/in: Not a directory\n");
+}

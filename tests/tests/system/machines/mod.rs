@@ -1,5 +1,6 @@
 //! Whole machines: `configs/`, the printer of the documents, `haltest`, pictures.
 
+mod book;
 mod demos;
 mod fiducial;
 mod front;

@@ -130,6 +130,7 @@ function topBar(ctx) {
     ...LANGUAGES.map(([code, name]) => el("option", { value: code, selected: code === prefs.get("language"), lang: code }, name)));
   const theme = el("button", { type: "button", id: "theme", "aria-label": t("theme"), title: t("theme"),
     onclick: () => prefs.set("theme", prefs.get("theme") === "dark" ? "light" : "dark") }, "◐");
+  const manual = el("a", { id: "manual", href: "manual/index.html", target: "_blank", title: t("manual"), "aria-label": t("manual") }, "?");
   const leave = el("button", { type: "button", id: "sign-out", onclick: () => endSession(ctx) }, t("sign.out"));
   const user = el("span", { class: "note user", id: "user" });
 
@@ -162,7 +163,7 @@ function topBar(ctx) {
   return el("header", { class: "top" },
     el("h1", {}, info.machine ?? info.instance), info.simulated ? el("span", { class: "chip" }, t("simulated")) : null,
     el("div", { class: "row tabs", role: "group", "aria-label": t("pages") }, ...pages),
-    el("div", { class: "row" }, lease, holder), el("span", { class: "grow" }), language, theme,
+    el("div", { class: "row" }, lease, holder), el("span", { class: "grow" }), manual, language, theme,
     user, leave, abort, stop);
 }
 

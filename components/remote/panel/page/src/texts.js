@@ -143,6 +143,7 @@ const TEXTS = {
   "loss.hold": ["hold", "retenerse"],
   "loss.of.job": ["If its page is lost, this job shall", "Si se pierde su página, este trabajo debe"],
   "machine": ["Machine", "Máquina"],
+  "manual": ["Manual", "Manual"],
   "marks": ["Marks", "Marcas"],
   "marks.clear": ["Clear all", "Olvidar todas"],
   "marks.do": ["Actions", "Acciones"],

@@ -53,8 +53,12 @@ fn requests() -> Vec<(String, String)> {
             }
         }
     }
+    all.extend(OUTSIDE.map(|path| ("GET".to_owned(), path.to_owned())));
     all
 }
+
+/// Files that are no part of the API.
+const OUTSIDE: [&str; 2] = ["/index.html", "/manual/index.html"];
 
 fn asked(who: usize, panel: &Panel, method: &str, path: &str) -> Request<Body> {
     let (name, role) = WHO[who];
@@ -62,7 +66,7 @@ fn asked(who: usize, panel: &Panel, method: &str, path: &str) -> Request<Body> {
     let path = path.replace("{name}", "a.ngc").replace("{kind}", "pins");
     let mut request = Request::builder()
         .method(method)
-        .uri(format!("/api/v1{path}"))
+        .uri(if OUTSIDE.contains(&&*path) { path.clone() } else { format!("/api/v1{path}") })
         .header(header::HOST, panel.address.to_string())
         .header(header::CONTENT_TYPE, "application/json");
     if name != "stranger" {
