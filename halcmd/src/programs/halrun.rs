@@ -32,7 +32,7 @@ use hal_engine::{ClockKind, Ends, Engine, Options};
 use hal_protocol::{Client, Link, NOT_RUNNING, Place, Request};
 use plan::{Action, Detach, Plan, Script};
 use serve::{Local, serve_until_end};
-use service::Service;
+use service::Notifier;
 use std::{
     path::Path,
     process::{Child, ExitCode},
@@ -209,7 +209,7 @@ fn make(plan: &Plan, files: &Files, terminal: &mut dyn Terminal) -> u8 {
         && plan.job.is_none()
         && !plan.interactive
         && plan.script != Script::Terminal;
-    let mut service = Service::of_environment();
+    let mut service = Notifier::of_environment();
     if goes_on {
         if let Some(service) = &mut service {
             service.ready(&mut engine, plan.options.place.name());

@@ -1,7 +1,7 @@
 //! Connection of a client: request lines in, answers out.
 
 use crate::{Error, graph::Ix, serve::hold::Hold, serve::pins::Shared};
-use hal_protocol::{CommandLine, Failure, MAX_LEN, Reply, WireReply};
+use hal_protocol::{CommandLine, Failure, MAX_LEN, Reply, WireReply, peer_process};
 use rustix::net::{SendAncillaryBuffer, SendAncillaryMessage, SendFlags};
 use std::{
     io::{ErrorKind, IoSlice, Read, Write},
@@ -10,6 +10,9 @@ use std::{
         unix::net::UnixStream,
     },
 };
+
+/// A process id that no process has.
+const NO_PROCESS: i32 = i32::MAX;
 
 /// The condition that a client waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,14 +28,14 @@ pub(crate) enum WaitState {
     Poll(i64),
 }
 
-/// What a client may ask for.
+/// Rights of a client, from the most to the fewest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Rights {
     /// Everything.
     Own,
-    /// What is theirs who speak for people elsewhere, as the client has said of itself.
+    /// Those of people elsewhere, for whom the client has said that it speaks.
     FromAfar,
-    /// The same but for the end of the instance: the client is another user's, whom a system service lets in.
+    /// Those of people elsewhere without the end of the instance: the client is another user's, whom a system service lets in.
     Guest,
 }
 
@@ -62,7 +65,7 @@ pub(crate) struct Client {
     pub(crate) page: Option<Shared>,
     /// Commands that are executed when the connection ends.
     pub(crate) at_end: Vec<CommandLine>,
-    /// What the client may ask for.
+    /// Requests that the client may make.
     pub(crate) rights: Rights,
     pub(crate) waits: WaitState,
     pub(crate) advances_clock: bool,
@@ -101,6 +104,18 @@ impl Client {
             ended: false,
             hung: false,
             closing: false,
+        }
+    }
+
+    /// Returns the process of the client: `said` by itself, and for a guest, which cannot name another one, as the kernel
+    /// says, or [`NO_PROCESS`] if this process does not see it.
+    pub(crate) fn process(&self, said: i32) -> i32 {
+        match self.rights {
+            Rights::Own | Rights::FromAfar => said,
+            Rights::Guest => {
+                let seen = peer_process(&self.socket).ok().filter(|pid| *pid > 0);
+                seen.unwrap_or(NO_PROCESS)
+            }
         }
     }
 

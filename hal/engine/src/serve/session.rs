@@ -15,14 +15,11 @@ use crate::{
 };
 use hal_protocol::{
     CommandLine, ComponentState, Direction, Failure, LATEST, MAX_AT_END, MAX_PAGE_PINS, OwnRequest,
-    PinPageInfo, Reply, Request, Type, Value, WireRequest, peer_process,
+    PinPageInfo, Reply, Request, Type, Value, WireRequest,
 };
 
 /// Longest sleep of a program, in nanoseconds of machine time.
 const MAX_SLEEP_NS: i64 = 1_000_000_000_000;
-
-/// A process id that no process has.
-const NO_PROCESS: i32 = i32::MAX;
 
 /// Executes the request of a line of client `i`; returns `None` when the answer comes later.
 pub(crate) fn respond(
@@ -181,8 +178,8 @@ fn hello(
         let why = format!("this engine speaks version {LATEST} of the protocol, not {protocol}");
         return Err(Error::Protocol { why: why.into() });
     }
-    let pid = if c.rights == Rights::Guest { process_of(c) } else { pid };
-    c.pid = pid;
+    c.pid = c.process(pid);
+    let pid = c.pid;
     if !name.is_empty() && c.component.is_none() {
         let name = Name::parse("component", name)?;
         let ix = engine.model.new_component(name, Some(pid), None, false)?;
@@ -198,11 +195,6 @@ fn hello(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         id: me.map_or(0, |me| me.id),
     })
-}
-
-/// Returns the process of a guest, which cannot name another one: [`NO_PROCESS`] if this process does not see it.
-fn process_of(c: &Client) -> i32 {
-    peer_process(&c.socket).ok().filter(|pid| *pid > 0).unwrap_or(NO_PROCESS)
 }
 
 fn join(engine: &mut Engine, c: &mut Client, name: &str, poll_ns: u64) -> Result<Reply, Error> {

@@ -2,7 +2,7 @@
 
 use super::{
     plan::{Plan, Script},
-    service::Service,
+    service::Notifier,
 };
 use crate::{Stdio, Terminal, session::INTERRUPTED};
 use hal_engine::{ClockKind, Ended, Engine};
@@ -107,7 +107,7 @@ fn has_threads(engine: &mut Engine) -> bool {
 }
 
 /// Serves clients until the instance ends, and tells the service manager, if there is one.
-pub(super) fn serve_until_end(plan: &Plan, engine: &mut Engine, service: &mut Option<Service>) {
+pub(super) fn serve_until_end(plan: &Plan, engine: &mut Engine, service: &mut Option<Notifier>) {
     let is_quiet = plan.batch || plan.style.background || plan.style.silent;
     if !is_quiet && std::io::stderr().is_terminal() && has_threads(engine) {
         Stdio.err(&hint(plan));

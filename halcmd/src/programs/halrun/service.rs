@@ -23,7 +23,7 @@ use std::{
 const FEEDINGS: u64 = 4;
 
 /// The connection to the service manager.
-pub(super) struct Service {
+pub(super) struct Notifier {
     socket: UnixDatagram,
     address: SocketAddr,
     /// Nanoseconds between two feedings of the watchdog, if there is one.
@@ -33,7 +33,7 @@ pub(super) struct Service {
     status: String,
 }
 
-impl Service {
+impl Notifier {
     /// Returns the service manager that has started this process: `NOTIFY_SOCKET`, `WATCHDOG_USEC` and `WATCHDOG_PID` name it.
     pub(super) fn of_environment() -> Option<Self> {
         Self::of(&|name| std::env::var_os(name), std::process::id())
@@ -246,7 +246,7 @@ mod tests {
                 let found = set.iter().find(|(n, value)| *n == name && !value.is_empty());
                 found.map(|(_, value)| OsString::from(value))
             };
-            Service::of(&variable, 7)
+            Notifier::of(&variable, 7)
         };
         let ready = "READY=1\nSTATUS=the machine runs as instance 'mill'\n";
         for (usec, pid, feeds) in
@@ -270,7 +270,7 @@ mod tests {
         // Names that are no addresses, and nobody at one.
         for name in ["", "relative", "@"] {
             let variable = |n: &str| (n == "NOTIFY_SOCKET").then(|| OsString::from(name));
-            assert!(Service::of(&variable, 7).is_none_or(|_| name == "@"), "{name}");
+            assert!(Notifier::of(&variable, 7).is_none_or(|_| name == "@"), "{name}");
         }
         std::fs::remove_dir_all(&folder).unwrap();
         service.stopping();

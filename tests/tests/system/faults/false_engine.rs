@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine};
-use hal_protocol::{Client, Folder, NOT_RUNNING, Place, Reply, WireReply};
+use hal_protocol::{Client, Folder, NOT_RUNNING, Place, Reply, Request, WireReply, WireRequest};
 use hal_tests::{
     machine::{Served, options, status},
     programs::programs,
@@ -379,8 +379,8 @@ fn programs_refuse_a_false_engine_with_a_status() {
     assert_eq!(served, 0, "nobody has connected to it");
 }
 
-/// A system service's folder (mode 0750) lets its group in. Whoever is not the service's user or root is a guest: it looks
-/// and gives commands as people elsewhere do, ends nothing, and is no other process.
+/// A system service's folder (mode 0750) lets its group in. A client of another user than the service's and root is a guest:
+/// it looks and gives commands as people elsewhere do, ends nothing, and is no other process.
 #[test]
 fn a_system_service_lets_its_group_in_as_guests() {
     const SERVICE: u32 = 801;
@@ -486,7 +486,7 @@ fn as_guest(group: u32, place: &Place) -> i32 {
             writeln!(
                 socket,
                 "{}",
-                serde_json::to_string(&WireRequest::new(request.clone())).unwrap()
+                serde_json::to_string(&WireRequest { request: request.clone(), at: None }).unwrap()
             )
             .unwrap();
             lines.next().unwrap().unwrap()
