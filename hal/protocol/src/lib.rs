@@ -21,6 +21,7 @@ mod message;
 mod order;
 mod orders;
 mod pattern;
+mod peer;
 mod pins;
 mod place;
 mod reply;
@@ -42,7 +43,7 @@ pub use code::Code;
 pub use failure::Failure;
 pub use finding::{Finding, Level, Related};
 pub use flight::{FlightInfo, FlightSpec, KeptInfo, KeptState};
-pub use folder::{Folder, FolderError, peer, peer_process};
+pub use folder::{Folder, FolderError};
 pub use info::{
     AliasInfo, CommandInfo, ComponentInfo, ComponentState, FaultInfo, ForeignInfo, ForeignPart,
     FunctInfo, GapInfo, ItemInfo, Offer, RealtimeInfo, SignalInfo, StatusInfo, StoppedRecording,
@@ -59,6 +60,7 @@ pub use order::{
 };
 pub use orders::{Orders, Unlisted, Unserved};
 pub use pattern::Patterns;
+pub use peer::{peer, peer_process};
 pub use pins::{MAX_PAGE_PINS, PinPage, PinPageInfo};
 pub use place::{Place, valid_instance};
 pub use reply::{Answer, Reply};

@@ -449,7 +449,7 @@ const SYSTEM: &[(&str, &str)] = &[
     ("hal/output/src/", "nix"),
     ("hal/output/src/", "rustix"),
     ("hal/protocol/src/client.rs", "rustix"),
-    ("hal/protocol/src/folder.rs", "libc"),
+    ("hal/protocol/src/peer.rs", "libc"),
     ("hal/protocol/src/folder.rs", "rustix"),
     ("hal/protocol/src/place.rs", "rustix"),
     ("hal/protocol/src/snapshot.rs", "rustix"),

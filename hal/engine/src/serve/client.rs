@@ -33,9 +33,9 @@ pub(crate) enum WaitState {
 pub(crate) enum Rights {
     /// Everything.
     Own,
-    /// Those of people elsewhere, for whom the client has said that it speaks.
+    /// The rights of people elsewhere, for whom the client has said that it speaks.
     FromAfar,
-    /// Those of people elsewhere without the end of the instance: the client is another user's, whom a system service lets in.
+    /// The rights of people elsewhere without the end of the instance: the client is another user's, whom a system service lets in.
     Guest,
 }
 

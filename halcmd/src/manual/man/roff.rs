@@ -62,6 +62,8 @@ impl Page {
 
 fn section(out: &mut String, title: &str, body: &str) {
     if !body.is_empty() {
+        // A section begins a paragraph of its own.
+        let body = body.strip_prefix(".PP\n").unwrap_or(body);
         out.push_str(&format!(".SH {title}\n{body}"));
     }
 }
