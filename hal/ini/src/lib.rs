@@ -15,11 +15,13 @@
 
 mod error;
 pub mod file;
+mod machine_files;
 mod read;
 mod syntax;
 mod warning;
 
 pub use error::Error;
+pub use machine_files::Purpose;
 pub use warning::{Doubt, IniWarning};
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! States of a file before its last writes, in a folder beside it, so that a person can go back to one of them.
+//! Earlier states of a file, in a folder beside it, so that a person can restore one of them.
 
 use crate::{
     file::Whole,
@@ -20,8 +20,6 @@ pub const MAX_STATES: usize = 20;
 const MAX_BYTES: u64 = 4_000_000;
 /// Folder beside the file, with a folder for each file whose states it keeps.
 pub const STATES_FOLDER: &str = ".ferrule";
-/// Highest number of a state.
-const MAX_NUMBER: u32 = 999_999;
 
 /// A state of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,19 +41,21 @@ impl KeptState {
     }
 }
 
-/// Writes a file as a whole, as [`crate::write()`] does, and keeps its contents of before as a state. The last
-/// [`MAX_STATES`] states are kept. Of a device, a pipe, and a file above 4 MB none is kept. A loss of power at any time
-/// leaves the file of before or the whole new one, and all states of before but for those that make room.
+/// Writes a file as a whole, as [`crate::write()`] does, and keeps its earlier contents as a state. The last
+/// [`MAX_STATES`] states are kept. A device, a pipe, and a file above 4 MB have none. A loss of power at any time
+/// leaves the old file or the whole new one, and all earlier states except the oldest, which makes room.
 ///
 /// # Errors
-/// The system returned an error, or the state of before cannot be kept. The file is then unchanged, unless only its name
+/// The system returned an error, or the earlier contents cannot be kept. The file is then unchanged, unless only its name
 /// could not be stored.
 pub fn write_kept(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let Some(place) = place(path)? else { return crate::write(path, bytes) };
-    if contents(&place)?.is_some_and(|old| old == bytes) {
-        return Ok(());
+    if let Some(before) = contents(&place)? {
+        if before == bytes {
+            return Ok(());
+        }
+        keep_contents(&place, &before)?;
     }
-    keep(path)?;
     let mut file = Whole::create(&place)?;
     file.write_all(bytes)?;
     file.finish_stored()
@@ -67,33 +67,35 @@ pub fn write_kept(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// The system returned an error.
 pub fn keep(path: &Path) -> io::Result<()> {
     let Some(place) = place(path)? else { return Ok(()) };
-    let Some(old) = contents(&place)? else { return Ok(()) };
-    let about = fs::metadata(&place)?;
-    let kept = states_of(&place)?;
+    contents(&place)?.map_or(Ok(()), |now| keep_contents(&place, &now))
+}
+
+fn keep_contents(place: &Path, bytes: &[u8]) -> io::Result<()> {
+    let Some(folder) = folder(place) else { return Ok(()) };
+    let kept = states_of(place)?;
     let last = kept.last();
-    if last.is_some_and(|last| last.read().is_ok_and(|known| known == old)) {
+    if last.is_some_and(|last| last.read().is_ok_and(|known| known == bytes)) {
         prune(kept, MAX_STATES);
         return Ok(());
     }
-    let Some(folder) = folder(&place) else { return Ok(()) };
     let number = last.map_or(0, |last| last.number).saturating_add(1);
-    if number > MAX_NUMBER {
-        let why =
-            format!("{}: there is no number above {MAX_NUMBER} for a state", folder.display());
-        return Err(Error::other(why));
-    }
-    make(&folder)?;
-    let named = |e: &Error| {
-        let why = format!("the state of before cannot be kept in {}", folder.display());
-        Error::new(e.kind(), format!("{why}: {}", crate::reason(e)))
-    };
-    let mut state = Whole::create(&folder.join(format!("{number:06}"))).map_err(|e| named(&e))?;
-    state.write_all(&old).map_err(|e| named(&e))?;
-    // Who may not read the file may not read its states.
-    state.set(about.permissions().mode() & 0o666, about.modified()?).map_err(|e| named(&e))?;
-    state.finish_stored().map_err(|e| named(&e))?;
+    let state = folder.join(format!("{number:06}"));
+    store(&folder, &state, place, bytes).map_err(|e| {
+        let why = format!("the earlier contents cannot be kept in {}", folder.display());
+        Error::new(e.kind(), format!("{why}: {}", crate::reason(&e)))
+    })?;
     prune(kept, MAX_STATES.saturating_sub(1));
     Ok(())
+}
+
+/// Writes a state of the file at `place`, with its time. A user who may not read the file may not read its states.
+fn store(folder: &Path, state: &Path, place: &Path, bytes: &[u8]) -> io::Result<()> {
+    let about = fs::metadata(place)?;
+    make(folder)?;
+    let mut file = Whole::create(state)?;
+    file.write_all(bytes)?;
+    file.set(about.permissions().mode() & 0o666, about.modified()?)?;
+    file.finish_stored()
 }
 
 /// Removes all but the last states.
@@ -136,7 +138,7 @@ fn states_of(place: &Path) -> io::Result<Vec<KeptState>> {
 
 /// Parses the name of a state.
 fn number(name: &str) -> Option<u32> {
-    let is_number = name.len() == 6 && name.bytes().all(|b| b.is_ascii_digit());
+    let is_number = name.len() >= 6 && name.bytes().all(|b| b.is_ascii_digit());
     name.parse().ok().filter(|_| is_number)
 }
 
@@ -159,12 +161,7 @@ fn make(folder: &Path) -> io::Result<()> {
     for folder in [all, folder] {
         match DirBuilder::new().mode(0o755).create(folder) {
             Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
-            Err(e) => {
-                return Err(Error::new(
-                    e.kind(),
-                    format!("{}: {}", folder.display(), crate::reason(&e)),
-                ));
-            }
+            Err(e) => return Err(e),
             Ok(()) => target::store(target::folder(folder))?,
         }
     }

@@ -51,11 +51,29 @@ pub fn state_file(name: &str) -> Option<PathBuf> {
 /// that the path of it gives. Returns `None` without a home folder.
 #[must_use]
 pub fn state_of_machine(ini: &Path) -> Option<PathBuf> {
+    state_file(&name_of_machine(ini))
+}
+
+fn name_of_machine(ini: &Path) -> String {
     // FNV-1a: the same number with every compiler.
     let hash = ini.as_os_str().as_bytes().iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
     });
     // A caller gives the name an ending, which replaces the part behind a dot.
     let stem = ini.file_stem().unwrap_or_default().to_string_lossy().replace('.', "_");
-    state_file(&format!("{stem}-{hash:016x}"))
+    format!("{stem}-{hash:016x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::name_of_machine;
+    use std::{collections::BTreeSet, path::Path};
+
+    #[test]
+    fn machines_have_files_of_their_own() {
+        let machines = ["/a/mill.ini", "/b/mill.ini", "/a/mill.old.ini", "/a/mill.new.ini"];
+        let files =
+            machines.map(|m| Path::new(&name_of_machine(Path::new(m))).with_extension("var"));
+        assert_eq!(files.iter().collect::<BTreeSet<_>>().len(), machines.len(), "{files:?}");
+    }
 }

@@ -18,6 +18,7 @@ mod folder;
 mod info;
 mod kind;
 mod message;
+mod near;
 mod order;
 mod orders;
 mod pattern;
@@ -54,6 +55,7 @@ pub use message::{
     ActionRequest, ByClass, Class, Edit, EditRequest, LATEST, MAX_LEN, OutsideRequest, OwnRequest,
     QueryRequest, Request, WaitRequest,
 };
+pub use near::nearest;
 pub use order::{
     AddedInfo, DelayInfo, HopInfo, LateInfo, LoopInfo, MoveInfo, OrderInfo, PathInfo, ThreadOrder,
     WayInfo,

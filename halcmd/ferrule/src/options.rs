@@ -46,7 +46,7 @@ pub(crate) enum Task {
     Docs(Docs),
     /// Pack what a report of a fault needs into an archive, without private details.
     Report(Report),
-    /// List what the machine's files were before their last writes, compare, and go back.
+    /// List earlier states of the machine's files, compare one with the file, and restore it.
     Restore(Restore),
 }
 
@@ -164,7 +164,7 @@ pub(crate) struct Restore {
     /// Show the difference, and write nothing.
     #[arg(long, requires = "number")]
     pub(crate) compare: bool,
-    /// Write it back without a question.
+    /// Restore it without a question.
     #[arg(long, conflicts_with = "compare")]
     pub(crate) yes: bool,
     /// Name of the instance, which must not run.

@@ -1,7 +1,7 @@
-//! `ferrule restore`: states of a machine's files before their last writes, and the way back to one of them.
+//! `ferrule restore`: list, comparison and restoration of earlier states of a machine's files.
 
 use crate::{failure::Failure, options::Restore};
-use hal_ini::Ini;
+use hal_ini::{Ini, Purpose};
 use hal_output::KeptState;
 use hal_protocol::{Client, Place};
 use similar::{ChangeTag, TextDiff};
@@ -15,15 +15,6 @@ use std::{
 };
 use time::OffsetDateTime;
 
-/// Entries of an INI file that name files which the machine writes, or a part of its description.
-const NAMED: [(&str, &str); 6] = [
-    ("EMCIO", "TOOL_TABLE"),
-    ("EMCIO", "SPINDLE_FILE"),
-    ("RS274NGC", "PARAMETER_FILE"),
-    ("HAL", "HALFILE"),
-    ("HAL", "POSTGUI_HALFILE"),
-    ("HAL", "SHUTDOWN"),
-];
 /// Number of unchanged lines that are shown around a change.
 const AROUND: usize = 2;
 
@@ -44,9 +35,9 @@ pub(crate) fn restore(given: &Restore) -> Result<ExitCode, Failure> {
         list(std::slice::from_ref(file), &given.machine)?;
         return Ok(ExitCode::SUCCESS);
     };
-    let states = states(file)?;
-    let Some(state) = states.iter().find(|state| state.number == number) else {
-        let numbers = states.iter().map(|state| state.number).collect();
+    let known = states(file)?;
+    let Some(state) = known.iter().find(|state| state.number == number) else {
+        let numbers = known.iter().map(|state| state.number).collect();
         return Err(Failure::NoState { file: shown(file).into(), number, numbers });
     };
     let old = state.read().map_err(|e| Failure::file(file, &e))?;
@@ -60,22 +51,43 @@ pub(crate) fn restore(given: &Restore) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     at_rest(given)?;
-    if !given.yes && !crate::report::agrees("write it back?")? {
+    if !given.yes && !crate::report::agrees("restore it?")? {
         return Ok(ExitCode::FAILURE);
     }
     hal_output::write_kept(file, &old).map_err(|e| Failure::file(file, &e))?;
-    let kept = states_now(file)?
-        .map_or_else(String::new, |last| format!("; what it was is state {}", last.number));
-    hal_output::print(&format!("{}: written back from state {number}{kept}\n", shown(file)))?;
+    let kept = states(file)?.pop().map_or_else(String::new, |last| {
+        format!("; the file that it replaced is state {}", last.number)
+    });
+    hal_output::print(&format!("{}: restored from state {number}{kept}\n", shown(file)))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Keeps the files that describe a machine as they are at its start, so that there is a way back to what has worked.
-/// Returns what cannot be kept, which hinders no start.
+/// Keeps the files that describe a machine as they are at its start, so that a person can restore what has worked.
+/// Returns the failures, which hinder no start.
 pub(crate) fn keep_description(machine: &Path) -> Vec<Failure> {
-    let Ok(files) = files(machine) else { return Vec::new() };
+    let named = named(machine).into_iter().filter(|(purpose, _)| *purpose != Purpose::Memory);
+    let files: BTreeSet<PathBuf> = named.map(|(_, path)| path).collect();
     let kept = files.iter().map(|file| hal_output::keep(file).map_err(|e| Failure::file(file, &e)));
     kept.filter_map(Result::err).collect()
+}
+
+/// Returns the machine's own file, and those that its INI file includes and names, where they exist.
+fn named(machine: &Path) -> Vec<(Purpose, PathBuf)> {
+    let mut out = vec![(Purpose::Script, machine.to_path_buf())];
+    // An INI file that has an error now may have a state without it.
+    let ini = Some(machine).filter(|m| m.extension().is_some_and(|e| e == "ini"));
+    if let Some(ini) = ini.and_then(|path| Ini::read(path).ok()) {
+        let included = ini.entries().map(|entry| (Purpose::Script, PathBuf::from(&*entry.file)));
+        out.extend(included);
+        let files =
+            ini.machine_files().map(|(purpose, name)| (purpose, folder(machine).join(name)));
+        out.extend(files.filter(|(_, path)| path.is_file()));
+    }
+    out
+}
+
+fn folder(machine: &Path) -> &Path {
+    machine.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Refuses while an instance runs: it would replace the file, or go on without it.
@@ -90,25 +102,13 @@ fn at_rest(given: &Restore) -> Result<(), Failure> {
 
 /// Returns the machine's own files and those that have states, in the order of their names.
 fn files(machine: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let folder = machine.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut out = BTreeSet::from([machine.to_path_buf()]);
-    if machine.extension().is_some_and(|e| e == "ini") {
-        // An INI file that has an error now may have a state without it.
-        if let Ok(ini) = Ini::read(machine) {
-            out.extend(ini.entries().map(|entry| PathBuf::from(&*entry.file)));
-            for (section, name) in NAMED {
-                let words =
-                    ini.all(section, name).filter_map(|e| e.value.split_whitespace().next());
-                let inside = words.map(|word| folder.join(word)).filter(|path| path.is_file());
-                out.extend(inside);
-            }
-        }
-        let whole = std::path::absolute(machine).map_err(|e| Failure::file(machine, &e))?;
-        if let Some(state) = hal_output::state_of_machine(&whole) {
-            let own = ["var", "spindle"].map(|ending| state.with_extension(ending));
-            out.extend(own.into_iter().filter(|path| path.is_file()));
-        }
+    let mut out: BTreeSet<PathBuf> = named(machine).into_iter().map(|(_, path)| path).collect();
+    let whole = std::path::absolute(machine).map_err(|e| Failure::file(machine, &e))?;
+    if let Some(state) = hal_output::state_of_machine(&whole) {
+        let own = ["var", "spindle"].map(|ending| state.with_extension(ending));
+        out.extend(own.into_iter().filter(|path| path.is_file()));
     }
+    let folder = folder(machine);
     match fs::read_dir(folder.join(hal_output::STATES_FOLDER)) {
         Err(e) if e.kind() == ErrorKind::NotFound => {}
         entries => {
@@ -136,10 +136,6 @@ fn shown(file: &Path) -> String {
 
 fn states(file: &Path) -> Result<Vec<KeptState>, Failure> {
     hal_output::states(file).map_err(|e| Failure::file(file, &e))
-}
-
-fn states_now(file: &Path) -> Result<Option<KeptState>, Failure> {
-    Ok(states(file)?.pop())
 }
 
 /// Reads a file as it is now; `None` if it is not there.
@@ -172,19 +168,19 @@ fn list(files: &[PathBuf], machine: &Path) -> Result<(), Failure> {
     }
     let machine = shown(machine);
     match last {
-        None => text = format!("{machine}: none of its files has a state of before\n"),
+        None => text = format!("{machine}: none of its files has an earlier state\n"),
         Some((name, number)) => {
             let head = ("file", "state", "written");
             text = format!("{:32} {:>6}  {:20}  difference\n{text}", head.0, head.1, head.2);
             text.push_str(&format!(
-                "'ferrule restore {machine} {name} {number} --compare' shows one, without --compare it writes it back\n"
+                "'ferrule restore {machine} {name} {number} --compare' shows one, without --compare it is restored\n"
             ));
         }
     }
     Ok(hal_output::print(&text)?)
 }
 
-/// Returns the numbers of lines that a way back takes away and brings.
+/// Returns the numbers of lines that a restoration removes and adds.
 fn summary(now: &[u8], old: &[u8]) -> String {
     let count = |tag: ChangeTag| {
         let (now, old) = (String::from_utf8_lossy(now), String::from_utf8_lossy(old));

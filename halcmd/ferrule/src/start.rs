@@ -64,7 +64,10 @@ pub(crate) fn start(given: &Start) -> Result<ExitCode, Failure> {
     }
     for failure in restore::keep_description(&given.machine) {
         // Without standard error there is nowhere to say it.
-        drop(writeln!(io::stderr(), "ferrule: no state to go back to is kept: {failure}"));
+        drop(writeln!(
+            io::stderr(),
+            "ferrule: the state of the machine's files cannot be kept: {failure}"
+        ));
     }
     let ending = ending()?;
     let address_file = place.folder().join(format!("panel-{}.url", place.name()));

@@ -71,14 +71,7 @@ impl Error {
     }
 }
 
-/// Returns the name among `names` that `word` was probably meant to be.
+/// Returns the name among `names` that `word` was probably meant to be: at most two characters differ.
 pub(crate) fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<Box<str>> {
-    let lower = word.to_lowercase();
-    // Names of drivers begin with hal_, which people leave out.
-    let near = |name: &str| match name.strip_prefix("hal_") {
-        Some(rest) if rest == lower => 0,
-        _ => strsim::damerau_levenshtein(&lower, &name.to_lowercase()),
-    };
-    let best = names.map(|n| (near(n), n)).min()?;
-    (best.0 <= 2 && best.0 < word.len().max(2)).then(|| best.1.into())
+    hal_protocol::nearest(word, 2, names)
 }

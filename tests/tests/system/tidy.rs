@@ -569,6 +569,17 @@ fn golden_files_are_accepted_in_one_way() {
     assert_eq!(files, ["hal/golden/src/lib.rs"]);
 }
 
+/// Walks the crates that write tool tables, parameters and the record of the spindle.
+#[test]
+fn the_task_replaces_no_file_without_its_earlier_state() {
+    let writes = |call: &str| -> Vec<String> {
+        let files = files_below(&root().join("components/motion"), ".rs");
+        files.iter().filter(|path| code(path).contains(call)).map(|path| short(path)).collect()
+    };
+    assert_eq!(writes("hal_output::write("), [""; 0]);
+    assert_eq!(writes("hal_output::write_kept("), ["components/motion/task/src/worker/files.rs"]);
+}
+
 #[test]
 fn output_goes_through_one_crate() {
     let words = [

@@ -113,6 +113,20 @@ mod tests {
         Spindle::Changing { from: 12, to: 7 },
     ];
 
+    #[test]
+    fn a_record_is_beside_the_table_only_if_it_was_there() {
+        let folder = std::env::temp_dir().join(format!("hal-spindle-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (table, state) = (folder.join("tool.tbl"), Path::new("/state/mill-1"));
+        assert_eq!(file(&table, None), None);
+        assert_eq!(file(&table, Some(state)), Some("/state/mill-1.spindle".into()));
+        let beside = folder.join("tool.tbl.spindle");
+        std::fs::write(&beside, "").unwrap();
+        assert_eq!(file(&table, None).as_ref(), Some(&beside));
+        assert_eq!(file(&table, Some(state)), Some(beside));
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
     /// A file that is cut off anywhere has one of its two records; without the first line nothing is known.
     #[test]
     fn a_file_that_was_cut_off_has_the_record_before() {

@@ -13,8 +13,8 @@ use std::collections::BTreeSet;
 /// Refuses a request of a client that speaks for people elsewhere if it is not theirs to make.
 ///
 /// Clients elsewhere begin and end motion by commands, which check the role, the lease and the stop epoch. A pin would pass
-/// these checks by.
-pub(crate) fn permit(graph: &Graph, request: &Request) -> Result<(), Error> {
+/// these checks by. `may_end`: the client may end the instance.
+pub(crate) fn permit(graph: &Graph, request: &Request, may_end: bool) -> Result<(), Error> {
     let flow = Flow { graph };
     match request {
         Request::Set { name, .. } => flow.permit_item(name),
@@ -57,10 +57,11 @@ pub(crate) fn permit(graph: &Graph, request: &Request) -> Result<(), Error> {
         | Request::FlightState
         | Request::Snapshot { .. }
         | Request::Check
-        | Request::Command { .. }
-        | Request::Shutdown => Ok(()),
+        | Request::Command { .. } => Ok(()),
+        Request::Shutdown if may_end => Ok(()),
         // The machine itself, its clock, and programs and files of this computer.
-        Request::Attach { .. }
+        Request::Shutdown
+        | Request::Attach { .. }
         | Request::NewStream { .. }
         | Request::Run { .. }
         | Request::Load { .. }

@@ -108,6 +108,26 @@ fn monotonic_ns() -> u64 {
     s.unwrap_or(0).saturating_mul(1_000_000_000).saturating_add(ns.unwrap_or(0))
 }
 
+/// Reason why the watchdog is not fed.
+#[derive(Debug, PartialEq, Eq)]
+enum Dead {
+    Failed { funct: Box<str>, cause: Box<str> },
+    Stuck { funct: Box<str> },
+    Idle { thread: Box<str> },
+}
+
+impl core::fmt::Display for Dead {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Failed { funct, cause } => write!(f, "function '{funct}' failed: {cause}"),
+            Self::Stuck { funct } => write!(f, "function '{funct}' does not return"),
+            Self::Idle { thread } => write!(f, "thread '{thread}' runs no cycle"),
+        }
+    }
+}
+
+impl core::error::Error for Dead {}
+
 /// The last cycles of the threads.
 #[derive(Debug, Default)]
 struct Watch {
@@ -124,12 +144,13 @@ impl Watch {
         now: u64,
         status: &StatusInfo,
         threads: &[ThreadInfo],
-    ) -> Result<(), String> {
+    ) -> Result<(), Dead> {
         if let Some(fault) = &status.fault {
-            return Err(format!("function '{}' failed: {}", fault.funct, fault.cause));
+            let (funct, cause) = (fault.funct.as_str().into(), fault.cause.as_str().into());
+            return Err(Dead::Failed { funct, cause });
         }
         if let Some(stuck) = &status.stuck {
-            return Err(format!("function '{}' does not return", stuck.funct));
+            return Err(Dead::Stuck { funct: stuck.funct.as_str().into() });
         }
         let is_due = status.running && status.clock == "real";
         let before = std::mem::take(&mut self.cycles);
@@ -139,7 +160,7 @@ impl Watch {
             let (_, since) = seen.copied().filter(|_| is_due).unwrap_or((thread.cycles, now));
             let patience = u64::try_from(thread.period).unwrap_or(0).saturating_mul(2);
             if since < now && now - since > patience {
-                result = Err(format!("thread '{}' runs no cycle", thread.name));
+                result = Err(Dead::Idle { thread: thread.name.as_str().into() });
             }
             self.cycles.insert(thread.name.clone(), (thread.cycles, since));
         }
@@ -182,7 +203,8 @@ mod tests {
         let mut watch = Watch::default();
         let second = 1_000_000_000;
         let mut look = |at: u64, status: &StatusInfo, thread: &ThreadInfo| {
-            watch.is_alive(at, status, std::slice::from_ref(thread))
+            let looked = watch.is_alive(at, status, std::slice::from_ref(thread));
+            looked.map_err(|why| why.to_string())
         };
         assert_eq!(look(second, &status, &thread), Ok(()));
         thread.cycles = 6;

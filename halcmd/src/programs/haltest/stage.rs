@@ -7,7 +7,7 @@ use super::{
     test::{MachineFile, Test},
 };
 use crate::ini::plain;
-use hal_ini::Ini;
+use hal_ini::{Ini, Purpose};
 use std::{
     collections::BTreeSet,
     fs::{self, DirBuilder},
@@ -134,13 +134,6 @@ fn is_gone(error: io::Error) -> io::Result<()> {
     if error.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(error) }
 }
 
-/// Entries of an INI file that name files which the machine writes and reads again at its next start.
-const REMEMBERED: [(&str, &str); 4] = [
-    ("RS274NGC", "PARAMETER_FILE"),
-    ("EMCIO", "SPINDLE_FILE"),
-    ("TASK", "JOURNAL"),
-    ("TRAJ", "POSITION_FILE"),
-];
 /// Endings of the names beside such files, the INI file and the tool table.
 const BESIDE: [&str; 3] = ["bak", "spindle", "journal"];
 
@@ -165,14 +158,17 @@ impl Written {
             return out;
         };
         let inside = |name: &str| {
-            let path = folder.join(name.trim());
+            let path = folder.join(name);
             let inside = path.strip_prefix(folder).ok()?;
             let is_plain = inside.components().all(|c| matches!(c, Component::Normal(_)));
             is_plain.then(|| inside.to_path_buf())
         };
-        out.copied.extend(ini.get("EMCIO", "TOOL_TABLE").and_then(inside));
-        for (section, entry) in REMEMBERED {
-            out.remembered.extend(ini.get(section, entry).and_then(inside));
+        for (purpose, name) in ini.machine_files() {
+            match purpose {
+                Purpose::Script => {}
+                Purpose::Tools => out.copied.extend(inside(name)),
+                Purpose::Memory => out.remembered.extend(inside(name)),
+            }
         }
         let named = out.remembered.iter().chain(&out.copied).cloned();
         for file in named.chain([PathBuf::from(name)]).collect::<Vec<_>>() {

@@ -84,6 +84,8 @@ fn a_start_has_the_panel_and_ends_with_the_machine() {
     ];
     for (what, stop) in stops {
         let mut running = started(&scratch, &["--listen", "127.0.0.1:0"]);
+        let kept = scratch.read("ferrule-demo/.ferrule/demo.ini/000001");
+        assert_eq!(kept, scratch.read("ferrule-demo/demo.ini"));
         // Off a terminal the token is not shown: the file that has it is its user's alone.
         let (out, _) = running.said();
         let (_, file) = out.split_once("its address is in ").unwrap();

@@ -1,4 +1,4 @@
-//! Memory of a machine: the states of its files and the way back to them, and tests of a machine that has been used.
+//! Memory of a machine: earlier states of its files, and tests of a machine that has been used.
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_tests::{
@@ -39,7 +39,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn a_tool_table_and_parameters_that_a_program_changed_come_back() {
     let scratch = with_printer("restore");
     let new = ferrule(&scratch, &["restore", "printer.ini"]);
-    assert_eq!(new.stdout, "printer.ini: none of its files has a state of before\n");
+    assert_eq!(new.stdout, "printer.ini: none of its files has an earlier state\n");
     let first = scratch.read("tool.tbl");
     run(&scratch, "G10 L1 P1 Z-12.5\nG10 L2 P1 X7");
     let parameters = scratch.read("linuxcnc.var");
@@ -72,11 +72,11 @@ fn a_tool_table_and_parameters_that_a_program_changed_come_back() {
         let back =
             ferrule(&scratch, &["restore", "printer.ini", file, &number.to_string(), "--yes"]);
         assert!(
-            back.stdout.ends_with(&format!("what it was is state {}\n", number + 1)),
+            back.stdout.ends_with(&format!("the file that it replaced is state {}\n", number + 1)),
             "{back:?}"
         );
         assert_eq!(&scratch.read(file), before);
-        // The way back has a way back.
+        // A restoration can be undone.
         let again = ferrule(
             &scratch,
             &["restore", "printer.ini", file, &format!("{}", number + 1), "--yes"],
@@ -139,19 +139,28 @@ expect = { "axis.0.motor-pos-cmd" = 20, "iocontrol.0.tool-number" = 0 }
 do = "task.mdi text='G10 L1 P1 Z-3' --wait"
 "#;
 
+/// Walks a machine with its files beside the INI file, and one that has them in a folder below.
 #[test]
 fn the_tests_of_a_used_machine_begin_as_those_of_a_new_one_and_change_nothing() {
-    let scratch = with_printer("used");
-    scratch.write("printer-new.toml", TEST);
-    let haltest = || scratch.run(scratch.command(&[], "haltest").args(["printer-new.toml"]));
-    let new = haltest();
-    assert_eq!(new.status, Some(0), "{new:?}");
-    // A record of the tool in the spindle beside the table, as versions before have left it.
-    scratch.write("tool.tbl.spindle", "tool 1 #51c15fcca7506bdc\n");
-    run(&scratch, "G10 L2 P1 X5 Z40\nG10 L1 P1 Z-12.5");
-    assert!(scratch.read("linuxcnc.var").contains("5221\t5"));
-    let before = files(scratch.path());
-    let used = haltest();
-    assert_eq!((used.status, &used.stdout), (Some(0), &new.stdout), "{used:?}");
-    assert_eq!(files(scratch.path()), before);
+    for (name, below) in [("used", ""), ("used-below", "state/")] {
+        let scratch = with_printer(name);
+        fs::create_dir_all(scratch.path().join(below)).unwrap();
+        let (table, parameters) = (format!("{below}tool.tbl"), format!("{below}linuxcnc.var"));
+        fs::rename(scratch.path().join("tool.tbl"), scratch.path().join(&table)).unwrap();
+        let ini = scratch.read("printer.ini").replace("= tool.tbl", &format!("= {table}"));
+        scratch.write("printer.ini", ini.replace("= linuxcnc.var", &format!("= {parameters}")));
+        scratch.write("printer-new.toml", TEST);
+        let haltest = || scratch.run(scratch.command(&[], "haltest").args(["printer-new.toml"]));
+        let new = haltest();
+        assert_eq!(new.status, Some(0), "{new:?}");
+        // A record of the tool in the spindle beside the table, as earlier versions have left it.
+        scratch.write(&format!("{table}.spindle"), "tool 1 #51c15fcca7506bdc\n");
+        run(&scratch, "G10 L2 P1 X5 Z40\nG10 L1 P1 Z-12.5");
+        assert!(scratch.read(&parameters).contains("5221\t5"));
+        let state = scratch.path().join(below);
+        let before = (files(scratch.path()), files(&state));
+        let used = haltest();
+        assert_eq!((used.status, &used.stdout), (Some(0), &new.stdout), "{used:?}");
+        assert_eq!((files(scratch.path()), files(&state)), before);
+    }
 }

@@ -128,7 +128,7 @@ fn failed(path: &Path, error: &Error) -> String {
     format!("{}: {}", path.display(), hal_output::reason(error))
 }
 
-/// Replaces a file of the machine as a whole, and keeps its state of before.
+/// Replaces a file of the machine as a whole, and keeps its earlier state.
 pub(super) fn written(path: &Path, text: &str) -> Result<(), String> {
     hal_output::write_kept(path, text.as_bytes()).map_err(|e| failed(path, &e))
 }
