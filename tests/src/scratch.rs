@@ -32,7 +32,7 @@ pub(crate) const REALTIME: &str = "realtime: ";
 /// Result of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
-    /// Standard output.
+    /// Standard output, except messages about real time.
     pub stdout: String,
     /// Standard error, except messages about real time.
     pub stderr: String,
@@ -213,7 +213,7 @@ impl Running {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// Returns the output so far: standard output, and standard error without messages about real time.
+    /// Returns the output so far: standard output and standard error, without messages about real time.
     pub fn said(&self) -> (String, String) {
         let (out, err, _) = self.all();
         (out, err)
@@ -229,10 +229,11 @@ impl Running {
             let bytes = fs::read(self.said.join(name)).unwrap_or_default();
             String::from_utf8_lossy(&bytes).into_owned()
         };
-        let err = text("err");
-        let (realtime, other) =
-            err.split_inclusive('\n').partition(|line| line.starts_with(REALTIME));
-        (text("out"), other, realtime)
+        let (out, err) = (text("out"), text("err"));
+        let (late, err) = without_realtime(&err);
+        // A script that joins the two streams has messages about real time in its output.
+        let (joined, out) = without_realtime(&out);
+        (out, err, late + &joined)
     }
 
     /// Waits until the process ends; returns its status, or `None` at the timeout.
@@ -306,4 +307,25 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         }
     }
     out
+}
+
+/// Takes the messages about real time out of what a program wrote. Returns them, and the rest.
+fn without_realtime(said: &str) -> (String, String) {
+    said.split_inclusive('\n').partition(|line| line.starts_with(REALTIME))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_about_real_time_are_in_neither_stream_even_if_a_script_joins_them() {
+        let say = "echo 'realtime: a'; echo out; { echo 'realtime: b'; echo err; } >&2; \
+                   { echo 'realtime: c'; echo joined; } 2>&1 >&1; echo 'not realtime: d'";
+        let scratch = Scratch::new("joined");
+        let output = scratch.run(scratch.command(&[], "sh").args(["-c", say]));
+        assert_eq!(output.stdout, "out\njoined\nnot realtime: d\n");
+        assert_eq!(output.stderr, "err\n");
+        assert_eq!(output.realtime, "realtime: b\nrealtime: a\nrealtime: c\n");
+    }
 }
