@@ -92,6 +92,7 @@ pub enum Error {
     LongOption {
         program: &'static str,
         option: Box<str>,
+        near: Option<Box<str>>,
     },
     LongNeedsArgument {
         program: &'static str,
@@ -264,8 +265,12 @@ impl core::fmt::Display for Error {
             Self::NeedsArgument { command, option } => {
                 write!(f, "{command}: option requires an argument -- '{option}'")
             }
-            Self::LongOption { program, option } => {
-                write!(f, "{program}: unrecognized option '--{option}'")
+            Self::LongOption { program, option, near } => {
+                write!(f, "{program}: unrecognized option '--{option}'")?;
+                match near {
+                    Some(near) => write!(f, "; did you mean --{near}?"),
+                    None => Ok(()),
+                }
             }
             Self::LongNeedsArgument { program, option } => {
                 write!(f, "{program}: option '--{option}' requires an argument")

@@ -215,6 +215,9 @@ impl Lines {
         let head = first(&name);
         if finding.kind == Some(Kind::Threads) {
             if nearest(&name, self.threads.iter().map(String::as_str)).is_none() {
+                if !self.threads.is_empty() {
+                    add(finding, &format!("there are: {}", self.threads.join(", ")));
+                }
                 let make = if MOTION.contains(&head) {
                     "loadrt motmod makes it".to_owned()
                 } else {
@@ -241,23 +244,26 @@ impl Lines {
         if !kin.is_empty() {
             add(finding, &format!("there are: {}", kin.join(", ")));
         }
+        // The name of a component or an instance alone is no function's name.
+        let below = format!("{name}.");
+        let own = self
+            .functs
+            .iter()
+            .filter(|f| finding.kind == Some(Kind::Functs) && f.starts_with(&below));
+        let own: Vec<&str> = own.map(String::as_str).take(8).collect();
+        if !own.is_empty() {
+            add(finding, &format!("its functions are: {}", own.join(", ")));
+            return;
+        }
         if let Some((at, words)) = self.loads(&name, head) {
             let list = words.get(2).and_then(|w| w.split_once('='));
             let (line, key) = (words.join(" "), list.map_or("count", |(key, _)| key));
-            add(finding, &format!("or one more in {key}= of '{line}' ({at})"));
+            let or = if finding.remedy.is_empty() { "" } else { "or " };
+            add(finding, &format!("{or}one more in {key}= of '{line}' ({at})"));
             relate(finding, at, format!("{key}= is here"));
             return;
         }
         if !kin.is_empty() || self.is_known(head) {
-            // A component's name alone is no function's name.
-            let own = self
-                .functs
-                .iter()
-                .filter(|f| first(f) == name && finding.kind == Some(Kind::Functs));
-            let own: Vec<&str> = own.map(String::as_str).take(8).collect();
-            if !own.is_empty() {
-                add(finding, &format!("its functions are: {}", own.join(", ")));
-            }
             return;
         }
         let make = if MOTION.contains(&head) {

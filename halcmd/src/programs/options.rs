@@ -1,5 +1,6 @@
 //! Command line options: by the rules of POSIX, where the first other word ends them, or mixed with other words.
 
+use crate::language::hint::nearest;
 use crate::{Error, Stdio, Terminal, terminal::print_error};
 use std::process::ExitCode;
 
@@ -195,10 +196,10 @@ fn long_option<T: Copy>(
 ) -> Result<(T, Option<String>), Error> {
     let (name, inline) =
         text.split_once('=').map_or((text, None), |(n, v)| (n, Some(v.to_owned())));
-    let option = table
-        .iter()
-        .find(|o| o.long == Some(name))
-        .ok_or_else(|| Error::LongOption { program, option: name.into() })?;
+    let option = table.iter().find(|o| o.long == Some(name)).ok_or_else(|| {
+        let near = nearest(name, table.iter().filter_map(|o| o.long));
+        Error::LongOption { program, option: name.into(), near }
+    })?;
     match (option.value, inline) {
         (None, None) => Ok((option.id, None)),
         (None, Some(_)) => Err(Error::LongTakesNone { program, option: name.into() }),

@@ -174,7 +174,9 @@ impl Error {
             Self::ArgumentRange { expects, doc, word, .. } => Some(expected(expects, word, doc)),
             Self::Loading(e) => e.hint(),
             Self::Plugin(e) => e.hint(),
-            Self::NotWritable { why, .. } => Some((*why).to_owned()),
+            Self::NotWritable { name, why, .. } => {
+                Some(why.replace("'unlinkp'", &["'unlinkp ", name, "'"].concat()))
+            }
             Self::InvalidParameter { .. } => {
                 Some("an argument is NAME=VALUE, such as count=2".to_owned())
             }
@@ -207,6 +209,12 @@ impl Error {
             }
             Self::TooManyStores { .. } => {
                 Some("do it in parts, or 'stop' before and 'start' after".to_owned())
+            }
+            Self::SecondWriter { pin, other, .. } => Some(format!(
+                "a signal has one writer: 'unlinkp {other}' before this line lets {pin} be it"
+            )),
+            Self::CountAndNames => {
+                Some("leave out count=: names= makes as many as it names".to_owned())
             }
             Self::NotStarted => Some("'start' lets the threads run".to_owned()),
             Self::NoService { name, .. } => Some(format!("load {name} first, such as trivkins")),

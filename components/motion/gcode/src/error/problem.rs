@@ -137,7 +137,7 @@ problems! {
     OrientRange: "R value must be within 0..360 with M19", "";
     OrientMode: "P value must be 0,1,or 2 with M19", "";
     OrientTimeout: "Q word with M19 requires a value > 0", "";
-    ToolMissing { tool: i32 }: "Requested tool {tool} not found in the tool table", "";
+    ToolMissing { tool: i32 }: "Requested tool {tool} not found in the tool table", "add its line to the tool table, such as T1 P1";
     NegativeTool: "Negative tool id (tool not found)", "";
     NoToolSelected: "Need tool prepared -Txx- for toolchange", "";
     M61NeedsQ: "Need non-negative Q-word to specify tool number with M61", "";
@@ -302,6 +302,9 @@ impl Problem {
             Self::UnknownG { code } | Self::GRange { code } => foreign::advice(b'g', *code),
             Self::UnknownM { code } | Self::MTooLarge { code } => {
                 foreign::advice(b'm', f64::from(*code))
+            }
+            Self::ToolMissing { tool } if *tool > 0 => {
+                Some(format!("add a line to the tool table: T{tool} P{tool}"))
             }
             _ => None,
         };
