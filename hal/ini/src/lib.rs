@@ -16,12 +16,14 @@
 mod error;
 pub mod file;
 mod machine_files;
+mod place;
 mod read;
 mod syntax;
 mod warning;
 
 pub use error::Error;
 pub use machine_files::Purpose;
+pub use place::beside;
 pub use warning::{Doubt, IniWarning};
 
 use std::path::Path;

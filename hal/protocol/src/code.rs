@@ -139,6 +139,7 @@ codes! {
     EntryTwice = "H713" Warning "an INI entry that is there twice with two values";
     CoordinatesOdd = "H714" Warning "coordinates that do not fit the joints";
     NoToolTable = "H715" Warning "a tool table that is not there";
+    NoProgramFolder = "H716" Note "a folder of programs that is not there";
 }
 
 impl Code {

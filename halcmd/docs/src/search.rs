@@ -10,7 +10,7 @@ pub struct Section {
     pub chapter: &'static str,
     /// Heading.
     pub title: String,
-    /// Markdown below the heading.
+    /// Markdown below the heading, without the backslashes that keep a character from its meaning.
     pub text: String,
 }
 
@@ -26,15 +26,27 @@ pub fn sections() -> io::Result<Vec<Section>> {
             is_code ^= line.starts_with("```");
             let heading = line.trim_start_matches('#');
             if !is_code && line.starts_with('#') && heading.starts_with(' ') {
-                let (title, text) = (heading.trim().to_owned(), String::new());
+                let (title, text) = (unescaped(heading.trim()), String::new());
                 all.push(Section { chapter: chapter.title, title, text });
             } else if let Some(section) = all.last_mut().filter(|_| !line.starts_with("<!--")) {
-                section.text.push_str(line);
+                section.text += &if is_code { line.to_owned() } else { unescaped(line) };
                 section.text.push('\n');
             }
         }
     }
     Ok(all)
+}
+
+/// Returns a line of Markdown without the backslashes before punctuation. In `code` a backslash is itself.
+fn unescaped(line: &str) -> String {
+    let (mut out, mut is_code) = (String::with_capacity(line.len()), false);
+    let mut rest = line.chars().peekable();
+    while let Some(c) = rest.next() {
+        let escaped = rest.next_if(|next| c == '\\' && !is_code && next.is_ascii_punctuation());
+        is_code ^= c == '`';
+        out.push(escaped.unwrap_or(c));
+    }
+    out
 }
 
 /// Returns the sections that have every word, best first: those with more of the words in their heading, then those that repeat
@@ -76,6 +88,21 @@ mod tests {
         let first = found.iter().take_while(|s| s.title.to_lowercase().contains("homing")).count();
         assert!(first > 0 && found.len() > first, "{first} of {}", found.len());
         assert!(found.iter().skip(first).all(|s| !s.title.to_lowercase().contains("homing")));
+    }
+
+    #[test]
+    fn a_section_is_read_in_a_terminal() {
+        for (markdown, want) in [
+            (r"the file of \[EMCIO]TOOL\_TABLE, \*once\*", "the file of [EMCIO]TOOL_TABLE, *once*"),
+            (r"`a\_b` and `\[x]`, C:\new \", r"`a\_b` and `\[x]`, C:\new \"),
+            (r"\`a\_b\` \\[", r"`a_b` \["),
+            ("äöü", "äöü"),
+        ] {
+            assert_eq!(unescaped(markdown), want);
+        }
+        let found = search(&["[EMCIO]TOOL_TABLE".to_owned()]).unwrap();
+        assert!(!found.is_empty());
+        assert!(found.iter().all(|s| !s.text.contains("\\[")), "{found:?}");
     }
 
     #[test]

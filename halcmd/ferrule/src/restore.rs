@@ -79,8 +79,9 @@ fn named(machine: &Path) -> Vec<(Purpose, PathBuf)> {
     if let Some(ini) = ini.and_then(|path| Ini::read(path).ok()) {
         let included = ini.entries().map(|entry| (Purpose::Script, PathBuf::from(&*entry.file)));
         out.extend(included);
-        let files =
-            ini.machine_files().map(|(purpose, name)| (purpose, folder(machine).join(name)));
+        let files = ini
+            .machine_files()
+            .map(|(purpose, name)| (purpose, hal_ini::beside(folder(machine), name)));
         out.extend(files.filter(|(_, path)| path.is_file()));
     }
     out

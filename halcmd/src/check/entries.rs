@@ -98,6 +98,7 @@ pub(super) fn findings(dry_run: &mut DryRun, unread: bool) -> Vec<Finding> {
     found.extend(sections::findings(&ini, &dry_run.result().entries, &found));
     found.extend(repeated::findings(&ini));
     found.extend(tools::table(&ini));
+    found.extend(tools::programs(&ini));
     if !unread {
         found.extend(tools::answers(&ini, &items));
     }

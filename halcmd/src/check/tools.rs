@@ -2,6 +2,7 @@
 
 use super::entries::about;
 use crate::ini::{Entry, Ini};
+use hal_job::places::NoPrograms;
 use hal_protocol::{Code, Finding, ItemInfo};
 use std::{
     collections::BTreeMap,
@@ -25,14 +26,27 @@ pub(super) fn table(ini: &Ini) -> Option<Finding> {
     Some(about(Code::NoToolTable, entry, text).remedy(remedy))
 }
 
+/// Reports a folder of programs that is not there.
+pub(super) fn programs(ini: &Ini) -> Option<Finding> {
+    let entry = ini.all("DISPLAY", "PROGRAM_PREFIX").next()?;
+    let absent: Option<Vec<_>> =
+        folders(ini, entry).map(|folder| NoPrograms::of(ini, folder)).collect();
+    let absent = absent?.pop()?;
+    let value = absent.entry.value.trim();
+    let text = format!(
+        "the folder of programs '{value}' is not there, perhaps one of another computer: no program is found"
+    );
+    Some(about(Code::NoProgramFolder, absent.entry, text).remedy(absent.remedy()))
+}
+
 /// Returns the places where a file of the machine may be: beside the INI file, and beside the file that names it.
 fn files(ini: &Ini, entry: &Entry, name: &str) -> Vec<PathBuf> {
-    if let (Some(rest), Some(home)) = (name.strip_prefix("~/"), std::env::var_os("HOME")) {
-        return vec![PathBuf::from(home).join(rest)];
-    }
-    let beside = |file: &str| Path::new(file).parent().map(|folder| folder.join(name));
+    folders(ini, entry).map(|folder| hal_ini::beside(folder, name)).collect()
+}
+
+fn folders<'a>(ini: &'a Ini, entry: &'a Entry) -> impl Iterator<Item = &'a Path> {
     let main = ini.entries().next().map(|e| e.file.as_str());
-    [Some(entry.file.as_str()), main].into_iter().flatten().filter_map(beside).collect()
+    [Some(entry.file.as_str()), main].into_iter().flatten().filter_map(|f| Path::new(f).parent())
 }
 
 /// Reports requests of a tool change that nothing answers, in a machine with a tool table.

@@ -18,6 +18,20 @@ use std::{
 /// Script of LinuxCNC's program `halshow`, which shows what there is as a tree.
 const HALSHOW: &str = "/usr/lib/tcltk/linuxcnc/bin/halshow.tcl";
 
+const HALSHOW_HELP: &str = "
+Usage:   halshow [options] [WATCHLIST]
+
+Shows components, pins, parameters, signals and functions of the running instance as a tree, in a window; a
+watch list that was saved in it is opened again. The window is LinuxCNC's, from the package linuxcnc-uspace.
+
+options:
+      --fformat FORMAT    format of floats, such as %.5f
+      --iformat FORMAT    format of integers, such as %08X
+      --noprefs           neither read nor write the preferences
+  -h, --help              print this
+      --version           print the version
+";
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Word {
     Ini,
@@ -61,6 +75,14 @@ pub fn main(words: &[String]) -> ExitCode {
 /// Runs LinuxCNC's halshow with these command line arguments.
 #[must_use]
 pub fn halshow(words: &[String]) -> ExitCode {
+    if words.iter().any(|word| ["-h", "-help", "--help"].contains(&&**word)) {
+        return ended(Stdio.out(HALSHOW_HELP).map_err(|unwritten| unwritten.to_string()));
+    }
+    if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
+        let text = "halshow: DISPLAY is not set: it needs a screen; in a terminal, 'halcmd show' and 'halcmd watch' show \
+                    the same";
+        return ended(Err(text.to_owned()));
+    }
     if !Path::new(HALSHOW).is_file() {
         let text = format!("halshow: '{HALSHOW}' is missing; apt-get install linuxcnc-uspace");
         return ended(Err(text));

@@ -2,7 +2,7 @@
 
 use crate::eye::Station;
 use hal_align::{Conditions, MAX_MARKS, Matrix, Model, Vector};
-use hal_ini::{Entry, Ini};
+use hal_ini::{Entry, Ini, beside};
 use hal_marks::{Camera, Files, Ink, MarkKind, Picture, Search, Source, Table};
 use std::path::{Path, PathBuf};
 
@@ -172,7 +172,7 @@ impl MarkJob {
                     .value
                     .split_once(char::is_whitespace)
                     .ok_or_else(|| wrong(entry, forms))?;
-                let path: PathBuf = folder.join(name.trim());
+                let path: PathBuf = beside(folder, name);
                 let files = |is_live| -> Result<Pictures, String> {
                     let files = Files::open(&path, is_live);
                     let files = files.map_err(|e| wrong(entry, &e.to_string()))?;

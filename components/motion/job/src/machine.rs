@@ -133,7 +133,7 @@ impl Machine {
             let ini = Ini::read(path).map_err(|e| e.to_string())?;
             out.folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
             out.apply(&ini, files.letters.unwrap_or("XYZ"))?;
-            let beside = |name: &str| out.folder.join(name);
+            let beside = |name: &str| hal_ini::beside(&out.folder, name);
             table = ini.get("EMCIO", "TOOL_TABLE").map(beside);
             let named = ini.get("EMCIO", "SPINDLE_FILE").map(beside);
             out.spindle_file = named.or_else(|| spindle::file(table.as_deref()?, files.state));

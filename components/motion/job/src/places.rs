@@ -2,7 +2,7 @@
 
 use crate::number::wrong;
 use hal_beneath::{Beneath, FileName, OpenError, is_below};
-use hal_ini::{Entry, Ini};
+use hal_ini::{Entry, Ini, beside};
 use std::path::{Path, PathBuf};
 
 /// Folder of programs where the INI file names none.
@@ -11,6 +11,9 @@ const PROGRAMS: &str = "nc_files";
 const UPLOADS: &str = "uploads";
 /// Folder of the files that programs write, beside the INI file.
 const OUTPUT: &str = "output";
+
+/// Folders of programs that are offered where that of the INI file is not there: LinuxCNC's, and the one beside the INI file.
+const OFFERED: [&str; 2] = ["~/linuxcnc/nc_files", PROGRAMS];
 
 /// Entries whose files and folders hold code of the machine.
 const CODE: &[(&str, &str)] = &[
@@ -41,6 +44,43 @@ pub struct Output {
     beside: Option<PathBuf>,
 }
 
+/// A folder of programs that the INI file names and that is not there, such as one of another computer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NoPrograms<'a> {
+    /// Entry that names the folder.
+    pub entry: &'a Entry,
+    /// Path of the folder.
+    pub path: PathBuf,
+    /// Value for the entry whose folder is there.
+    pub offered: Option<&'static str>,
+}
+
+impl<'a> NoPrograms<'a> {
+    /// Returns the folder of programs that an INI file in a folder names, if it is not there.
+    #[must_use]
+    pub fn of(ini: &'a Ini, folder: &Path) -> Option<Self> {
+        let entry = ini.all("DISPLAY", "PROGRAM_PREFIX").next()?;
+        let path = beside(folder, &entry.value);
+        let is_there = |name: &str| beside(folder, name).is_dir();
+        if entry.value.trim().is_empty() || path.is_dir() {
+            return None;
+        }
+        Some(Self { entry, path, offered: OFFERED.into_iter().find(|name| is_there(name)) })
+    }
+
+    /// Returns what would be right.
+    #[must_use]
+    pub fn remedy(&self) -> String {
+        let make = format!("make the folder {}", self.path.display());
+        match self.offered {
+            Some(name) => format!("write PROGRAM_PREFIX = {name}, which is there, or {make}"),
+            None => format!(
+                "{make}, or write PROGRAM_PREFIX = {PROGRAMS} for one beside the INI file, and make that"
+            ),
+        }
+    }
+}
+
 impl Places {
     /// Returns the places of an INI file in a folder.
     ///
@@ -48,12 +88,12 @@ impl Places {
     /// A folder in which others write holds, or is, code of the machine.
     pub fn read(ini: &Ini, folder: &Path) -> Result<Self, String> {
         let prefix = ini.get("DISPLAY", "PROGRAM_PREFIX").unwrap_or(PROGRAMS);
-        let programs = folder.join(prefix.trim());
+        let programs = beside(folder, prefix);
         let uploads = Self::uploads_of(&programs);
         let named = ini.all("RS274NGC", "OUTPUT_DIR").next();
         let named = named.filter(|entry| !entry.value.trim().is_empty());
         let output = match named {
-            Some(entry) => Output { folder: folder.join(entry.value.trim()), beside: None },
+            Some(entry) => Output { folder: beside(folder, &entry.value), beside: None },
             None => Output { folder: folder.join(OUTPUT), beside: Some(folder.to_owned()) },
         };
         let out = Self { programs, uploads, output };
@@ -67,7 +107,7 @@ impl Places {
     /// Returns the folders in which something is looked for: that of programs, and those of an entry.
     pub(crate) fn searched(&self, ini: &Ini, entry: &str, folder: &Path) -> Vec<PathBuf> {
         let named = ini.get("RS274NGC", entry).map(|value| value.split(':'));
-        let named = named.into_iter().flatten().map(|name| folder.join(name));
+        let named = named.into_iter().flatten().map(|name| beside(folder, name));
         core::iter::once(self.programs.clone()).chain(named).collect()
     }
 
@@ -134,7 +174,7 @@ fn code<'a>(ini: &'a Ini, folder: &'a Path) -> impl Iterator<Item = (&'a Entry, 
     CODE.iter().flat_map(move |(section, name)| {
         ini.all(section, name).flat_map(move |entry| {
             let parts = entry.value.split(':').map(str::trim).filter(|part| !part.is_empty());
-            parts.map(move |part| (entry, folder.join(part)))
+            parts.map(move |part| (entry, beside(folder, part)))
         })
     })
 }

@@ -1,6 +1,6 @@
 //! Entries of an INI file about functions in Python: its section `PYTHON`.
 
-use hal_ini::Ini;
+use hal_ini::{Ini, beside};
 use serde::Serialize;
 use std::{
     path::{Path, PathBuf},
@@ -49,7 +49,7 @@ impl Setup {
         let folder = std::path::absolute(named).unwrap_or_else(|_| named.into());
         let paths = |name: &str| {
             let entries = ini.all("PYTHON", name).flat_map(|e| e.value.split(':'));
-            entries.map(str::trim).filter(|p| !p.is_empty()).map(|p| folder.join(p)).collect()
+            entries.map(str::trim).filter(|p| !p.is_empty()).map(|p| beside(&folder, p)).collect()
         };
         let mut timeout = TIMEOUT;
         if let Some(entry) = ini.all("PYTHON", "TIMEOUT").next() {
@@ -63,7 +63,7 @@ impl Setup {
         }
         let toplevel = ini.all("PYTHON", "TOPLEVEL").next();
         let toplevel = toplevel.map(|entry| {
-            let path = folder.join(entry.value.trim());
+            let path = beside(&folder, &entry.value);
             if path.is_file() {
                 return Ok(path);
             }

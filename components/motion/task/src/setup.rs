@@ -7,7 +7,7 @@ use crate::{
     worker::Files,
 };
 use hal_gcode::{axis::AxisMask, state::modal::MAX_SPINDLES};
-use hal_ini::{Entry, Ini};
+use hal_ini::{Entry, Ini, beside};
 use hal_job::{
     Machine, World, machine,
     number::{number, wrong},
@@ -83,7 +83,7 @@ pub(crate) fn read(
 /// Returns the file of the journal: that of the INI file, or one beside it.
 fn journal(machine: &Machine, ini: &Path) -> PathBuf {
     let named = machine.ini.as_ref().and_then(|ini| ini.get("TASK", "JOURNAL"));
-    named.map_or_else(|| ini.with_extension("journal"), |name| machine.folder.join(name.trim()))
+    named.map_or_else(|| ini.with_extension("journal"), |name| beside(&machine.folder, name))
 }
 
 /// Returns the files that the INI file includes, and whatever its values name, as a whole or as one of their words.
@@ -96,7 +96,7 @@ fn named(machine: &Machine) -> Vec<PathBuf> {
         })
         .filter(|name| !name.is_empty())
         .collect();
-    names.into_iter().map(|name| machine.folder.join(name)).collect()
+    names.into_iter().map(|name| beside(&machine.folder, name)).collect()
 }
 
 fn rules(machine: &Machine) -> Result<Rules, String> {

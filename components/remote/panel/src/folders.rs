@@ -6,7 +6,7 @@ use crate::{
 };
 use hal_beneath::{Beneath, FileName, Found, NewFile, OpenError, RelativeName};
 use hal_ini::Ini;
-use hal_job::places::{Output, Places};
+use hal_job::places::{NoPrograms, Output, Places};
 use std::{
     fs::File,
     io::{self, ErrorKind, Read as _},
@@ -44,6 +44,8 @@ const ENDINGS: &[&str] = &[
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Folders {
     programs: Option<PathBuf>,
+    /// Remedy for a folder that was not there at the start.
+    absent: Option<Box<str>>,
     output: Option<Output>,
 }
 
@@ -67,6 +69,9 @@ impl Folders {
         };
         let is_named = ini.is_some_and(|ini| ini.get("DISPLAY", "PROGRAM_PREFIX").is_some());
         let named = machine.as_ref().filter(|_| is_named).map(|places| places.programs.clone());
+        let absent = ini.zip(folder).filter(|_| options.programs.is_none());
+        let absent = absent.and_then(|(ini, folder)| NoPrograms::of(ini, folder));
+        let absent = absent.map(|absent| absent.remedy().into());
         // The engine's folder is another.
         let programs = options.programs.as_deref().map(whole).transpose()?.or(named);
         if let Some(programs) = &programs {
@@ -81,7 +86,7 @@ impl Folders {
                 Places::check_uploads(ini, folder, &Places::uploads_of(programs))?;
             }
         }
-        Ok(Self { programs, output: machine.map(|places| places.output) })
+        Ok(Self { programs, absent, output: machine.map(|places| places.output) })
     }
 
     /// Returns whether a file lies in a folder in which others than the machine's owner write.
@@ -124,7 +129,16 @@ impl Folders {
     /// Lists the programs of the machine, and behind them those that were sent.
     pub(crate) fn programs(&self) -> Result<Vec<Found>, Error> {
         let Some(programs) = &self.programs else { return Ok(Vec::new()) };
-        let programs = Beneath::open(programs).map_err(refused)?;
+        let programs = Beneath::open(programs).map_err(|e| match &self.absent {
+            Some(remedy) if e.is_missing() => {
+                let path = programs.display();
+                let text = format!(
+                    "{path}, the folder of programs ([DISPLAY]PROGRAM_PREFIX), is not there: {remedy}"
+                );
+                Error::new(Code::NotFound, text)
+            }
+            _ => refused(e),
+        })?;
         let mut list = programs.list(0, MAX_LISTED).map_err(refused)?;
         if let Ok(name) = FileName::parse("uploads")
             && let Ok(uploads) = programs.inside(&name, false)

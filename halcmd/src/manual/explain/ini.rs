@@ -213,6 +213,22 @@ pub(super) const ROWS: &[Explanation] = &[
         ),
         right: TOOLS,
     },
+    Explanation {
+        code: Code::NoProgramFolder,
+        means: "The folder of [DISPLAY]PROGRAM_PREFIX is neither beside the INI file nor where its path says. A machine that \
+                was copied from another computer often names a folder of its user there.",
+        matters: "The panel and remote programs list and open no program; files of other programs and user codes are not \
+                  found there.",
+        remedy: "Write a folder of this computer, such as ~/linuxcnc/nc_files, or nc_files for one beside the INI file.",
+        wrong: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[DISPLAY]\nPROGRAM_PREFIX = /home/another/nc_files\n# <--\n"
+        ),
+        right: machine!(
+            "",
+            "MAX_VELOCITY = 20\nMAX_ACCELERATION = 1000\n[DISPLAY]\nPROGRAM_PREFIX = .\n"
+        ),
+    },
 ];
 
 /// Wiring that only the machine's INI file shows to be wrong.

@@ -223,7 +223,7 @@ impl Machine {
         let is_inch = ini.is_inch().map_err(number::not_a_unit)?;
         let named = ini.get("ALIGN", "MARKS").map(str::trim).filter(|name| !name.is_empty());
         let folder = path.parent().unwrap_or(Path::new(""));
-        let marks = named.map(|name| folder.join(name).display().to_string());
+        let marks = named.map(|name| hal_ini::beside(folder, name).display().to_string());
         Ok(Self { is_inch, marks })
     }
 }

@@ -105,7 +105,7 @@ impl<'a, 'c> Args<'a, 'c> {
         let known = self.command.args.iter().any(|a| a.name == arg);
         let value = entry.value.split_whitespace().next();
         if let Some(value) = value.filter(|_| known && !given) {
-            let file = (arg == "comp-file").then(|| self.here.join(value));
+            let file = (arg == "comp-file").then(|| hal_ini::beside(self.here, value));
             self.words.push(match file {
                 Some(file) => format!("{arg}={}", file.display()),
                 None => format!("{arg}={value}"),

@@ -1,5 +1,6 @@
 //! Folders in which the HAL files of a machine, and plugins, are searched.
 
+use hal_ini::beside;
 use std::path::{Path, PathBuf};
 
 /// Folders that contain HAL files of a machine.
@@ -34,9 +35,9 @@ impl Folders {
     /// libraries only. Returns the name for messages, and the path.
     pub(super) fn find(&self, name: &str) -> Option<(String, PathBuf)> {
         let (name, library) = name.strip_prefix("LIB:").map_or((name, false), |n| (n, true));
-        let own = self.here.join(name);
+        let own = beside(&self.here, name);
         if !library && own.is_file() {
-            return Some((self.named.join(name).display().to_string(), own));
+            return Some((beside(&self.named, name).display().to_string(), own));
         }
         let found = self.libraries.iter().map(|l| l.join(name)).find(|p| p.is_file())?;
         Some((found.display().to_string(), found))
@@ -58,7 +59,7 @@ const LINUXCNC_LIBRARY: &str = "/usr/share/linuxcnc/hallib";
 pub(super) const LINUXCNC_MODULES: &str = "HAL_LINUXCNC_MODULES";
 
 /// Folder of LinuxCNC's components.
-const LINUXCNC_FOLDER: &str = "/usr/lib/linuxcnc/modules";
+pub(super) const LINUXCNC_FOLDER: &str = "/usr/lib/linuxcnc/modules";
 
 /// Returns the search path of plugins: `HAL_RTMOD_DIR`, then beside the program, installed with it,
 /// or just built; and LinuxCNC's components in C if requested.

@@ -1,6 +1,10 @@
 //! Stand-ins that are asked for, and the proposal of some after a start that failed.
 
-use super::{Files, display, folders::Folders, plan::Plan, plan::Script};
+use super::{
+    Files, display,
+    folders::{Folders, LINUXCNC_FOLDER},
+    plan::{Plan, Script},
+};
 use crate::{
     Error, Outcome, Session,
     ini::Ini,
@@ -54,6 +58,20 @@ pub(super) fn propose(session: &mut Session<'_>, plan: &Plan, files: &Files) {
         missing.join(", "),
         names.join(",")
     ));
+    let folder = Path::new(LINUXCNC_FOLDER);
+    let modules: Vec<&str> =
+        missing.iter().filter(|name| is_of_linuxcnc(name, folder)).copied().collect();
+    if !modules.is_empty() {
+        session.warn_at(&format!(
+            "{}: of LinuxCNC's package linuxcnc-uspace; --linuxcnc-modules loads its modules",
+            modules.join(", ")
+        ));
+    }
+}
+
+/// Returns whether LinuxCNC's package has a component; where it is not installed, whether it is one of Mesa's cards.
+fn is_of_linuxcnc(name: &str, folder: &Path) -> bool {
+    name == "hostmot2" || name.starts_with("hm2_") || folder.join(format!("{name}.so")).is_file()
 }
 
 fn of(path: &str, ini: Option<&str>, plan: &Plan, asked: &Asked) -> Result<StandIns, Error> {

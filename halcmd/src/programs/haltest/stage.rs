@@ -7,7 +7,7 @@ use super::{
     test::{MachineFile, Test},
 };
 use crate::ini::plain;
-use hal_ini::{Ini, Purpose};
+use hal_ini::{Ini, Purpose, beside};
 use std::{
     collections::BTreeSet,
     fs::{self, DirBuilder},
@@ -158,7 +158,7 @@ impl Written {
             return out;
         };
         let inside = |name: &str| {
-            let path = folder.join(name);
+            let path = beside(folder, name);
             let inside = path.strip_prefix(folder).ok()?;
             let is_plain = inside.components().all(|c| matches!(c, Component::Normal(_)));
             is_plain.then(|| inside.to_path_buf())

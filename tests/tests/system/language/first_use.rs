@@ -9,6 +9,24 @@ use std::time::{Duration, Instant};
 const MACHINE: &str = "loadrt threads name1=t period1=1000000\nloadrt and2\nnewsig a bit\nnet b and2.0.out\n\
                        addf and2.0 t\nstart\n";
 
+const PROGRAMS: [&str; 15] = [
+    "halrun",
+    "halcmd",
+    "halscope",
+    "haltest",
+    "halsetup",
+    "halgcode",
+    "halsampler",
+    "halstreamer",
+    "hal_manualtoolchange",
+    "haltcl",
+    "halshow",
+    "linuxcnc",
+    "halcompile",
+    "latency-test",
+    "ferrule",
+];
+
 fn machine() -> Scratch {
     let scratch = Scratch::new("first-use");
     scratch.write("m.hal", MACHINE);
@@ -25,26 +43,25 @@ fn run(scratch: &Scratch, words: &[&str]) -> (String, String, Option<i32>) {
 #[test]
 fn every_program_prints_its_version() {
     let scratch = machine();
-    for program in [
-        "halrun",
-        "halcmd",
-        "halscope",
-        "haltest",
-        "halsetup",
-        "halgcode",
-        "halsampler",
-        "halstreamer",
-        "hal_manualtoolchange",
-        "haltcl",
-        "halshow",
-        "linuxcnc",
-        "halcompile",
-        "latency-test",
-        "ferrule",
-    ] {
+    for program in PROGRAMS {
         let want = format!("{program} {}\n", env!("CARGO_PKG_VERSION"));
         assert_eq!(run(&scratch, &[program, "--version"]), (want, String::new(), Some(0)));
     }
+}
+
+#[test]
+fn every_program_prints_its_help_without_a_screen() {
+    let scratch = machine();
+    for program in PROGRAMS {
+        let mut command = scratch.command(&[], program);
+        let output = scratch.run(command.arg("--help").env_remove("DISPLAY"));
+        assert_eq!((output.stderr.as_str(), output.status), ("", Some(0)), "{program}");
+        let words = output.stdout.to_ascii_lowercase();
+        assert!(words.contains("usage:") && words.contains(program), "{program}:\n{words}");
+    }
+    let output = scratch.run(scratch.command(&[], "halshow").env_remove("DISPLAY"));
+    let want = "halshow: DISPLAY is not set: it needs a screen; in a terminal, 'halcmd show' and 'halcmd watch' show the same\n";
+    assert_eq!((output.stderr.as_str(), output.status), (want, Some(1)));
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod front;
 mod functions;
 mod haltest;
 mod haltest_rust;
+mod home;
 mod job;
 mod kept;
 mod maxnc;

@@ -11,7 +11,7 @@ use std::{
 impl Folders {
     /// Returns those of one folder of programs.
     pub(crate) fn of(programs: PathBuf) -> Self {
-        Self { programs: Some(programs), output: None }
+        Self { programs: Some(programs), ..Self::default() }
     }
 }
 
@@ -116,4 +116,24 @@ fn a_folder_of_uploads_that_is_a_link_is_not_used() {
     symlink(place.0.join("codes"), &uploads).unwrap();
     assert_eq!(put(&place.folders(), "a.ngc"), Some(Code::Conflict));
     assert!(!place.0.join("codes/a.ngc").exists());
+}
+
+#[test]
+fn a_folder_of_programs_that_is_not_there_is_named_with_what_would_be_right() {
+    let place = Place::new("absent");
+    let folders = Folders {
+        programs: Some(place.0.join("of-another-computer")),
+        absent: Some("write PROGRAM_PREFIX = nc_files".into()),
+        ..Folders::default()
+    };
+    let said = folders.programs().unwrap_err();
+    let want = format!(
+        "{}/of-another-computer, the folder of programs ([DISPLAY]PROGRAM_PREFIX), is not there: \
+         write PROGRAM_PREFIX = nc_files",
+        place.0.display()
+    );
+    assert_eq!((said.code, &*said.text), (Code::NotFound, &*want));
+    // Once it is there, it is used.
+    fs::create_dir(place.0.join("of-another-computer")).unwrap();
+    assert!(folders.programs().unwrap().is_empty());
 }
