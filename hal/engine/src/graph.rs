@@ -55,6 +55,8 @@ pub(crate) struct Graph {
     pub(crate) commands: BTreeMap<Name, Ix>,
     pub(crate) sites: Sites,
     pub(crate) docs: Docs,
+    /// Names that items have in machines of the old kind, with those that they have here.
+    former: BTreeMap<Name, Name>,
 }
 
 macro_rules! node {
@@ -98,18 +100,41 @@ impl Graph {
         found.ok_or_else(|| {
             let names = self.all_item_names().map(|(name, _)| name.as_str());
             let what = "parameter or pin";
-            Error::NoItem { what, name: name.into(), near: nearest(name, names) }
+            Error::NoItem { what, name: name.into(), near: self.near(name, names) }
         })
+    }
+
+    /// Remembers the name that an item of this name has in machines of the old kind.
+    pub(crate) fn note_former(&mut self, former: Name, now: Name) {
+        self.former.insert(former, now);
+    }
+
+    /// Returns the name that an unknown name of an item probably stands for: the present one of a former name, or the nearest
+    /// of `names`.
+    pub(crate) fn near<'n>(
+        &self,
+        word: &str,
+        names: impl IntoIterator<Item = &'n str>,
+    ) -> Option<Box<str>> {
+        let is_there = |name: &&Name| {
+            [false, true].into_iter().any(|param| self.item_named(param, name.as_str()).is_some())
+        };
+        let now = self.former.get(word).filter(is_there);
+        now.map(|name| name.as_str().into()).or_else(|| nearest(word, names))
     }
 
     /// Finds the pin with this name.
     pub(crate) fn find_pin(&self, name: &str) -> Result<Ix, Error> {
-        found(self.pin_named(name), "pin", name, || self.item_names(false))
+        self.find_of(false, "pin", name)
     }
 
     /// Finds the parameter with this name if `param` is true, otherwise the pin.
     pub(crate) fn find_of(&self, param: bool, what: &'static str, name: &str) -> Result<Ix, Error> {
-        found(self.item_named(param, name), what, name, || self.item_names(param))
+        self.item_named(param, name).ok_or_else(|| {
+            let names = self.item_names(param);
+            let names = names.iter().map(|(name, _)| name.as_str());
+            Error::NotFound { what, name: name.into(), near: self.near(name, names) }
+        })
     }
 
     /// Finds the signal with this name.

@@ -132,6 +132,19 @@ impl Model {
 
 /// Declarations of a component.
 impl Model {
+    /// Remembers the name that an item has in machines of the old kind, for messages. Empty: the same.
+    pub(crate) fn note_former(
+        &mut self,
+        what: &'static str,
+        former: &str,
+        now: &Name,
+    ) -> Result<(), Error> {
+        if !former.is_empty() && former != now.as_str() {
+            self.graph.note_former(Name::parse(what, former)?, now.clone());
+        }
+        Ok(())
+    }
+
     /// Returns the number of a documentation text.
     pub(crate) fn doc(&mut self, text: &str) -> Doc {
         self.graph.docs.number(text)

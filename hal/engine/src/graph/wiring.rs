@@ -192,10 +192,7 @@ impl Model {
             let ix = self.graph.pin_named(word).ok_or_else(|| {
                 let names = self.graph.item_names(false);
                 let names = names.into_iter().map(|(name, _)| name.as_str());
-                Error::NoPin {
-                    name: word.as_str().into(),
-                    near: crate::error::near::nearest(word, names),
-                }
+                Error::NoPin { name: word.as_str().into(), near: self.graph.near(word, names) }
             })?;
             let Some(p) = self.graph.item(ix) else { continue };
             if let Some(old) = self.graph.signal_of(ix) {

@@ -141,6 +141,7 @@ impl<'e> Creating<'e> {
             (false, true) => (Name::parse(what, old)?, Some(Name::parse(what, name)?)),
             _ => (Name::parse(what, name)?, None),
         };
+        self.engine.model.note_former(what, old, &name)?;
         let doc = self.engine.model.doc(doc);
         let owned_by = self.engine.model.graph().component(owner);
         let asked = owned_by.filter(|c| self.engine.options.earlier_values && c.foreign.is_none());

@@ -4,7 +4,6 @@ mod reading;
 
 use crate::{
     Engine, Error,
-    error::near::nearest,
     error::watch::WatchError,
     graph::Ix,
     name::Name,
@@ -168,7 +167,7 @@ impl Engine {
             let graph = self.model.graph();
             let all = graph.all_item_names().chain(graph.signal_names());
             let all = all.map(|(name, _)| name.as_str());
-            let (what, near) = ("pin, parameter or signal", nearest(word, all));
+            let (what, near) = ("pin, parameter or signal", graph.near(word, all));
             Error::NotFound { what, name: word.into(), near }
         })
     }
