@@ -277,7 +277,11 @@ fn script(
         (Script::Hal(path), _) => session.file(path, Bytes::new(files.script.clone())),
         (Script::Tcl(path), _) => machine::tcl_script(&mut session, Path::new(path)),
         (Script::Ini(path), Some(ini)) => {
-            let reads = display::is_shown(plan, ini) && display::reads_postgui(ini);
+            let is_shown = display::is_shown(plan, ini);
+            let reads = is_shown && display::reads_postgui(ini);
+            if !is_shown {
+                machine::warn_of_shutdown(&mut session, ini);
+            }
             machine::start(&mut session, ini, Path::new(path), !reads)
         }
         (Script::Terminal, _) => typed(&mut session),

@@ -219,7 +219,7 @@ fn watch(
     let now = Status::of(session)?;
     let (time, by) = (now.time(), now.stopped_by().filter(|_| result.is_err()));
     let how = match by {
-        _ if has_waited => "ended".to_owned(),
+        _ if has_waited => "given up".to_owned(),
         Some(by) => format!("stopped by {by} at line {line}"),
         None if result.is_ok() => "ended".to_owned(),
         None => "failed".to_owned(),

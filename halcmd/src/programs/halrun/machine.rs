@@ -74,6 +74,17 @@ pub(crate) fn after_files(session: &mut Session<'_>, ini: &Ini, path: &Path) {
     machine.load_task(path);
 }
 
+/// Says that the files of `SHUTDOWN` are not executed: no display of this start ends.
+pub(super) fn warn_of_shutdown(session: &mut Session<'_>, ini: &Ini) {
+    if let Some(entry) = ini.all("HAL", "SHUTDOWN").find(|entry| !entry.value.is_empty()) {
+        session.stand_at(&entry.file, entry.line);
+        session.warn_at(
+            "[HAL]SHUTDOWN is executed when the display ends, and this start has none: outputs end with their \
+             drivers' safe levels",
+        );
+    }
+}
+
 /// Executes the files of `SHUTDOWN`.
 pub(super) fn shut_down(session: &mut Session<'_>, ini: &Ini, path: &Path) {
     let mut machine =

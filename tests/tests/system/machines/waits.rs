@@ -73,7 +73,7 @@ fn a_wait_without_an_end_of_its_own_ends_a_run_that_nobody_sees() {
         assert_eq!(output.stderr.matches(&told).count(), 1, "{program}: {}", output.stderr);
         let ends = format!("gives up after 60 s of waiting for {who}");
         assert!(output.stderr.contains(&ends), "{program}: {}", output.stderr);
-        let end = output.stderr.split("part.ngc: ended after ").nth(1).unwrap_or_default();
+        let end = output.stderr.split("part.ngc: given up after ").nth(1).unwrap_or_default();
         let seconds: f64 = end.split(' ').next().unwrap_or_default().parse().unwrap_or(f64::NAN);
         assert!((59.9..70.0).contains(&seconds), "{program}: {}", output.stderr);
     }
