@@ -1,6 +1,7 @@
 //! `halcmd check`: reports errors and oddities of a machine before it moves.
 
 pub(crate) mod examine;
+pub(crate) mod plausible;
 
 mod advice;
 mod allow;
@@ -11,7 +12,6 @@ mod coordinates;
 mod entries;
 mod joints;
 mod parts;
-mod plausible;
 mod refused;
 mod render;
 mod repeated;

@@ -153,6 +153,21 @@ pub(super) fn sequence(joints: &[Joint<'_>]) -> Option<Finding> {
     None
 }
 
+/// Returns the longest travel and the highest speed of joints.
+pub(crate) fn largest(joints: &[(f64, f64)]) -> (f64, f64) {
+    joints.iter().fold((0.0_f64, 0.0_f64), |most, j| (most.0.max(j.0), most.1.max(j.1)))
+}
+
+/// Returns whether no machine has linear joints of these travels and speeds in this unit.
+pub(crate) fn is_odd(inches: bool, joints: &[(f64, f64)]) -> bool {
+    let (travel, speed) = largest(joints);
+    if inches {
+        joints.iter().any(|j| LONG <= j.0 && j.0 < 1e5 && FAST <= j.1)
+    } else {
+        0.0 < travel && travel <= SHORT && 0.0 < speed && speed <= SLOW
+    }
+}
+
 /// Reports a unit of length in which the machine would be impossibly large and fast, or small and slow.
 pub(super) fn units(ini: &Ini, joints: &[Joint<'_>]) -> Option<Finding> {
     let entry = ini.all("TRAJ", "LINEAR_UNITS").next()?;
@@ -166,13 +181,9 @@ pub(super) fn units(ini: &Ini, joints: &[Joint<'_>]) -> Option<Finding> {
         Some((travel, j.number("MAX_VELOCITY")?))
     };
     let all: Vec<(f64, f64)> = linear.filter_map(of).collect();
-    let (travel, speed) =
-        all.iter().fold((0.0_f64, 0.0_f64), |most, j| (most.0.max(j.0), most.1.max(j.1)));
-    let (odd, other) = if inches {
-        (all.iter().any(|j| LONG <= j.0 && j.0 < 1e5 && FAST <= j.1), "mm")
-    } else {
-        (0.0 < travel && travel <= SHORT && 0.0 < speed && speed <= SLOW, "inch")
-    };
+    let (travel, speed) = largest(&all);
+    let odd = is_odd(inches, &all);
+    let other = if inches { "mm" } else { "inch" };
     if !odd {
         return None;
     }

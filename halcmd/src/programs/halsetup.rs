@@ -1,30 +1,43 @@
 //! The program halsetup: writes a machine's INI and HAL files from questions in the terminal or from a TOML file of
 //! answers, and keeps them if they are clean.
 
+/// Appends a line. Writing to a string cannot fail.
+macro_rules! put {
+    ($to:expr, $($words:tt)*) => {{
+        let _: std::fmt::Result = writeln!($to, $($words)*);
+    }};
+}
+
 mod answers;
+mod boards;
+mod clean;
+mod dialog;
+mod given;
 mod lines;
+mod make;
+mod proof;
 mod questions;
+mod rules;
 mod search;
+mod sheet;
+mod tables;
 mod timing;
 mod trial;
+mod whole;
+mod wiring;
 mod write;
 
 use crate::{
     Stdio, Terminal,
-    check::{self, Checked, check, status},
-    programs::{
-        halrun::folders::plugin_path,
-        options::{Opt, mixed, plain, program_usage},
-        profile::Profile,
-    },
+    programs::options::{Opt, mixed, plain, program_usage},
     terminal::ended,
 };
-use answers::{Answers, Wrong};
-use hal_protocol::Level;
-use questions::{Dialog, questions};
+use answers::Answers;
+use dialog::{Dialog, Ending};
+use sheet::{Sheet, Wrong};
 use std::{
     fs,
-    io::{self, BufRead as _, Read as _},
+    io::{self, BufRead as _, IsTerminal as _, Read as _},
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -87,7 +100,8 @@ fn run(words: &[String]) -> Result<(), String> {
     if given.iter().any(|(id, _)| *id == Flag::Help) {
         let about = "Usage: halsetup [options] [ANSWERS]\n\n\
                      Writes a machine's INI and HAL files into a new folder with its name. Without a file of answers\n\
-                     it asks in the terminal, and keeps the answers beside the machine.\n\n\
+                     it asks in the terminal; 'back', 'save' and '?' are understood at each question, and the answers are\n\
+                     always kept: a file that is not answered to the end is gone on with.\n\n\
                      With --test it makes no files: it runs an axis of the answers back and forth, harder each time, and\n\
                      asks whether the axis stands on its mark again. The machine moves: keep a hand on the e-stop.\n\noptions:\n";
         Stdio.out(&format!("{about}{}", program_usage(OPTIONS)))?;
@@ -97,19 +111,129 @@ fn run(words: &[String]) -> Result<(), String> {
     let folder = PathBuf::from(
         output.and_then(|(_, value)| value.clone()).unwrap_or_else(|| ".".to_owned()),
     );
-    let (name, text) = match files.as_slice() {
-        [] => ("answers".to_owned(), asked()?),
-        [file] => (file.clone(), text_of(file)?),
+    let file = match files.as_slice() {
+        [] => None,
+        [file] => Some(file.as_str()),
         _ => return Err("one file of answers at most".to_owned()),
     };
-    let answers = answers::read(&text).map_err(|list| places(&name, &text, &list))?;
     if let Some(search) = asked_search(&given)? {
+        let file = file.ok_or("--test needs a file of answers: halsetup --test X NAME.setup")?;
+        let text = text_of(file)?;
+        let answers = given::read(&text).map_err(|list| places(file, &text, &list))?;
         Stdio.out(&trial::test(&answers, &search, &mut line)?)?;
         return Ok(());
     }
-    let written = make(&answers, &text, &folder)?;
-    Stdio.out(&written)?;
+    let answered = match file {
+        None => asked(&folder, Sheet::default(), None)?,
+        Some(file) => from_file(&folder, file)?,
+    };
+    let Some(answered) = answered else { return Ok(()) };
+    Stdio.out(&make::make(&Answers::of(&answered.sheet), &answered.text, &folder)?)?;
+    // The machine's folder has the answers now.
+    match answered.kept {
+        Some((kept, true)) => drop(fs::remove_file(kept)),
+        Some((kept, false)) => {
+            hal_output::write(&kept, answered.text.as_bytes())
+                .map_err(|e| format!("{}: {}", kept.display(), hal_output::reason(&e)))?;
+        }
+        None => {}
+    }
     Ok(())
+}
+
+/// Answers to every question.
+struct Answered {
+    sheet: Sheet,
+    /// Text for the machine's folder.
+    text: String,
+    /// File that keeps the answers meanwhile, and whether the conversation made it.
+    kept: Option<(PathBuf, bool)>,
+}
+
+/// Returns the answers of a file. Where some are missing, a person gives them.
+fn from_file(folder: &Path, file: &str) -> Result<Option<Answered>, String> {
+    let text = text_of(file)?;
+    let given = given::given(&text).map_err(|list| places(file, &text, &list))?;
+    let is_person = io::stdin().is_terminal();
+    let goes_on = given.is_unfinished || given.only_lacks && is_person && !given.wrong.is_empty();
+    if !goes_on {
+        return match given.wrong.as_slice() {
+            [] => Ok(Some(Answered { sheet: given.sheet, text, kept: None })),
+            list => Err(places(file, &text, list)),
+        };
+    }
+    let refused: Vec<Wrong> =
+        given.wrong.into_iter().filter(|w| !w.text.contains(" is missing: ")).collect();
+    if !refused.is_empty() {
+        Stdio.out(&format!("{}\n", places(file, &text, &refused)))?;
+    }
+    let mut sheet = given.sheet;
+    for key in given.assumed {
+        sheet.remove(&key);
+    }
+    let file = Path::new(file);
+    asked(folder, sheet, Some(file))
+}
+
+/// Asks a person what the sheet does not answer yet. The answers so far are always in a file: nothing that happens loses
+/// them. Returns nothing if the person goes on later.
+fn asked(folder: &Path, mut sheet: Sheet, file: Option<&Path>) -> Result<Option<Answered>, String> {
+    let is_own = file.is_none();
+    let place = |sheet: &Sheet| match file {
+        Some(file) => file.to_owned(),
+        None => folder.join(format!("{}.setup", sheet.get("name").unwrap_or("machine"))),
+    };
+    let mut kept = None::<PathBuf>;
+    let mut keep = |sheet: &Sheet| {
+        let to = place(sheet);
+        if kept.as_ref().is_some_and(|before| *before != to) {
+            drop(kept.take().map(fs::remove_file));
+        }
+        if sheet.get("name").is_none() {
+            return Ok(());
+        }
+        let is_first = kept.replace(to.clone()).is_none();
+        hal_output::write(&to, sheet.text(false).as_bytes())
+            .map_err(|e| format!("{}: {}", to.display(), hal_output::reason(&e)))?;
+        if is_first {
+            Stdio.out(&format!(
+                "(each answer is kept: 'halsetup {}' goes on with them)\n",
+                to.display()
+            ))?;
+        }
+        Ok(())
+    };
+    let mut taken = |name: &str| {
+        let there = [folder.join(name), folder.join(format!("{name}.setup"))];
+        let there = there.iter().find(|path| is_own && path.exists())?;
+        Some(if there.extension().is_some_and(|e| e == "setup") {
+            format!(
+                "{0}: is there already; another name, or 'halsetup {0}' to go on with it",
+                there.display()
+            )
+        } else {
+            format!("{}: is there already; another name", there.display())
+        })
+    };
+    let mut dialog = Dialog { ask: &mut line, keep: &mut keep, taken: &mut taken };
+    let end = dialog.questions(&mut sheet)?;
+    let to = place(&sheet);
+    let goes_on = format!("'halsetup {}' goes on with it", to.display());
+    match (end, sheet.get("name").is_some()) {
+        (Ending::Answered, _) => {
+            let text = sheet.text(true);
+            Ok(Some(Answered { sheet, text, kept: Some((to, is_own)) }))
+        }
+        (Ending::Saved, true) => {
+            Stdio.out(&format!("{}: has the answers so far; {goes_on}\n", to.display()))?;
+            Ok(None)
+        }
+        (Ending::Ended, true) => Err(format!(
+            "the questions were not answered to the end; {} has the answers so far: {goes_on}",
+            to.display()
+        )),
+        (_, false) => Err("no question was answered; nothing was written".to_owned()),
+    }
 }
 
 /// Returns the search that the options ask for.
@@ -151,11 +275,6 @@ fn text_of(file: &str) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|_| format!("{file}: answers are text in UTF-8"))
 }
 
-/// Asks in the terminal.
-fn asked() -> Result<String, String> {
-    questions(&mut Dialog { ask: &mut line })
-}
-
 /// Asks a person for a line; `None` at the end of the input.
 fn line(prompt: &str) -> Result<Option<String>, String> {
     Stdio.out(prompt)?;
@@ -173,63 +292,4 @@ fn places(file: &str, text: &str, list: &[Wrong]) -> String {
     let each: Vec<String> =
         list.iter().map(|w| format!("{file}:{}: {}", line(w.at), w.text)).collect();
     each.join("\nhalsetup: ")
-}
-
-/// Makes the machine's folder. It is removed again unless the machine is clean.
-fn make(answers: &Answers, text: &str, folder: &Path) -> Result<String, String> {
-    let name = answers.name.get_ref();
-    let latency = answers.latency.get_ref();
-    let timing = timing::timing(answers).map_err(|(joint, possible)| {
-        format!("joint {joint}: too fast for a jitter of {latency} ns; a velocity of {possible:.3} is possible")
-    })?;
-    let target = folder.join(name);
-    let files = [
-        (format!("{name}.ini"), write::ini(answers, &timing)),
-        (format!("{name}.hal"), write::hal(answers, &timing)),
-        ("custom.hal".to_owned(), "# Wiring of your own, after the machine's.\n".to_owned()),
-        ("tool.tbl".to_owned(), "T1 P1 ;the first tool\n".to_owned()),
-        (format!("{name}.setup"), text.to_owned()),
-    ];
-    fs::create_dir(&target).map_err(|e| match e.kind() {
-        io::ErrorKind::AlreadyExists => {
-            format!("{}: is there already; another name, or --output", target.display())
-        }
-        _ => format!("{}: {}", target.display(), hal_output::reason(&e)),
-    })?;
-    match settle(&target, &files, name) {
-        Ok(told) => {
-            let (base, shortest) = (timing.base, timing.shortest);
-            let period =
-                format!("base period {base} ns; a jitter of {latency} ns allows {shortest} ns");
-            Ok(format!("{period}\n{told}"))
-        }
-        Err(error) => {
-            // What was begun is of no use; the error to tell is the first one.
-            drop(fs::remove_dir_all(&target));
-            Err(error)
-        }
-    }
-}
-
-fn settle(target: &Path, files: &[(String, String)], name: &str) -> Result<String, String> {
-    let told =
-        |path: &Path, e: &io::Error| format!("{}: {}", path.display(), hal_output::reason(e));
-    for (file, text) in files {
-        let path = target.join(file);
-        hal_output::write(&path, text.as_bytes()).map_err(|e| told(&path, &e))?;
-    }
-    let ini = target.join(format!("{name}.ini"));
-    let profile = Profile::of_environment().map_err(|e| e.to_string())?;
-    let plugins = plugin_path(&|name| profile.system(name));
-    let checked = check(&[ini.to_string_lossy().into_owned()], None, plugins);
-    if status(&checked.findings) > 0 {
-        let serious = checked.findings.into_iter().filter(|f| f.level > Level::Note).collect();
-        let findings = check::text(&Checked { findings: serious, ..checked });
-        let findings = findings.replace(&format!("{}/", target.display()), "");
-        return Err(format!("the answers make no clean machine; nothing was kept:\n{findings}"));
-    }
-    Ok(format!(
-        "{0}: written, and checked without an error or a warning\ntry it: halrun --virtual --for 1s {0}\n",
-        ini.display()
-    ))
 }

@@ -1,19 +1,13 @@
-//! The answers from which a machine is written: the form of their TOML text, and what is checked of them before anything
-//! is written.
+//! The answers from which a machine is written.
 
-use super::lines;
-use serde::Deserialize;
-use std::collections::BTreeSet;
-use toml::Spanned;
-
-/// Largest number of parallel ports.
-const MAX_PORTS: usize = 8;
-/// Largest magnitude of lengths, speeds, accelerations and ratios.
-const LARGEST: f64 = 1e9;
+use super::{
+    boards::board,
+    questions::{is_second, joints},
+    sheet::Sheet,
+};
 
 /// Motors of the joints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Motors {
     /// Stepper motors, an axis each.
     Steppers,
@@ -24,83 +18,47 @@ pub(super) enum Motors {
 }
 
 /// The board with the inputs and outputs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Driver {
     Parport,
     Viagpio,
 }
 
 /// Unit of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Units {
     Mm,
     Inch,
 }
 
-/// Arm, as `armkins` knows it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum ArmModel {
-    Rs03n,
-    Rx90,
-}
-
-impl ArmModel {
-    /// Returns the name that `armkins` takes.
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Rs03n => "rs03n",
-            Self::Rx90 => "rx90",
-        }
-    }
-}
-
 /// A machine as its builder describes it.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[derive(Clone, Debug)]
 pub(super) struct Answers {
     /// Name of the machine, of its folder and of its files.
-    pub(super) name: Spanned<String>,
+    pub(super) name: String,
     pub(super) kind: Motors,
     pub(super) driver: Driver,
     /// Addresses and directions of parallel ports, as `378 out`.
-    #[serde(default = "one_port")]
-    pub(super) ports: Spanned<Vec<String>>,
-    #[serde(default = "mm")]
+    pub(super) ports: Vec<String>,
     pub(super) units: Units,
     /// The largest jitter that a latency test showed, in nanoseconds.
-    pub(super) latency: Spanned<f64>,
+    pub(super) latency: f64,
+    /// Longest base period that the board bears, in nanoseconds.
+    pub(super) longest: f64,
     /// Model of the arm.
-    pub(super) model: Option<ArmModel>,
+    pub(super) model: String,
     /// Times of the drives for steps.
-    #[serde(default = "usual_pulse")]
-    pub(super) pulse: Spanned<Pulse>,
+    pub(super) pulse: Pulse,
     /// Lines of the board that belong to the whole machine.
-    #[serde(default)]
     pub(super) pins: MachineLines,
+    pub(super) spindle: Spindle,
     /// The axes of an arm. Other machines have an axis for each joint.
-    #[serde(default)]
-    pub(super) axis: Vec<Spanned<Axis>>,
-    pub(super) joint: Vec<Spanned<Joint>>,
-}
-
-fn one_port() -> Spanned<Vec<String>> {
-    Spanned::new(0..0, vec!["378 out".to_owned()])
-}
-
-const fn mm() -> Units {
-    Units::Mm
-}
-
-fn usual_pulse() -> Spanned<Pulse> {
-    Spanned::new(0..0, Pulse::default())
+    pub(super) axis: Vec<Axis>,
+    pub(super) joint: Vec<Joint>,
 }
 
 /// Times that a drive needs for a step, in nanoseconds.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Pulse {
     pub(super) length: f64,
     pub(super) space: f64,
@@ -116,21 +74,37 @@ impl Default for Pulse {
     }
 }
 
-/// Lines that belong to the whole machine.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
+/// Lines that belong to the whole machine; each is none if it is not wired.
+#[derive(Clone, Debug, Default)]
 pub(super) struct MachineLines {
     /// Input that is TRUE while the e-stop chain is closed.
     pub(super) estop: Option<String>,
+    /// Output of a relay in the e-stop chain.
+    pub(super) estop_out: Option<String>,
+    /// Output with a square wave while all is well.
+    pub(super) charge_pump: Option<String>,
     /// Output that switches the drives on.
     pub(super) enable: Option<String>,
-    /// Output that switches the spindle on.
+    /// Inputs of a touch probe and of a tool setter.
+    pub(super) probe: Option<String>,
+    pub(super) setter: Option<String>,
+    /// Outputs of the spindle: on, backward, speed as pulse width.
     pub(super) spindle: Option<String>,
+    pub(super) spindle_reverse: Option<String>,
+    pub(super) spindle_pwm: Option<String>,
+}
+
+/// Spindle with a pulse width for its speed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spindle {
+    /// Speed at full pulse width, in turns a minute.
+    pub(super) speed: f64,
+    /// Frequency, in hertz.
+    pub(super) frequency: f64,
 }
 
 /// An axis of an arm: its work volume and its speeds.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[derive(Clone, Debug)]
 pub(super) struct Axis {
     pub(super) letter: String,
     pub(super) min: f64,
@@ -140,17 +114,16 @@ pub(super) struct Axis {
 }
 
 /// A joint with its motor. Lengths are in the units of the machine; those of an arm are degrees.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+#[derive(Clone, Debug)]
 pub(super) struct Joint {
     /// Letter of its axis; not for an arm.
     pub(super) axis: Option<String>,
+    /// True for the second motor of a gantry.
+    pub(super) is_second: bool,
     /// Full steps of a turn of the motor, or edges of the encoder.
     pub(super) turn: f64,
-    #[serde(default = "one")]
     pub(super) microsteps: f64,
     /// Turns of the motor for a turn of the screw.
-    #[serde(default = "one")]
     pub(super) gear: f64,
     /// Way of a turn of the screw.
     pub(super) pitch: f64,
@@ -160,13 +133,13 @@ pub(super) struct Joint {
     pub(super) drive_acceleration: Option<f64>,
     pub(super) min: f64,
     pub(super) max: f64,
-    #[serde(default)]
     pub(super) home: f64,
     /// Velocity with its sign at which homing looks for the switch.
     pub(super) search: Option<f64>,
-    // Outputs: steps, or the power of a servo; the direction.
+    // Outputs: steps, or the power of a servo; the direction; the enable.
     pub(super) step: Option<String>,
     pub(super) direction: Option<String>,
+    pub(super) enable: Option<String>,
     /// Input: the switch at both ends, which is the home switch as well.
     pub(super) switch: Option<String>,
     // Inputs of an encoder.
@@ -176,10 +149,6 @@ pub(super) struct Joint {
     pub(super) full_speed: Option<f64>,
 }
 
-const fn one() -> f64 {
-    1.0
-}
-
 impl Joint {
     /// Returns the steps, or the edges of the encoder, of a unit of length.
     pub(super) fn scale(&self) -> f64 {
@@ -187,179 +156,101 @@ impl Joint {
     }
 }
 
-/// An answer that cannot be: the byte at which it stands, and what is wrong with it.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct Wrong {
-    pub(super) at: usize,
-    pub(super) text: String,
-}
-
-/// Reads answers and checks that they make a machine. The error has the line and all that is wrong with it.
-pub(super) fn read(text: &str) -> Result<Answers, Vec<Wrong>> {
-    let answers: Answers = toml::from_str(text).map_err(|e| {
-        let at = e.span().map_or(0, |s| s.start);
-        vec![Wrong { at, text: e.message().to_owned() }]
-    })?;
-    let mut wrong = Vec::new();
-    of_the_whole(&answers, &mut wrong);
-    for joint in &answers.joint {
-        let mut say = |text: String| wrong.push(Wrong { at: joint.span().start, text });
-        of_a_joint(&answers, joint.get_ref(), &mut say);
-    }
-    lines::are_used_once(&answers, &mut wrong);
-    if wrong.is_empty() { Ok(answers) } else { Err(wrong) }
-}
-
-fn of_the_whole(answers: &Answers, wrong: &mut Vec<Wrong>) {
-    let name = answers.name.get_ref();
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    if name.is_empty() || !name.chars().all(is_plain) || name.starts_with('-') {
-        let text =
-            format!("name '{name}': letters, digits, '-' and '_' make the name of a machine");
-        wrong.push(Wrong { at: answers.name.span().start, text });
-    }
-    let latency = *answers.latency.get_ref();
-    if !(0.0..=1e6).contains(&latency) {
-        let text =
-            format!("latency {latency}: nanoseconds from 0 to 1000000, as a latency test shows");
-        wrong.push(Wrong { at: answers.latency.span().start, text });
-    }
-    let ports = answers.ports.get_ref();
-    if !(1..=MAX_PORTS).contains(&ports.len()) || !ports.iter().all(|p| is_port(p)) {
-        let text = format!("ports: 1 to {MAX_PORTS} of a form as '378 out'");
-        wrong.push(Wrong { at: answers.ports.span().start, text });
-    }
-    let pulse = answers.pulse.get_ref();
-    for (key, ns) in [
-        ("length", pulse.length),
-        ("space", pulse.space),
-        ("hold", pulse.hold),
-        ("setup", pulse.setup),
-    ] {
-        if !(0.0..=1e6).contains(&ns) {
-            wrong.push(Wrong {
-                at: answers.pulse.span().start,
-                text: format!("[pulse] {key} {ns}: nanoseconds from 0 to 1000000"),
+impl Answers {
+    /// Returns the machine of these answers; joints whose steps are not known yet are left out.
+    pub(super) fn of(sheet: &Sheet) -> Self {
+        let text = |key: &str| sheet.some(key).map(str::to_owned);
+        let number = |key: &str| sheet.number(key);
+        let pin = |name: &str| text(&format!("pins.{name}"));
+        let usual = Pulse::default();
+        let kind = match sheet.get("kind") {
+            Some("servos") => Motors::Servos,
+            Some("arm") => Motors::Arm,
+            _ => Motors::Steppers,
+        };
+        let letters = sheet.letters();
+        let axis =
+            letters.iter().enumerate().filter(|_| kind == Motors::Arm).filter_map(|(n, l)| {
+                let number = |name: &str| number(&format!("axis.{n}.{name}"));
+                Some(Axis {
+                    letter: l.to_string(),
+                    min: number("min")?,
+                    max: number("max")?,
+                    velocity: number("velocity")?,
+                    acceleration: number("acceleration")?,
+                })
             });
-        }
-    }
-    let joints = answers.joint.len();
-    let whole = match answers.kind {
-        Motors::Arm if joints != 6 => Some(format!("an arm has 6 joints, not {joints}")),
-        Motors::Arm if answers.model.is_none() => {
-            Some("an arm needs its model: model = \"rs03n\"".to_owned())
-        }
-        Motors::Arm if answers.axis.is_empty() => {
-            Some("an arm needs its work volume: [[axis]] for X, Y and Z".to_owned())
-        }
-        Motors::Steppers | Motors::Servos if !answers.axis.is_empty() => {
-            Some("[[axis]] is for arms; here each [[joint]] is an axis".to_owned())
-        }
-        Motors::Steppers | Motors::Servos if joints == 0 || joints > 9 => {
-            Some(format!("a machine has 1 to 9 joints, not {joints}"))
-        }
-        _ => None,
-    };
-    wrong.extend(whole.map(|text| Wrong { at: 0, text }));
-    let mut letters = BTreeSet::new();
-    let joints = answers.joint.iter().filter(|_| answers.kind != Motors::Arm);
-    let named = joints.map(|j| (j.span().start, j.get_ref().axis.as_deref().unwrap_or("")));
-    let axes = answers.axis.iter().map(|a| (a.span().start, a.get_ref().letter.as_str()));
-    for (at, letter) in named.chain(axes) {
-        let is_axis = letter.len() == 1 && letter.chars().all(|c| "XYZABCUVW".contains(c));
-        if !is_axis {
-            let text = format!("axis '{letter}': one of X Y Z A B C U V W");
-            wrong.push(Wrong { at, text });
-        } else if !letters.insert(letter) {
-            wrong.push(Wrong { at, text: format!("axis {letter} is there twice") });
-        }
-    }
-    for axis in &answers.axis {
-        let a = axis.get_ref();
-        let mut say = |text: String| wrong.push(Wrong { at: axis.span().start, text });
-        range(a.min, a.max, &mut say);
-        positive(&[("velocity", a.velocity), ("acceleration", a.acceleration)], &mut say);
-    }
-}
-
-fn of_a_joint(answers: &Answers, joint: &Joint, say: &mut impl FnMut(String)) {
-    positive(
-        &[
-            ("turn", joint.turn),
-            ("microsteps", joint.microsteps),
-            ("gear", joint.gear),
-            ("pitch", joint.pitch),
-            ("velocity", joint.velocity),
-            ("acceleration", joint.acceleration),
-            ("drive-acceleration", joint.drive_acceleration.unwrap_or(joint.acceleration)),
-            ("full-speed", joint.full_speed.unwrap_or(1.0)),
-        ],
-        say,
-    );
-    range(joint.min, joint.max, say);
-    if !(joint.min..=joint.max).contains(&joint.home) {
-        say(format!("home {} is outside of {} to {}", joint.home, joint.min, joint.max));
-    }
-    if joint.drive_acceleration.is_some_and(|a| a < joint.acceleration) {
-        say("drive-acceleration is below acceleration: the steps could not follow".to_owned());
-    }
-    match (&joint.switch, joint.search) {
-        (Some(_), None) => {
-            say("switch: homing needs search, its velocity with its sign".to_owned());
-        }
-        (None, Some(_)) => {
-            say("search: homing needs switch, the input to look for".to_owned());
-        }
-        (Some(_), Some(v)) if !v.is_finite() || v == 0.0 || v.abs() > joint.velocity => {
-            say(format!("search {v}: not 0, and at most {} to either side", joint.velocity));
-        }
-        _ => {}
-    }
-    if answers.kind == Motors::Arm && joint.axis.is_some() {
-        say("axis: a joint of an arm is no axis".to_owned());
-    }
-    let servo = [
-        ("a", joint.a.is_some()),
-        ("b", joint.b.is_some()),
-        ("full-speed", joint.full_speed.is_some()),
-    ];
-    for (key, is_there) in servo {
-        if is_there != (answers.kind == Motors::Servos) {
-            say(if is_there {
-                format!("{key} is for servos")
-            } else {
-                format!("a servo needs {key}")
-            });
-        }
-    }
-    if joint.step.is_some() != joint.direction.is_some() {
-        say("step and direction belong together".to_owned());
-    }
-    if answers.kind == Motors::Servos && joint.step.is_none() {
-        say("a servo needs step, the output of its power, and direction".to_owned());
-    }
-}
-
-fn positive(values: &[(&str, f64)], say: &mut impl FnMut(String)) {
-    for (key, value) in values {
-        if !(f64::MIN_POSITIVE..=LARGEST).contains(value) {
-            say(format!("{key} {value:?}: a number above 0 and at most {LARGEST}"));
+        Self {
+            name: text("name").unwrap_or_default(),
+            kind,
+            driver: match sheet.get("driver") {
+                Some("viagpio") => Driver::Viagpio,
+                _ => Driver::Parport,
+            },
+            ports: sheet
+                .get("ports")
+                .unwrap_or("378 out")
+                .split(',')
+                .map(|port| port.trim().to_owned())
+                .collect(),
+            units: if sheet.get("units") == Some("inch") { Units::Inch } else { Units::Mm },
+            latency: number("latency").unwrap_or_default(),
+            longest: board(sheet.get("board")).map_or(100_000.0, |board| board.longest),
+            model: text("model").unwrap_or_default(),
+            pulse: Pulse {
+                length: number("pulse.length").unwrap_or(usual.length),
+                space: number("pulse.space").unwrap_or(usual.space),
+                hold: number("pulse.hold").unwrap_or(usual.hold),
+                setup: number("pulse.setup").unwrap_or(usual.setup),
+            },
+            pins: MachineLines {
+                estop: pin("estop"),
+                estop_out: pin("estop-out"),
+                charge_pump: pin("charge-pump"),
+                enable: pin("enable"),
+                probe: pin("probe"),
+                setter: pin("setter"),
+                spindle: pin("spindle"),
+                spindle_reverse: pin("spindle-reverse"),
+                spindle_pwm: pin("spindle-pwm"),
+            },
+            spindle: Spindle {
+                speed: number("spindle.speed").unwrap_or(24_000.0),
+                frequency: number("spindle.frequency").unwrap_or(100.0),
+            },
+            axis: axis.collect(),
+            joint: (0..joints(sheet)).filter_map(|n| joint(sheet, kind, n)).collect(),
         }
     }
 }
 
-fn range(min: f64, max: f64, say: &mut impl FnMut(String)) {
-    if !(min < max && -LARGEST <= min && max <= LARGEST) {
-        say(format!(
-            "min {min:?} and max {max:?}: min is below max, each at most {LARGEST} from 0"
-        ));
-    }
-}
-
-/// Returns whether a text is an address in hexadecimal digits and perhaps a word. Anything else could be more than the
-/// argument that it is written into.
-fn is_port(text: &str) -> bool {
-    let words: Vec<&str> = text.split(' ').filter(|word| !word.is_empty()).collect();
-    let is_plain = |word: &&str| word.len() <= 8 && word.bytes().all(|b| b.is_ascii_alphanumeric());
-    (1..=2).contains(&words.len()) && words.iter().all(is_plain)
+/// Returns a joint; the second motor of a gantry has the figures of the first.
+fn joint(sheet: &Sheet, kind: Motors, n: usize) -> Option<Joint> {
+    let is_second = is_second(sheet, n);
+    let figures = if is_second { n - 1 } else { n };
+    let number = |name: &str| sheet.number(&format!("joint.{figures}.{name}"));
+    let text = |name: &str| sheet.some(&format!("joint.{n}.{name}")).map(str::to_owned);
+    let letter = sheet.letters().get(n).map(char::to_string);
+    Some(Joint {
+        axis: letter.filter(|_| kind != Motors::Arm),
+        is_second,
+        turn: number("turn")?,
+        microsteps: number("microsteps")?,
+        gear: number("gear")?,
+        pitch: number("pitch")?,
+        velocity: number("velocity")?,
+        acceleration: number("acceleration")?,
+        drive_acceleration: number("drive-acceleration"),
+        min: number("min")?,
+        max: number("max")?,
+        home: number("home").unwrap_or_default(),
+        search: number("search").filter(|_| text("switch").is_some()),
+        step: text("step"),
+        direction: text("direction"),
+        enable: text("enable"),
+        switch: text("switch"),
+        a: text("a"),
+        b: text("b"),
+        full_speed: number("full-speed"),
+    })
 }

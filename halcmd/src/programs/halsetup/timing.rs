@@ -3,8 +3,6 @@
 
 use super::answers::{Answers, Driver, Joint, Motors, Pulse};
 
-/// Longest base period, in nanoseconds.
-const MAX_BASE_NS: f64 = 100_000.0;
 /// Shortest base period that a thread is given, in nanoseconds.
 const SHORTEST_BASE_NS: f64 = 10_000.0;
 /// A step may begin and end in one period if it is at most this long: the port resets it.
@@ -40,29 +38,34 @@ pub(super) fn rate(joint: &Joint) -> f64 {
     joint.velocity * joint.scale()
 }
 
+/// Returns whether steps begin and end in one period.
+pub(super) fn resets(answers: &Answers) -> bool {
+    answers.kind != Motors::Servos
+        && answers.driver == Driver::Parport
+        && answers.pulse.length <= RESET_NS
+}
+
+/// Returns the shortest base period of the computer and the drives, in nanoseconds.
+pub(super) fn least(answers: &Answers) -> f64 {
+    shortest(answers.latency, answers.pulse, resets(answers)).max(SHORTEST_BASE_NS)
+}
+
 /// Returns the timing of the machine, or the joint that is too fast, with the velocity that it can have.
 pub(super) fn timing(answers: &Answers) -> Result<Timing, (usize, f64)> {
-    let latency = *answers.latency.get_ref();
-    let pulse = *answers.pulse.get_ref();
-    let resets = answers.kind != Motors::Servos
-        && answers.driver == Driver::Parport
-        && pulse.length <= RESET_NS
-        && answers.joint.iter().any(|j| j.get_ref().step.is_some());
-    let shortest = shortest(latency, pulse, resets).max(SHORTEST_BASE_NS);
+    let (latency, pulse) = (answers.latency, answers.pulse);
+    let (resets, shortest) = (resets(answers), least(answers));
     // A step needs one period if the port ends it, and two otherwise; an edge of an encoder two, so that none is missed.
     let periods = if resets { 1.0 } else { 2.0 };
-    let fastest = answers.joint.iter().map(|j| rate(j.get_ref())).enumerate();
+    let fastest = answers.joint.iter().map(rate).enumerate();
     let (joint, rate) =
         fastest.fold((0, 0.0), |most, this| if this.1 > most.1 { this } else { most });
     let wanted = 1e9 / (periods * rate);
     if wanted < shortest {
-        let possible = answers
-            .joint
-            .get(joint)
-            .map_or(0.0, |j| 1e9 / (periods * shortest * j.get_ref().scale()));
+        let possible =
+            answers.joint.get(joint).map_or(0.0, |j| 1e9 / (periods * shortest * j.scale()));
         return Err((joint, possible));
     }
-    let base = wanted.min(MAX_BASE_NS).floor();
+    let base = wanted.min(answers.longest).floor();
     // Where steps come in at most half of the periods, each ends before the next begins.
     let space = u32::from(!resets && rate * base > 0.5e9);
     Ok(Timing {

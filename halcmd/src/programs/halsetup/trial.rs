@@ -5,7 +5,7 @@ use super::{
     answers::{Answers, Joint, Motors, Units},
     search::{Settings, Trial, search, told},
     timing::{Timing, rate, timing},
-    write,
+    wiring,
 };
 use crate::{programs::alone::Alone, terminal::termination::ending_flag};
 use hal_engine::ClockKind;
@@ -58,7 +58,7 @@ pub(super) fn test(
     }
     let clock = if simulated { ClockKind::Virtual } else { ClockKind::Real };
     let mut engine = Alone::new(clock, None)?;
-    engine.script("axis test", &write::axis(answers, &timing, joint, asked.stall.is_some()))?;
+    engine.script("axis test", &wiring::axis(answers, &timing, joint, asked.stall.is_some()))?;
     if let Some((velocity, acceleration)) = asked.stall {
         engine.set("stepper.0.max-vel", &(velocity * SURE).to_string())?;
         engine.set("stepper.0.max-accel", &(acceleration * SURE).to_string())?;
@@ -98,7 +98,7 @@ fn find<'a>(answers: &'a Answers, axis: &str) -> Result<(usize, &'a Joint), Stri
     if answers.kind == Motors::Servos {
         return Err("servos have encoders: they lose no steps that a search could find".to_owned());
     }
-    let joints: Vec<&Joint> = answers.joint.iter().map(toml::Spanned::get_ref).collect();
+    let joints: Vec<&Joint> = answers.joint.iter().collect();
     let by_letter = joints.iter().position(|j| j.axis.as_deref() == Some(axis));
     let number = by_letter.or_else(|| axis.parse().ok());
     let found = number.and_then(|n| Some((n, *joints.get(n)?)));
@@ -190,17 +190,17 @@ pub(super) fn positive(text: &str) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{answer, pair, positive, timing, write};
-    use crate::programs::halsetup::answers;
+    use super::{answer, pair, positive, timing, wiring};
+    use crate::programs::halsetup::given;
 
     #[test]
     fn only_a_latch_switches_the_drive_on() {
         let text = include_str!("../../../../configs/printer/printer.setup");
-        let answers = answers::read(text).unwrap();
+        let answers = given::read(text).unwrap();
         let timing = timing(&answers).unwrap();
         for is_simulated in [false, true] {
-            let joint = answers.joint[0].get_ref();
-            let script = write::axis(&answers, &timing, joint, is_simulated);
+            let joint = &answers.joint[0];
+            let script = wiring::axis(&answers, &timing, joint, is_simulated);
             let of = |word: &str| script.lines().filter(|l| l.contains(word)).collect::<Vec<_>>();
             assert_eq!(of("stepgen.0.enable"), ["net enable latch.ok-out => stepgen.0.enable"]);
             assert_eq!(of("latch.ok-in"), ["net may-move may-move.out => latch.ok-in"]);

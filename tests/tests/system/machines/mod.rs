@@ -22,3 +22,4 @@ mod trials;
 mod viewers;
 mod waits;
 mod waveform;
+mod wizard;
