@@ -162,10 +162,8 @@ fn from_file(folder: &Path, file: &str) -> Result<Option<Answered>, String> {
             list => Err(places(file, &text, list)),
         };
     }
-    let refused: Vec<Wrong> =
-        given.wrong.into_iter().filter(|w| !w.text.contains(" is missing: ")).collect();
-    if !refused.is_empty() {
-        Stdio.out(&format!("{}\n", places(file, &text, &refused)))?;
+    if !given.only_lacks {
+        Stdio.out(&format!("{}\n", places(file, &text, &given.wrong)))?;
     }
     let mut sheet = given.sheet;
     for key in given.assumed {

@@ -2,7 +2,7 @@
 
 use super::{
     questions::{Asked, sequence},
-    rules::refusal,
+    rules::told,
     sheet::Sheet,
 };
 
@@ -67,7 +67,7 @@ impl Dialog<'_> {
                         line => line,
                     };
                     let is_name = asked.key == "name";
-                    let why = refusal(sheet, &asked, answer)
+                    let why = told(sheet, &asked, answer)
                         .or_else(|| is_name.then(|| (self.taken)(answer)).flatten());
                     if let Some(text) = why {
                         before = format!("{text}\n");

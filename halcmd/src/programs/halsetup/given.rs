@@ -67,7 +67,7 @@ pub(super) fn given(text: &str) -> Result<Given, Vec<Wrong>> {
             }
             None => {
                 // A table that is not there lacks each of its answers: it is reported once, below.
-                if has_table(&asked, &tables) {
+                if !to.is_unfinished && has_table(&asked, &tables) {
                     let refused = refusal(&to.sheet, &asked, &asked.default);
                     match refused.filter(|_| !asked.question.is_needed) {
                         Some(text) => {
@@ -85,14 +85,14 @@ pub(super) fn given(text: &str) -> Result<Given, Vec<Wrong>> {
         let answer = answer.unwrap_or_else(|| {
             // What follows is judged with an answer that is possible; it is not used.
             let is_good = |text: &&str| refusal(&to.sheet, &asked, text).is_none();
-            let each = [asked.default.as_str(), "", "1", "0"];
+            let each = [asked.default.as_str(), "", "1", "0", "10000"];
             each.into_iter().find(is_good).unwrap_or("1").to_owned()
         });
         to.sheet.put(&asked.key, &answer);
     }
     for (array, needed) in [("joint", joints(&to.sheet)), ("axis", axes(&to.sheet))] {
         let found = tables.keys().filter(|key| key.starts_with(&format!("{array}."))).count();
-        if found < needed && to.wrong.is_empty() {
+        if found < needed && to.wrong.is_empty() && !to.is_unfinished {
             let of = if to.sheet.get("kind") == Some("arm") {
                 "an arm"
             } else {

@@ -21,37 +21,56 @@ pub(super) struct Rule {
     #[cfg_attr(not(test), expect(dead_code, reason = "the test's"))]
     pub(super) name: &'static str,
     pub(super) refuses: fn(&Sheet, &Asked, &str) -> Option<String>,
+    /// Questions before, to which a person may want to go back, where the rule is about them too.
+    back: &'static str,
+}
+
+const fn rule(name: &'static str, refuses: fn(&Sheet, &Asked, &str) -> Option<String>) -> Rule {
+    Rule { name, refuses, back: "" }
 }
 
 /// All rules.
 pub(super) const RULES: &[Rule] = &[
-    Rule { name: "none", refuses: nothing },
-    Rule { name: "name", refuses: name },
-    Rule { name: "number", refuses: range },
-    Rule { name: "word", refuses: word },
-    Rule { name: "ports", refuses: ports },
-    Rule { name: "axes", refuses: axes },
-    Rule { name: "gantry", refuses: gantry },
-    Rule { name: "line", refuses: of_the_board },
-    Rule { name: "order", refuses: order },
-    Rule { name: "home", refuses: home },
-    Rule { name: "search", refuses: search },
-    Rule { name: "drive", refuses: drive },
-    Rule { name: "pair", refuses: pair },
-    Rule { name: "motor", refuses: some_motor },
-    Rule { name: "sides", refuses: both_sides },
-    Rule { name: "speed", refuses: speed },
-    Rule { name: "driver", refuses: driver },
-    Rule { name: "jitter", refuses: jitter },
-    Rule { name: "left", refuses: left },
-    Rule { name: "scale", refuses: scale },
-    Rule { name: "units", refuses: units },
-    Rule { name: "reset", refuses: reset },
+    rule("none", nothing),
+    rule("name", name),
+    rule("number", range),
+    rule("word", word),
+    rule("ports", ports),
+    rule("axes", axes),
+    rule("gantry", gantry),
+    rule("line", of_the_board),
+    rule("order", order),
+    rule("home", home),
+    rule("search", search),
+    rule("drive", drive),
+    Rule { back: "the step", ..rule("pair", pair) },
+    rule("motor", some_motor),
+    rule("sides", both_sides),
+    Rule { back: "the velocity", ..rule("speed", speed) },
+    rule("driver", driver),
+    rule("jitter", jitter),
+    Rule { back: "the ports", ..rule("left", left) },
+    rule("scale", scale),
+    Rule { back: "the travel and, further, to the unit", ..rule("units", units) },
+    rule("reset", reset),
 ];
 
 /// Returns why an answer cannot be.
 pub(super) fn refusal(sheet: &Sheet, asked: &Asked, answer: &str) -> Option<String> {
-    RULES.iter().find_map(|rule| (rule.refuses)(sheet, asked, answer))
+    refused(sheet, asked, answer).map(|(_, text)| text)
+}
+
+/// Returns why an answer of a person in the conversation cannot be, and where 'back' leads then.
+pub(super) fn told(sheet: &Sheet, asked: &Asked, answer: &str) -> Option<String> {
+    let (rule, text) = refused(sheet, asked, answer)?;
+    Some(match rule.back {
+        "" => text,
+        place => format!("{text} ('back' returns to {place})"),
+    })
+}
+
+fn refused(sheet: &Sheet, asked: &Asked, answer: &str) -> Option<(&'static Rule, String)> {
+    RULES.iter().find_map(|rule| Some((rule, (rule.refuses)(sheet, asked, answer)?)))
 }
 
 fn nothing(_: &Sheet, asked: &Asked, answer: &str) -> Option<String> {
@@ -78,7 +97,8 @@ fn range(_: &Sheet, asked: &Asked, answer: &str) -> Option<String> {
     }
     let unit = if asked.unit.is_empty() { String::new() } else { format!(" {}", asked.unit) };
     let Some(value) = number(answer) else {
-        return Some(format!("'{answer}' is not a number, as 5 or 0.25{unit}"));
+        let unit = if asked.unit.is_empty() { "" } else { &format!(" in {}", asked.unit) };
+        return Some(format!("'{answer}' is not a number{unit}, as 5 or 0.25"));
     };
     let (least, most) = match range {
         Range::Within(least, most) => (least, most),
@@ -213,9 +233,8 @@ fn pair(sheet: &Sheet, asked: &Asked, answer: &str) -> Option<String> {
             .then(|| "a servo needs step, the output of its power".to_owned());
     }
     let step = (asked.question.key == "direction").then(|| text_beside(sheet, asked, "step"))??;
-    (step.is_empty() != answer.is_empty()).then(|| {
-        "step and direction belong together: both, or none ('back' returns to the step)".to_owned()
-    })
+    (step.is_empty() != answer.is_empty())
+        .then(|| "step and direction belong together: both, or none".to_owned())
 }
 
 fn some_motor(sheet: &Sheet, asked: &Asked, answer: &str) -> Option<String> {

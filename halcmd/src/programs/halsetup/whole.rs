@@ -23,7 +23,7 @@ pub(super) fn speed(sheet: &Sheet, asked: &Asked, answer: &str) -> Option<String
     let latency = answers.latency;
     let velocity = answers.joint.get(joint)?.velocity;
     Some(format!(
-        "joint {joint}: a velocity of {velocity} is too fast for a jitter of {latency} ns; {possible:.3} {}/s is possible ('back' returns to it)",
+        "joint {joint}: a velocity of {velocity} is too fast for a jitter of {latency} ns; {possible:.3} {}/s is possible",
         asked.unit
     ))
 }
@@ -64,7 +64,7 @@ pub(super) fn left(sheet: &Sheet, asked: &Asked, answer: &str) -> Option<String>
         let need = needed(&with, way);
         (free < need).then(|| {
             let word = way.word();
-            format!("what follows needs {need} {word}s, and with this {free} are left: 'none' here, or 'back' for another port")
+            format!("what follows needs {need} {word}s, and with this {free} are left: none here, or another port")
         })
     })
 }
@@ -127,9 +127,7 @@ pub(super) fn units(sheet: &Sheet, asked: &Asked, answer: &str) -> Option<String
     let is_odd = (is_inch || is_last) && is_odd(is_inch, &all);
     let (travel, speed) = largest(&all);
     let (unit, other) = if is_inch { ("inch", "mm") } else { ("mm", "inch") };
-    is_odd.then(|| {
-        format!("a travel of {travel} {unit} at {speed} {unit}/s looks like {other}: 'back' returns to the travel and, further, to the unit")
-    })
+    is_odd.then(|| format!("a travel of {travel} {unit} at {speed} {unit}/s looks like {other}"))
 }
 
 /// A step that ends in its period needs a port that can end it.

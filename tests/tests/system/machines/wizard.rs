@@ -270,6 +270,7 @@ fn answers_are_kept_at_every_question_and_gone_on_with() {
             "{n}: {}",
             output.stdout
         );
+        assert!(!output.stdout.contains("small.setup:"), "{n}: {}", output.stdout);
         for file in files {
             assert_eq!(scratch.read(file), whole.read(file), "{n}: {file}");
         }

@@ -15,6 +15,7 @@ pub(crate) mod attacks;
 mod cuts;
 mod display;
 mod figures;
+mod first_hour;
 mod five_axis;
 mod fixture;
 mod garbage;
