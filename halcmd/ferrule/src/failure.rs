@@ -37,6 +37,12 @@ pub(crate) enum Failure {
     NoTerminal { what: &'static str, instead: &'static str },
     /// No section of the manual has the words.
     NotInManual { words: Box<str> },
+    /// The machine cannot be commissioned.
+    Unsuited { path: PathBuf, why: Box<str> },
+    /// The instance has ended, or does not answer.
+    Lost(Box<str>),
+    /// The file of results cannot be read.
+    Results { path: PathBuf, line: usize },
     /// Standard output does not take the text.
     Output(hal_output::Unwritten),
     /// Signals cannot be taken.
@@ -57,7 +63,9 @@ impl core::fmt::Display for Failure {
             }
             Self::NotStarted { name, why } => write!(f, "{name}: {why}"),
             Self::Ended { name, status } => write!(f, "{name} has ended ({status})"),
-            Self::File { path, why } => write!(f, "{}: {why}", path.display()),
+            Self::File { path, why } | Self::Unsuited { path, why } => {
+                write!(f, "{}: {why}", path.display())
+            }
             Self::NoMachine { path } => write!(
                 f,
                 "{}: there is no such file; 'ferrule new' writes a machine, 'ferrule demo' shows one",
@@ -103,6 +111,10 @@ impl core::fmt::Display for Failure {
                 f,
                 "no section of the manual has '{words}': fewer words find more, 'ferrule docs' lists the chapters"
             ),
+            Self::Lost(why) => write!(f, "the machine does not answer: {why}"),
+            Self::Results { path, line } => {
+                write!(f, "{}:{line}: not a line of results; --again begins anew", path.display())
+            }
             Self::Output(unwritten) => write!(f, "{unwritten}"),
             Self::Signals(why) => write!(f, "signals: {why}"),
         }

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod beside;
+mod commission;
 mod demo;
 mod docs;
 mod doctor;
@@ -46,6 +47,7 @@ fn run(task: &Task) -> Result<ExitCode, Failure> {
             )
         }
         Task::Try(given) => trial::trial(given),
+        Task::Commission(given) => commission::commission(given),
         Task::Doctor(given) => doctor::doctor(given),
         Task::Docs(given) => docs::docs(given),
         Task::Report(given) => report::report(given),

@@ -40,6 +40,8 @@ pub(crate) enum Task {
     },
     /// Try a machine of LinuxCNC without its hardware: what it is made of, whether it runs, and what comes next.
     Try(Try),
+    /// Check the wiring of a new machine at its first power-on, step by step, at a tenth of its speed.
+    Commission(Commission),
     /// Look at what this computer needs for real time and hardware, and say what to mend and how.
     Doctor(Doctor),
     /// Open the manual, or print its sections with these words.
@@ -109,6 +111,25 @@ pub(crate) struct Demo {
 pub(crate) struct Try {
     /// INI file of the machine.
     pub(crate) machine: PathBuf,
+}
+
+/// Options of `ferrule commission`.
+#[derive(Debug, Args)]
+pub(crate) struct Commission {
+    /// INI file of the machine.
+    pub(crate) machine: PathBuf,
+    /// Run on the virtual clock, which stands while a question is open.
+    #[arg(long = "virtual")]
+    pub(crate) is_virtual: bool,
+    /// Run in real time with simulated hardware.
+    #[arg(long, conflicts_with = "is_virtual")]
+    pub(crate) simulate: bool,
+    /// Name of the instance.
+    #[arg(long)]
+    pub(crate) instance: Option<String>,
+    /// Forget the results so far, and begin with the first step.
+    #[arg(long)]
+    pub(crate) again: bool,
 }
 
 /// Options of `ferrule doctor`.

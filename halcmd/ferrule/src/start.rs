@@ -173,7 +173,7 @@ fn free(usual: SocketAddr) -> SocketAddr {
 }
 
 /// Takes the signals that end a program: the flag says that one has come.
-fn ending() -> Result<Arc<AtomicBool>, Failure> {
+pub(crate) fn ending() -> Result<Arc<AtomicBool>, Failure> {
     let ending = Arc::new(AtomicBool::new(false));
     for signal in [consts::SIGINT, consts::SIGTERM, consts::SIGHUP] {
         flag::register(signal, Arc::clone(&ending))
@@ -183,7 +183,11 @@ fn ending() -> Result<Arc<AtomicBool>, Failure> {
 }
 
 /// Waits until the machine's script is done. Returns false if the instance has ended, or is to end, before that.
-fn come_up(place: &Place, instance: &mut Running, ending: &AtomicBool) -> Result<bool, Failure> {
+pub(crate) fn come_up(
+    place: &Place,
+    instance: &mut Running,
+    ending: &AtomicBool,
+) -> Result<bool, Failure> {
     let mut client = None;
     loop {
         if instance.ended()?.is_some() || ending.load(Relaxed) {
@@ -201,7 +205,7 @@ fn come_up(place: &Place, instance: &mut Running, ending: &AtomicBool) -> Result
 }
 
 /// Waits for the next look at the programs, or for a signal.
-fn wait() {
+pub(crate) fn wait() {
     poll(&mut [], Some(&LOOK)).unwrap_or_default();
 }
 
@@ -251,25 +255,25 @@ pub(crate) fn open(address: &str) {
 }
 
 /// A program that was started. A signal of the terminal does not reach it: this program ends first the panel, then the machine.
-struct Running {
+pub(crate) struct Running {
     name: &'static str,
     child: Child,
 }
 
 impl Running {
-    fn begin(name: &'static str, command: &mut Command) -> Result<Self, Failure> {
+    pub(crate) fn begin(name: &'static str, command: &mut Command) -> Result<Self, Failure> {
         let started = command.stdin(Stdio::null()).process_group(0).spawn();
         let child = started.map_err(|e| failed(name, &e))?;
         Ok(Self { name, child })
     }
 
     /// Returns its status, if it has ended.
-    fn ended(&mut self) -> Result<Option<ExitStatus>, Failure> {
+    pub(crate) fn ended(&mut self) -> Result<Option<ExitStatus>, Failure> {
         self.child.try_wait().map_err(|e| failed(self.name, &e))
     }
 
     /// Asks the program to end if it has not, and returns its status.
-    fn stop(mut self) -> Result<ExitCode, Failure> {
+    pub(crate) fn stop(mut self) -> Result<ExitCode, Failure> {
         if self.ended()?.is_none()
             && let Some(pid) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw)
         {

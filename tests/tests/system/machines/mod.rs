@@ -1,6 +1,7 @@
 //! Whole machines: `configs/`, the printer of the documents, `haltest`, pictures.
 
 mod book;
+mod commission;
 mod demos;
 mod fiducial;
 mod front;
