@@ -12,7 +12,7 @@ use hal_protocol::{
 use std::{collections::BTreeSet, fmt};
 
 pub use epoch::EpochPage;
-pub use user::{is_own, user_at};
+pub use user::{is_guest, is_own, user_at};
 
 /// Pins of the plugin that stop motion, with the signal and the pin of motion that each must reach.
 const STOPS: &[(&str, &str, &str)] = &[

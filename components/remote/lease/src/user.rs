@@ -1,13 +1,25 @@
 //! The user at the other end of a connection of this computer.
 
+use hal_protocol::Place;
 use std::{
     fs,
     net::{IpAddr, SocketAddr, TcpStream},
     os::unix::fs::MetadataExt as _,
+    path::Path,
 };
 
 /// Tables of the kernel: each connection with its user. A socket for both kinds of addresses is in the second one.
 const TABLES: [&str; 2] = ["/proc/net/tcp", "/proc/net/tcp6"];
+
+/// Returns whether the instance is another user's, so that this process is its guest. Root is nobody's.
+#[must_use]
+pub fn is_guest(place: &Place) -> bool {
+    let user = |path: &Path| fs::metadata(path).map(|file| file.uid());
+    let (Ok(own), Ok(theirs)) = (user(Path::new("/proc/self")), user(place.folder())) else {
+        return false;
+    };
+    own != 0 && own != theirs
+}
 
 /// Returns whether the other end belongs to the user of this process, or to root.
 #[must_use]

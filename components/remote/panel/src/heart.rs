@@ -114,6 +114,15 @@ impl Heart {
         }
     }
 
+    /// Returns the command that sends a pulse back, for a program that may not write to the plugin's pin.
+    fn beat_command(&self, pulse: u64) -> Request {
+        let lease = format!("lease={}", self.keeps.load(Relaxed));
+        Request::Command {
+            name: "remote.beat".to_owned(),
+            args: vec![lease, format!("pulse={pulse}")],
+        }
+    }
+
     /// Returns the values of the pins that this program writes whenever they change.
     fn written(&self) -> [(usize, u64); 7] {
         let teleop = &self.teleop;
@@ -134,7 +143,8 @@ impl Heart {
 /// Starts the thread that exchanges the pins. Teleoperation begins at `teleop`, with the port where it is wanted at once.
 pub(crate) fn start(place: &Place, teleop: (bool, u16)) -> Result<Arc<Heart>, String> {
     let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
-    let mut page = join(&mut client).map_err(|e| e.to_string())?;
+    let is_guest = hal_lease::is_guest(place);
+    let mut page = join(&mut client, is_guest).map_err(|e| e.to_string())?;
     page.set(SERVE, teleop.0.into());
     page.set(PORT, teleop.1.into());
     let heart = Arc::new(Heart::default());
@@ -155,6 +165,10 @@ pub(crate) fn start(place: &Place, teleop: (bool, u16)) -> Result<Arc<Heart>, St
             for (pin, value) in shared.written() {
                 if page.own(pin) != Some(value) {
                     page.set(pin, value);
+                    if pin == BEAT && is_guest {
+                        // A lease that has ended meanwhile is noticed at its pin.
+                        drop(client.call(shared.beat_command(value)));
+                    }
                 }
             }
             if shared.teleop.refused.swap(false, Relaxed) {
@@ -169,7 +183,8 @@ pub(crate) fn start(place: &Place, teleop: (bool, u16)) -> Result<Arc<Heart>, St
     Ok(heart)
 }
 
-fn join(client: &mut Client) -> Result<PinPage, hal_protocol::Failure> {
+/// Makes the pins and links them. A guest links only those that read: its beats are commands.
+fn join(client: &mut Client, is_guest: bool) -> Result<PinPage, hal_protocol::Failure> {
     client.call(Request::Join { name: "halpanel".to_owned(), poll_ns: INTERVAL_NS })?;
     for (name, ty, direction, _, _) in PINS {
         let name = (*name).to_owned();
@@ -178,7 +193,10 @@ fn join(client: &mut Client) -> Result<PinPage, hal_protocol::Failure> {
     let pins = u32::try_from(PINS.len()).unwrap_or(u32::MAX);
     let page = client.share_pins(pins, None)?;
     client.call(Request::Ready)?;
-    for (name, _, _, signal, pin) in PINS.iter().filter(|(.., pin)| !pin.is_empty()) {
+    let is_linked = |direction: Direction, pin: &str| {
+        !pin.is_empty() && (!is_guest || direction == Direction::In)
+    };
+    for (name, _, _, signal, pin) in PINS.iter().filter(|row| is_linked(row.2, row.4)) {
         // The machine's files may have linked the pin: then its signal is used.
         let patterns = vec![(*pin).to_owned()];
         let own = client.call(Request::List { kind: Kind::Pins, patterns, ty: None })?;

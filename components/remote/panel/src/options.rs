@@ -48,6 +48,9 @@ pub struct Options {
     /// Role of who opens the address with the token; `integrator` may also change settings and wiring.
     #[arg(long, value_enum, default_value_t = Role::Operator)]
     pub role: Role,
+    /// Loads and wires what the panel needs in the machine, and ends: for a panel that another user runs.
+    #[arg(long)]
+    pub prepare: bool,
     /// Folder with the page, in place of the one in the program.
     #[arg(long)]
     pub page: Option<PathBuf>,

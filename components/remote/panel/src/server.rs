@@ -149,6 +149,10 @@ impl Panel {
 /// An instance, a file or the address is missing or unusable.
 pub fn run(options: &Options) -> Result<(), String> {
     let ini = options.ini_file.as_deref().map(read_ini).transpose()?;
+    if options.prepare {
+        let place = Place::find(options.instance.as_deref())?;
+        return hal_lease::load(&place, ini.as_ref(), "halpanel");
+    }
     let folders = Folders::find(options, ini.as_ref())?;
     let options = &private::placed(options, &folders)?;
     if let (Some(account), Some(file)) = (&options.add_account, &options.accounts) {

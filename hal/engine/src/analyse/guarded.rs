@@ -13,10 +13,22 @@ use std::collections::BTreeSet;
 /// Refuses a request of a client that speaks for people elsewhere if it is not theirs to make.
 ///
 /// Clients elsewhere begin and end motion by commands, which check the role, the lease and the stop epoch. A pin would pass
-/// these checks by. `may_end`: the client may end the instance.
-pub(crate) fn permit(graph: &Graph, request: &Request, may_end: bool) -> Result<(), Error> {
+/// these checks by. `own`: the client's component, `may_end`: the client may end the instance.
+pub(crate) fn permit(
+    graph: &Graph,
+    request: &Request,
+    own: Option<Ix>,
+    may_end: bool,
+) -> Result<(), Error> {
     let flow = Flow { graph };
     match request {
+        // Another reader changes no value.
+        Request::Net { pins, .. }
+            if !pins.is_empty() && pins.iter().all(|pin| flow.only_reads(own, pin)) =>
+        {
+            Ok(())
+        }
+        Request::Link { pin, .. } if flow.only_reads(own, pin) => Ok(()),
         Request::Set { name, .. } => flow.permit_item(name),
         Request::SetSignal { name, .. } => flow.permit_signal(name),
         Request::Net { signal, pins } => {
@@ -96,6 +108,13 @@ struct Flow<'g> {
 }
 
 impl Flow<'_> {
+    /// Returns whether a name is that of a pin of this component which only reads.
+    fn only_reads(&self, own: Option<Ix>, name: &str) -> bool {
+        let Ok(ix) = self.graph.find_item(name) else { return false };
+        let reads = self.graph.item(ix).is_some_and(|item| item.direction == Direction::In);
+        reads && own == Some(self.loaded(ix))
+    }
+
     /// Refuses a pin or parameter. A name that does not exist is refused later, with a better reason.
     fn permit_item(&self, name: &str) -> Result<(), Error> {
         let Ok(ix) = self.graph.find_item(name) else { return Ok(()) };

@@ -29,7 +29,8 @@ impl Engine {
         let rights = client.as_ref().map_or(Rights::Own, |c| c.rights);
         let is_from_afar = rights > Rights::Own;
         if is_from_afar {
-            guarded::permit(self.model.graph(), &request, rights != Rights::Guest)?;
+            let own = client.as_ref().and_then(|c| c.component);
+            guarded::permit(self.model.graph(), &request, own, rights != Rights::Guest)?;
         }
         if let Some(reply) = self.dry_run_reply(&request) {
             return reply.map(Answer::Now);

@@ -3,7 +3,9 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 use hal_engine::{ClockKind, Engine};
-use hal_protocol::{Client, Folder, NOT_RUNNING, Place, Reply, Request, WireReply, WireRequest};
+use hal_protocol::{
+    Client, Direction, Folder, NOT_RUNNING, Place, Reply, Request, Type, WireReply, WireRequest,
+};
 use hal_tests::{
     machine::{Served, options, status},
     programs::programs,
@@ -396,7 +398,8 @@ fn a_system_service_lets_its_group_in_as_guests() {
     folder_of(SERVICE, place.folder());
     mode(place.folder(), 0o750);
     let machine = tmp.join("machine.hal");
-    let script = "loadrt threads name1=t period1=1000000\nloadrt and2\naddf and2.0 t\nloadrt iocontrol\nstart\n";
+    let script = "loadrt threads name1=t period1=1000000\nloadrt and2\naddf and2.0 t\nloadrt iocontrol\n\
+                  net enable iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\nstart\n";
     fs::write(&machine, script).unwrap();
     let start = |user: u32, groups: &str, words: &[&str]| -> Running {
         let mut command = scratch.command(&[], "halcmd");
@@ -496,6 +499,17 @@ fn as_guest(group: u32, place: &Place) -> i32 {
         assert!(said.contains("hello"), "{said}");
         let kind = hal_protocol::Kind::Components;
         let listed = call(&Request::List { kind, patterns: vec!["guest".into()], ty: None });
+        // Its own pin reads any signal, and writes to none that leads to a component that takes commands.
+        call(&Request::Join { name: "reader".into(), poll_ns: 0 });
+        for (pin, direction, want) in [
+            ("reader.in", Direction::In, "{\"ok\":\"done\"}"),
+            ("reader.out", Direction::Out, "iocontrol"),
+        ] {
+            let name = pin.to_owned();
+            call(&Request::NewPin { name, ty: Type::Bit, direction });
+            let said = call(&Request::Net { signal: "enable".into(), pins: vec![pin.into()] });
+            assert!(said.contains(want), "{pin}: {said}");
+        }
         let after = listed.split("\"pid\":").nth(1).unwrap_or_default();
         after.split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default().parse().unwrap_or(0)
     };
