@@ -72,7 +72,8 @@ fn refusals_say_what_is_wrong_and_what_would_be_right() {
         ),
         (
             "net x and2.1.out",
-            "Signal 'x' can not add OUT pin 'and2.1.out', it already has OUT pin 'and2.0.out'",
+            "Signal 'x' can not add OUT pin 'and2.1.out', it already has OUT pin 'and2.0.out'; a signal has one writer: \
+             'unlinkp and2.0.out' before this line lets and2.1.out be it",
         ),
         (
             "net y and2.0.out",
