@@ -52,10 +52,13 @@ impl State {
             return Some(TravelLimits::default());
         }
         let at = *self.pose.get(n)?;
+        // The room in front of a jog is that jog's.
+        let is_jogged = axis.teleop.is_jog();
+        let (lowest, highest) = if is_jogged { axis.teleop.tp.extent(self.dt) } else { (at, at) };
         let limits = self.axis_limits(n).ok()?;
         Some(TravelLimits {
-            min: limits.min - at,
-            max: limits.max - at,
+            min: limits.min - lowest,
+            max: limits.max - highest,
             max_vel: limits.max_vel * fraction,
             max_acc: limits.max_acc * fraction,
             max_jerk: limits.max_jerk * fraction,

@@ -71,6 +71,48 @@ impl SimpleTp {
         self.before = before;
     }
 
+    /// Returns the lowest and the highest place between here, the target, and the places that a motion reaches if it brakes.
+    pub(crate) fn extent(&self, dt: f64) -> (f64, f64) {
+        let (mut lowest, mut highest) = (self.pos, self.pos);
+        let [ahead, behind] = self.rest(dt);
+        for place in [self.target, ahead, behind] {
+            // A target without limits is none of a place.
+            if place < lowest && place.is_finite() {
+                lowest = place;
+            }
+            if place > highest && place.is_finite() {
+                highest = place;
+            }
+        }
+        (lowest, highest)
+    }
+
+    /// Returns the places ahead and behind that a motion reaches at most if it brakes from now on: the acceleration ends
+    /// within the jerk limit (`v·t + a·t²/3` with `t = a/j`), then it brakes with the whole acceleration, which takes at most
+    /// `v²/2a + v·a/2j`. A deceleration that cannot end in time turns the motion round.
+    fn rest(&self, dt: f64) -> [f64; 2] {
+        if self.vel == 0.0 && self.before == 0.0 || self.max_acc <= 0.0 {
+            return [self.pos; 2];
+        }
+        let has_jerk = 0.0 < self.max_jerk && self.max_jerk < f64::INFINITY;
+        let jerk_time = if has_jerk { self.max_acc / self.max_jerk } else { 0.0 };
+        let brakes = |vel: f64| 0.5 * vel * (vel / self.max_acc + jerk_time) + vel * dt;
+        let sign = copysign(1.0, if self.vel == 0.0 { -self.before } else { self.vel });
+        let (vel, gains) = (fabs(self.vel), sign * (self.vel - self.before) / dt);
+        if !has_jerk {
+            return [self.pos + sign * brakes(vel), self.pos];
+        }
+        let time = fabs(gains) / self.max_jerk;
+        let change = 0.5 * gains * time;
+        if gains > 0.0 {
+            let way = time * (vel + gains * time / 3.0) + brakes(vel + change);
+            return [self.pos + sign * way, self.pos];
+        }
+        let turned = -(vel + change);
+        let back = if turned > 0.0 { time * turned + brakes(turned) } else { 0.0 };
+        [self.pos + sign * brakes(vel), self.pos - sign * back]
+    }
+
     /// Returns the distance from its target at which the planner may come to rest.
     pub(crate) fn deadband(&self, dt: f64) -> f64 {
         tiny(self.max_acc * dt, dt)
@@ -223,6 +265,38 @@ mod tests {
             let mut exact = tp(vel, acc, target);
             run(&mut exact, SimpleTp::step_exactly);
             assert_eq!(exact.pos, target);
+        }
+    }
+
+    #[test]
+    fn a_motion_that_brakes_rests_within_its_extent() {
+        let mut random = hal_bench::Random::new(7);
+        for _ in 0..400 {
+            let jerk = random.pick(&[f64::INFINITY, 300.0, 1e4, 1e6]);
+            let mut one = SimpleTp { max_jerk: jerk, ..SimpleTp::default() };
+            (one.max_vel, one.max_acc, one.enable) =
+                (random.between(1.0, 90.0), random.between(10.0, 2000.0), true);
+            for _ in 0..20 {
+                one.target = random.between(-50.0, 50.0);
+                (0..random.below(200)).for_each(|_| one.step(DT));
+                let (lowest, highest) = one.extent(DT);
+                assert!(lowest <= one.target && one.target <= highest);
+                let mut brakes = SimpleTp {
+                    enable: false,
+                    target: one.target,
+                    pos: one.pos,
+                    vel: one.vel,
+                    before: one.before,
+                    active: one.active,
+                    ..one
+                };
+                for _ in 0..20_000 {
+                    brakes.step(DT);
+                    let place = brakes.pos;
+                    assert!(lowest - 1e-9 <= place && place <= highest + 1e-9, "{place}: {one:?}");
+                }
+                assert_eq!(brakes.vel, 0.0);
+            }
         }
     }
 

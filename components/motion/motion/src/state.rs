@@ -302,13 +302,21 @@ impl State {
         places
     }
 
-    /// Returns the limits of a jog of an axis, reduced by its offset's fraction.
+    /// Returns the limits of a jog of an axis, reduced by its offset's fraction, and its travel by the offset: a jog ends where
+    /// both together are at the limit, because an offset may be too slow to give way.
     pub(crate) fn jog_limits(&self, letter: usize) -> Result<TravelLimits, Refusal> {
         let mut limits = self.axis_limits(letter)?;
         if let Some(axis) = self.axes.get(letter) {
             limits.max_vel *= 1.0 - axis.config.offset_fraction;
             limits.max_acc *= 1.0 - axis.config.offset_fraction;
             limits.max_jerk *= 1.0 - axis.config.offset_fraction;
+            let (lowest, highest) = axis.offset.tp.extent(self.dt);
+            if lowest < 0.0 {
+                limits.min -= lowest;
+            }
+            if highest > 0.0 {
+                limits.max -= highest;
+            }
         }
         Ok(limits)
     }

@@ -75,6 +75,8 @@ pub struct Follower {
     tops: Tops,
     /// Distance from the start of the track at which the motion begins.
     skip: f64,
+    /// Travel in the last period.
+    travel: f64,
     /// True if the input brakes for what is ahead.
     brakes: bool,
     /// Curve at the output, and its number.
@@ -104,7 +106,7 @@ pub struct Step {
     pub feed: f64,
     /// Highest planned speed at this pose, in units of the path coordinate per second.
     pub highest: f64,
-    /// True while the follower or its filter moves.
+    /// True while the follower or its filter moves, and in the period in which it comes to rest under a limit of jerk.
     pub moving: bool,
     /// True if the speed is 0 at the end of the period, as it is at an exact stop.
     pub rests: bool,
@@ -140,6 +142,7 @@ impl Follower {
             lead: 1.0,
             tops: Tops::NONE,
             skip: 0.0,
+            travel: 0.0,
             brakes: false,
             curve: None,
         }
@@ -164,6 +167,9 @@ impl Follower {
     pub fn step(&mut self, track: &impl Path, scales: impl Into<Scales>, reverse: bool) -> Step {
         let moved = self.walk(track, &scales.into().usable(), reverse);
         let travel = self.filter(moved);
+        // Under a limit of jerk the acceleration must be 0 too, before another planner moves the same axes.
+        let comes_to_rest = self.samples > 1 && self.travel != 0.0;
+        self.travel = travel;
         self.advance(track, travel);
         track.release(self.oldest());
         Step {
@@ -173,7 +179,7 @@ impl Follower {
             lead: self.lead,
             feed: self.feed,
             highest: self.highest,
-            moving: self.speed > 0.0 || !self.is_flat(),
+            moving: self.speed > 0.0 || !self.is_flat() || comes_to_rest,
             rests: self.speed == 0.0 && (self.samples == 1 || self.is_flat()),
         }
     }

@@ -122,10 +122,14 @@ fn random_commands_hold_the_jerk() {
     }
     // A jog of a joint in the cycle after the end of a jog of its axis.
     hold(101, 8_000);
+    // A jog of a joint in the cycle after a pause on the path.
+    hold(104, 10_000);
+    // A jog toward the limit to which the axis's external offset moves.
+    hold(123, 2_000);
 }
 
 #[test]
-#[ignore = "a million commands take an hour: cargo test -p motion --release hold_jerk -- --ignored"]
+#[ignore = "a million commands take ten minutes: cargo test -p motion --release hold_jerk -- --ignored"]
 fn a_million_random_commands_hold_the_jerk() {
     for seed in 100..200 {
         hold(seed, 10_000);

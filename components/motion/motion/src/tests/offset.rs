@@ -109,6 +109,42 @@ fn limits_hold_with_it() {
     assert_eq!(rig.bench.said(), [said]);
 }
 
+/// A jog toward the limit, with an offset that is there, moves toward the limit, or away from it, or is asked for meanwhile.
+#[test]
+fn a_jog_with_an_offset_ends_where_both_are_at_the_limit() {
+    for (jerk, share) in [(f64::INFINITY, 0.3), (f64::INFINITY, 0.7), (200.0, 0.3), (200.0, 0.5)] {
+        for (first, then, wait) in [
+            (-300, -300, 3000),
+            (-300, -900, 3000),
+            (-900, -900, 900),
+            (-300, 0, 3000),
+            (0, -900, 1),
+        ] {
+            let mut rig = rig();
+            rig.say(&format!("motion.configure axis=z offset-av-ratio={share}"));
+            if jerk.is_finite() {
+                rig.say(&format!("motion.configure joint=2 max-jerk={jerk}"));
+            }
+            ask(&mut rig, first);
+            rig.cycles(wait);
+            rig.say("motion.jog axis=z velocity=-1000");
+            rig.cycles(300);
+            ask(&mut rig, then);
+            let mut lowest = 0.0_f64;
+            for cycle in 0..60_000 {
+                if cycle == 30_000 {
+                    rig.say("motion.jog axis=z velocity=-1000");
+                }
+                rig.cycle();
+                lowest = lowest.min(rig.joint(2, "pos-cmd"));
+            }
+            let case = format!("{first} {then} {wait} {jerk} {share}");
+            assert!((-100.0 - 2e-6..-99.9).contains(&lowest), "{case}: {lowest}");
+            assert!(rig.bench.said().is_empty(), "{case}: {:?}", rig.bench.said());
+        }
+    }
+}
+
 #[test]
 fn when_it_does_not_count() {
     // Not homed, not enabled, no share of the axis, no finite scale.
