@@ -59,7 +59,7 @@ enum Flag {
 
 const OPTIONS: &[Opt<Flag>] = &[
     Opt {
-        help: "where the machine's folder is made; here if none is given",
+        help: "where the machine's folder is made, a new folder too; here if none is given",
         long: Some("output"),
         ..Opt::short_with(Flag::Output, 'o', "FOLDER")
     },
@@ -189,6 +189,10 @@ fn asked(folder: &Path, mut sheet: Sheet, file: Option<&Path>) -> Result<Option<
         }
         if sheet.get("name").is_none() {
             return Ok(());
+        }
+        if is_own {
+            fs::create_dir_all(folder)
+                .map_err(|e| format!("{}: {}", to.display(), hal_output::reason(&e)))?;
         }
         let is_first = kept.replace(to.clone()).is_none();
         hal_output::write(&to, sheet.text(false).as_bytes())

@@ -26,6 +26,8 @@ pub(super) fn make(answers: &Answers, text: &str, folder: &Path) -> Result<Strin
         (format!("{name}.setup"), text.to_owned()),
     ];
     files.extend(tests);
+    let is_new = !folder.exists();
+    fs::create_dir_all(folder).map_err(|e| told(folder, &e))?;
     fs::create_dir(&target).map_err(|e| match e.kind() {
         io::ErrorKind::AlreadyExists => {
             format!("{}: is there already; another name, or --output", target.display())
@@ -46,6 +48,9 @@ pub(super) fn make(answers: &Answers, text: &str, folder: &Path) -> Result<Strin
         Err(error) => {
             // What was begun is of no use; the error to tell is the first one.
             drop(fs::remove_dir_all(&target));
+            if is_new {
+                drop(fs::remove_dir(folder));
+            }
             Err(error)
         }
     }

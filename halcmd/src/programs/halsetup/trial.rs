@@ -48,13 +48,14 @@ pub(super) fn test(
     ask: &mut AskUser<'_>,
 ) -> Result<String, String> {
     let (number, joint) = find(answers, &asked.axis)?;
+    let name = joint.axis.as_deref().unwrap_or(&asked.axis);
     let timing = timing(answers).map_err(|(joint, possible)| {
         format!("joint {joint}: too fast for this computer's jitter; a velocity of {possible:.3} is possible")
     })?;
     let settings = settings(joint, &timing, asked);
     let simulated = asked.stall.is_some() || asked.is_virtual;
     if !simulated && joint.step.is_none() {
-        return Err(format!("axis {}: the answers have no step and direction for it", asked.axis));
+        return Err(format!("axis {}: the answers have no step and direction for it", name));
     }
     let clock = if simulated { ClockKind::Virtual } else { ClockKind::Real };
     let mut engine = Alone::new(clock, None)?;
@@ -69,10 +70,8 @@ pub(super) fn test(
     engine.script("axis test", "start")?;
     let unit = if answers.units == Units::Mm { "mm" } else { "inch" };
     let mut returns = |trial: Trial| {
-        let shown = format!(
-            "axis {}: {} {unit}/s, {} {unit}/s^2",
-            asked.axis, trial.velocity, trial.acceleration
-        );
+        let shown =
+            format!("axis {name}: {} {unit}/s, {} {unit}/s^2", trial.velocity, trial.acceleration);
         if asked.stall.is_some() {
             let from = engine.number("stepper.0.position")?;
             run(&mut engine, trial, &ending)?;
@@ -90,7 +89,7 @@ pub(super) fn test(
         Ok(said == "y")
     };
     let borne = search(&settings, &mut returns)?;
-    Ok(told(&asked.axis, unit, number, &borne))
+    Ok(told(name, unit, number, &borne))
 }
 
 /// Finds the joint of an axis, by its letter or number.
@@ -99,7 +98,9 @@ fn find<'a>(answers: &'a Answers, axis: &str) -> Result<(usize, &'a Joint), Stri
         return Err("servos have encoders: they lose no steps that a search could find".to_owned());
     }
     let joints: Vec<&Joint> = answers.joint.iter().collect();
-    let by_letter = joints.iter().position(|j| j.axis.as_deref() == Some(axis));
+    let is_axis =
+        |j: &&Joint| j.axis.as_deref().is_some_and(|name| name.eq_ignore_ascii_case(axis));
+    let by_letter = joints.iter().position(is_axis);
     let number = by_letter.or_else(|| axis.parse().ok());
     let found = number.and_then(|n| Some((n, *joints.get(n)?)));
     found.ok_or_else(|| {

@@ -74,6 +74,21 @@ fn answers_that_make_no_machine_are_refused_and_leave_nothing() {
 }
 
 #[test]
+fn a_machine_is_made_in_a_new_folder_which_bad_answers_do_not_leave() {
+    let scratch = Scratch::new("setup-new");
+    for (file, status) in [("bad/fast.toml", 1), ("mill.toml", 0)] {
+        scratch.write("answers.toml", fs::read(root().join("tests/setup").join(file)).unwrap());
+        let output = halsetup(&scratch, &["--output", "new", "answers.toml"]);
+        assert_eq!(output.status, Some(status), "{output:?}");
+        assert_eq!(scratch.path().join("new").exists(), status == 0, "{output:?}");
+    }
+    assert!(scratch.path().join("new/mill/mill.ini").is_file());
+    let output = halsetup(&scratch, &["-o", "far/below", "answers.toml"]);
+    assert_eq!(output.status, Some(0), "{output:?}");
+    assert!(scratch.path().join("far/below/mill/mill.ini").is_file());
+}
+
+#[test]
 fn a_machine_that_is_there_is_never_replaced() {
     let scratch = Scratch::new("setup-twice");
     let file = root().join("tests/setup/mill.toml");

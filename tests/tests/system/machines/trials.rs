@@ -78,7 +78,7 @@ fn a_person_judges_whether_the_axis_stands_on_its_mark() {
     let asked = |said: &str| {
         scratch.write("said", said);
         let mut command = scratch.command(&[], "halsetup");
-        command.args(["printer.setup", "--test", "X", "--virtual", "--velocity-step", "40"]);
+        command.args(["printer.setup", "--test", "x", "--virtual", "--velocity-step", "40"]);
         command.args(["--acceleration-step", "800"]);
         scratch.run(command.stdin(File::open(scratch.path().join("said")).unwrap()))
     };
