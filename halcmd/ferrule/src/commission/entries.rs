@@ -5,6 +5,8 @@ use hal_ini::{Entry, Ini};
 use similar::TextDiff;
 use std::path::{Path, PathBuf};
 
+/// Speed of a spindle without a highest one, in turns a minute.
+const SPINDLE: f64 = 500.0;
 /// Share of its speeds that a machine has while it is commissioned.
 const SHARE: f64 = 0.1;
 /// Largest following errors that are permitted, at rest and at speed: in millimetres and degrees, and in inches. The one at
@@ -39,6 +41,8 @@ pub(crate) struct Slow {
     /// The file of the machine itself.
     pub(crate) path: PathBuf,
     pub(crate) joints: Vec<JointEntries>,
+    /// Speed of the spindle, in turns a minute: a tenth of its highest, and not below its lowest.
+    pub(crate) spindle: f64,
 }
 
 /// Entries of a joint.
@@ -98,7 +102,11 @@ impl Slow {
                 scale: SCALES.iter().find_map(|name| ini.all(&section, name).next().cloned()),
             });
         }
-        Ok(Self { text: text(ini), path: path.to_owned(), joints })
+        let of_spindle = |name: &str| number(ini, "SPINDLE_0", name).filter(|speed| *speed > 0.0);
+        let spindle = of_spindle("MAX_FORWARD_VELOCITY").map_or(SPINDLE, |most| {
+            (most * SHARE).max(of_spindle("MIN_FORWARD_VELOCITY").unwrap_or(0.0)).min(most)
+        });
+        Ok(Self { text: text(ini), path: path.to_owned(), joints, spindle })
     }
 }
 
@@ -252,6 +260,20 @@ mod tests {
             assert_eq!(ini.get(section, name), Some(want), "[{section}]{name}");
         }
         assert_eq!(ini.entries().count(), 14);
+    }
+
+    #[test]
+    fn the_spindle_turns_at_a_tenth_or_at_its_lowest_speed() {
+        for (entries, want) in [
+            ("", 500.0),
+            ("[SPINDLE_0]\nMAX_FORWARD_VELOCITY = 3000\n", 300.0),
+            ("[SPINDLE_0]\nMAX_FORWARD_VELOCITY = 24000\nMIN_FORWARD_VELOCITY = 6000\n", 6000.0),
+        ] {
+            let text = format!("{TEXT}{entries}");
+            let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
+            let slow = Slow::of(Path::new("m.ini"), &ini).unwrap();
+            assert!((slow.spindle - want).abs() < 1e-9, "{entries}: {}", slow.spindle);
+        }
     }
 
     #[test]

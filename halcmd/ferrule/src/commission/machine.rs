@@ -51,6 +51,8 @@ pub(crate) struct SlowMachine {
     /// True if the virtual clock stands until it is moved.
     is_held: bool,
     pub(crate) joints: Vec<JointEntries>,
+    /// Speed of the spindle, in turns a minute.
+    pub(crate) spindle: f64,
     file: PathBuf,
     ending: Arc<AtomicBool>,
 }
@@ -94,7 +96,8 @@ impl SlowMachine {
         };
         let joints = slow.joints.clone();
         let is_held = given.is_virtual;
-        Ok(Self { running, client, is_held, joints, file, ending })
+        let spindle = slow.spindle;
+        Ok(Self { running, client, is_held, joints, spindle, file, ending })
     }
 
     fn connect(

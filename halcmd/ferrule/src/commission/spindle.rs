@@ -2,8 +2,6 @@
 
 use super::{Stopped, fault, machine::SlowMachine, motion::ready, person::Person};
 
-/// Speed, in turns a minute.
-const SPEED: u32 = 500;
 /// Time for which it turns, and in which it stops, in seconds.
 const TURNS: f64 = 3.0;
 const STOPS: f64 = 5.0;
@@ -20,11 +18,12 @@ pub(crate) fn spindle(machine: &mut SlowMachine, person: &mut Person) -> Result<
     }
     let at = wires.all(&wired);
     ready(machine, person)?;
-    person.enter("spindle: no tool, nobody near it: it turns at 500 rpm")?;
-    turn(machine, person, SPEED.into(), ("cw", &at))?;
+    let speed = machine.spindle;
+    person.enter(&format!("spindle: no tool, nobody near it: it turns at {speed:.0} rpm"))?;
+    turn(machine, person, speed, ("cw", &at))?;
     if wired.iter().any(|name| name.ends_with(".reverse")) {
         person.enter("spindle: it turns backward")?;
-        turn(machine, person, -f64::from(SPEED), ("ccw", &at))?;
+        turn(machine, person, -speed, ("ccw", &at))?;
     }
     Ok("turns the right way, and stops".to_owned())
 }
