@@ -104,11 +104,6 @@ impl Graph {
         })
     }
 
-    /// Remembers the name that an item of this name has in machines of the old kind.
-    pub(crate) fn note_former(&mut self, former: Name, now: Name) {
-        self.former.insert(former, now);
-    }
-
     /// Returns the name that an unknown name of an item probably stands for: the present one of a former name, or the nearest
     /// of `names`.
     pub(crate) fn near<'n>(

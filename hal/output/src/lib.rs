@@ -2,6 +2,7 @@
 //! system's reason, and a good file is never replaced by an incomplete one.
 #![forbid(unsafe_code)]
 
+pub mod checksum;
 mod file;
 mod history;
 mod program;

@@ -1,5 +1,6 @@
 //! Terminals: a person at one, colours, and the files of what programs remember for the person.
 
+use crate::checksum;
 use std::{
     env, fs,
     os::{
@@ -55,10 +56,7 @@ pub fn state_of_machine(ini: &Path) -> Option<PathBuf> {
 }
 
 fn name_of_machine(ini: &Path) -> String {
-    // FNV-1a: the same number with every compiler.
-    let hash = ini.as_os_str().as_bytes().iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-    });
+    let hash = checksum::of(ini.as_os_str().as_bytes());
     // A caller gives the name an ending, which replaces the part behind a dot.
     let stem = ini.file_stem().unwrap_or_default().to_string_lossy().replace('.', "_");
     format!("{stem}-{hash:016x}")

@@ -142,6 +142,19 @@ pub enum ValueError {
 }
 
 impl Value {
+    /// Returns the value as a number: a bit as 0 or 1, an integer of 64 bits as the nearest number.
+    #[must_use]
+    pub fn number(&self) -> f64 {
+        match *self {
+            Self::Bit(on) => f64::from(u8::from(on)),
+            Self::Float(x) => x,
+            Self::S32(n) => f64::from(n),
+            Self::U32(n) => f64::from(n),
+            Self::S64(n) => n as f64,
+            Self::U64(n) | Self::Port(n) => n as f64,
+        }
+    }
+
     /// Returns the type of the value.
     #[must_use]
     pub const fn ty(&self) -> Type {

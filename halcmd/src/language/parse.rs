@@ -9,6 +9,7 @@ use crate::{
 };
 use core::num::{IntErrorKind, ParseIntError};
 use hal_protocol::{Kind, Request, Type};
+use std::path::Path;
 
 pub(crate) fn first(words: &[String]) -> String {
     words.first().cloned().unwrap_or_default()
@@ -16,9 +17,9 @@ pub(crate) fn first(words: &[String]) -> String {
 
 /// Replaces a leading `~` in the name of a file.
 pub(crate) fn path(word: &str) -> String {
-    match (word.strip_prefix('~'), std::env::var("HOME")) {
-        (Some(rest), Ok(home)) if rest.is_empty() || rest.starts_with('/') => home + rest,
-        _ => word.to_owned(),
+    match word.starts_with('~') {
+        true => hal_ini::beside(Path::new(""), word).display().to_string(),
+        false => word.to_owned(),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{halrun::folders::plugin_path, profile::Profile};
 use crate::{Captured, Outcome, Session, Style};
 use hal_engine::{ClockKind, Ended, Engine, Options, RealtimeOptions};
-use hal_protocol::{Link as _, Place, Reply, Request, StatusInfo, Value};
+use hal_protocol::{Link as _, Place, Reply, Request, StatusInfo};
 
 /// The engine.
 pub(super) struct Alone {
@@ -55,14 +55,7 @@ impl Alone {
     /// Returns the value of a pin or parameter as a number.
     pub(super) fn number(&mut self, name: &str) -> Result<f64, String> {
         match self.engine.call(Request::Get { name: name.to_owned() }) {
-            Ok(Reply::Value(value)) => Ok(match value {
-                Value::Bit(on) => f64::from(u8::from(on)),
-                Value::Float(x) => x,
-                Value::S32(n) => f64::from(n),
-                Value::U32(n) => f64::from(n),
-                Value::S64(n) => n as f64,
-                Value::U64(n) | Value::Port(n) => n as f64,
-            }),
+            Ok(Reply::Value(value)) => Ok(value.number()),
             Ok(_) => Err(format!("{name} has no value")),
             Err(failure) => Err(failure.to_string()),
         }

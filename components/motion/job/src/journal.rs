@@ -3,8 +3,9 @@
 //! A journal is a text. Each line has a checksum and a record in JSON. A line that was cut off, or that a disk has
 //! lost, ends the journal there: the records before it count.
 
-use crate::{checksum, effects::Outputs, world::Version};
+use crate::{effects::Outputs, world::Version};
 use hal_gcode::{Answer, State, tool::ToolTable};
+use hal_output::checksum;
 use serde::{Deserialize, Serialize};
 use std::{fmt, path::PathBuf};
 

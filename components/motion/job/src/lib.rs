@@ -9,7 +9,6 @@
 //! | [`way`] | the way of the tool in machine coordinates |
 //! | [`world`] | the interpreter's environment: programs, subroutines, tools, values |
 //! | [`run`] | a program without its machine, from its begin to its end |
-//! | [`checksum`] | the checksum of records and files |
 //! | [`journal`] | the record of a job, for a start after a loss of power |
 //! | [`dry_run`], [`refusal`] | a program as far as a line, and why it cannot begin there |
 //! | [`simulation`] | a program without its machine, line by line |
@@ -23,7 +22,6 @@
 #![forbid(unsafe_code)]
 
 pub mod check;
-pub mod checksum;
 pub mod clock;
 pub mod dry_run;
 pub mod effects;

@@ -76,7 +76,7 @@ impl SimpleTp {
         let (mut lowest, mut highest) = (self.pos, self.pos);
         let [ahead, behind] = self.rest(dt);
         for place in [self.target, ahead, behind] {
-            // A target without limits is none of a place.
+            // A jog without limits has an infinite target.
             if place < lowest && place.is_finite() {
                 lowest = place;
             }

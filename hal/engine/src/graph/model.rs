@@ -140,7 +140,7 @@ impl Model {
         now: &Name,
     ) -> Result<(), Error> {
         if !former.is_empty() && former != now.as_str() {
-            self.graph.note_former(Name::parse(what, former)?, now.clone());
+            self.graph.former.insert(Name::parse(what, former)?, now.clone());
         }
         Ok(())
     }

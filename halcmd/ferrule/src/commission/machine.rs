@@ -12,7 +12,7 @@ use crate::{
     options::Commission,
     start::{self, Running},
 };
-use hal_protocol::{Client, CommandLine, Link as _, Place, Reply, Request, TicketInfo, Value};
+use hal_protocol::{Client, CommandLine, Link as _, Place, Reply, Request, TicketInfo};
 use rustix::event::{Timespec, poll};
 use std::{
     fs,
@@ -157,14 +157,7 @@ impl SlowMachine {
     /// Returns the value of a pin as a number.
     pub(crate) fn value(&mut self, name: &str) -> Result<f64, Failure> {
         match self.call(Request::Get { name: name.to_owned() })? {
-            Reply::Value(value) => Ok(match value {
-                Value::Bit(on) => f64::from(u8::from(on)),
-                Value::Float(x) => x,
-                Value::S32(n) => f64::from(n),
-                Value::U32(n) => f64::from(n),
-                Value::S64(n) => n as f64,
-                Value::U64(n) | Value::Port(n) => n as f64,
-            }),
+            Reply::Value(value) => Ok(value.number()),
             _ => Err(Failure::Lost(format!("{name} has no value").into())),
         }
     }

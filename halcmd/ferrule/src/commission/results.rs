@@ -1,6 +1,7 @@
 //! The results of steps, in a file beside the INI file: a line each, with the date.
 
 use crate::failure::Failure;
+use hal_output::checksum::Checksum;
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -90,14 +91,14 @@ fn fingerprint(machine: &Path) -> String {
     let mut files: Vec<PathBuf> = entries.filter(is_part).collect();
     files.sort();
     files.push(machine.to_owned());
-    // FNV-1a, 64 bits.
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut sum = Checksum::default();
     for file in files {
-        for byte in fs::read(file).unwrap_or_default() {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
+        let bytes = hal_ini::file::whole(&file).unwrap_or_default();
+        // Text that goes from one file to another is a change.
+        sum.add(&bytes.len().to_le_bytes());
+        sum.add(&bytes);
     }
-    format!("{hash:016x}")
+    format!("{:016x}", sum.value())
 }
 
 /// Returns a date and time in UTC, as `2026-03-01T12:00:00Z`.

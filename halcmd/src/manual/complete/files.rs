@@ -1,17 +1,13 @@
 //! Completion of file names for the prompt. Shells complete file names themselves.
 
 use super::Candidate;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Returns files and folders whose names begin with `word`. Hidden ones need a '.' in `word`.
 pub(super) fn files(word: &str) -> Vec<Candidate> {
     let cut = word.rfind('/').map_or(0, |at| at + 1);
     let (folder, begun) = word.split_at(cut);
-    let path = match (folder.strip_prefix("~/"), std::env::var_os("HOME")) {
-        (Some(rest), Some(home)) => Path::new(&home).join(rest),
-        _ if folder.is_empty() => PathBuf::from("."),
-        _ => PathBuf::from(folder),
-    };
+    let path = hal_ini::beside(Path::new("."), folder);
     let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
     let names = entries.filter_map(|e| Some((e.file_name().into_string().ok()?, e.path())));
     let fits = |name: &str| {

@@ -128,7 +128,7 @@ fn names(text: &[u8], path: &Path, seen: &mut BTreeSet<PathBuf>) -> bool {
     let sourced = lines.lines().filter_map(|line| line.trim().strip_prefix("source "));
     sourced.into_iter().any(|file| {
         let here = path.parent().unwrap_or_else(|| Path::new(""));
-        let file = here.join(file.trim());
+        let file = hal_ini::beside(here, file);
         seen.len() < MAX_FILES
             && file.is_file()
             && seen.insert(file.clone())

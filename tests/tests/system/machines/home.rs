@@ -5,13 +5,14 @@ use hal_tests::{programs::root, scratch::Scratch};
 use std::{collections::BTreeMap, fs, os::unix::fs::PermissionsExt as _, path::Path};
 
 /// Entries, each with a file or folder beside the INI file.
-const ENTRIES: [(&str, &str, &str); 10] = [
+const ENTRIES: [(&str, &str, &str); 11] = [
     ("HAL", "HALFILE", "printer.hal"),
     ("HAL", "POSTGUI_HALFILE", "custom_postgui.hal"),
     ("EMCIO", "TOOL_TABLE", "tool.tbl"),
     ("EMCIO", "SPINDLE_FILE", "kept.spindle"),
     ("RS274NGC", "PARAMETER_FILE", "kept.var"),
     ("TASK", "JOURNAL", "kept.journal"),
+    ("AXIS_0", "COMP_FILE", "x.comp"),
     ("DISPLAY", "PROGRAM_PREFIX", "programs"),
     ("RS274NGC", "SUBROUTINE_PATH", "subs"),
     ("RS274NGC", "USER_M_PATH", "codes"),
@@ -57,6 +58,7 @@ fn run(ini: &str) -> BTreeMap<String, String> {
     write("programs/in-programs.ngc", "o<in-programs> sub\nG10 L2 P3 X9\no<in-programs> endsub\n");
     write("codes/M110", "#!/bin/sh\necho code $1 > \"$HOME/m/code.txt\"\n");
     fs::set_permissions(machine.join("codes/M110"), fs::Permissions::from_mode(0o755)).unwrap();
+    write("x.comp", "-50 -50.1 -50.1\n200 199.9 199.9\n");
     write("job.ngc", JOB);
     write("m.ini", ini);
     let mut command = scratch.command(&[], "halrun");

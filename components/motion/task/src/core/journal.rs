@@ -7,11 +7,11 @@ use super::{Core, Origin, Reading, file_name};
 use crate::outside::{Level, Outside};
 use hal_gcode::{Answer, Environment, Text, state::State};
 use hal_job::{
-    checksum::Checksum,
     effects::Outputs,
     journal::{At, Begin, Record, VERSION},
     world,
 };
+use hal_output::checksum::Checksum;
 use std::{collections::BTreeSet, path::Path};
 
 /// Seconds between two places in the journal.
