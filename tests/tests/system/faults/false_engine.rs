@@ -399,7 +399,8 @@ fn a_system_service_lets_its_group_in_as_guests() {
     mode(place.folder(), 0o750);
     let machine = tmp.join("machine.hal");
     let script = "loadrt threads name1=t period1=1000000\nloadrt and2\naddf and2.0 t\nloadrt iocontrol\n\
-                  net enable iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\nstart\n";
+                  net enable iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in\n\
+                  net changed => iocontrol.0.tool-changed\nstart\n";
     fs::write(&machine, script).unwrap();
     let start = |user: u32, groups: &str, words: &[&str]| -> Running {
         let mut command = scratch.command(&[], "halcmd");
@@ -507,7 +508,7 @@ fn as_guest(group: u32, place: &Place) -> i32 {
         ] {
             let name = pin.to_owned();
             call(&Request::NewPin { name, ty: Type::Bit, direction });
-            let said = call(&Request::Net { signal: "enable".into(), pins: vec![pin.into()] });
+            let said = call(&Request::Net { signal: "changed".into(), pins: vec![pin.into()] });
             assert!(said.contains(want), "{pin}: {said}");
         }
         let after = listed.split("\"pid\":").nth(1).unwrap_or_default();
