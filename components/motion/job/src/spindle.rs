@@ -8,7 +8,7 @@
 //! ```
 //!
 //! `tool N`: tool N is in the spindle, 0 for none, -1 if it is unknown. `change A B`: A is being changed for B. The number
-//! behind `#` is the [`checksum`](hal_output::checksum) of the text before it. Each record is stored before it is acted upon: `change` before the
+//! behind `#` is the [`checksum`] of the text before it. Each record is stored before it is acted upon: `change` before the
 //! changer is asked, `tool` before the machine goes on. A line that was cut off was therefore never acted upon, and the
 //! line before it counts.
 
