@@ -13,7 +13,7 @@
     reason = "tests"
 )]
 
-use super::motion::{JOINTS, folder, run_theirs, samples};
+use super::motion::{JOINTS, folder, keep_all_samples, run_theirs, samples};
 use hal_tests::{golden, programs::root, scratch::Scratch};
 use std::fmt::Write;
 
@@ -201,6 +201,7 @@ fn set_up() -> (Scratch, Vec<String>) {
 /// Runs the corners through ours, with a limit of jerk or without one.
 fn ours(jerk: Option<f64>) -> Vec<f64> {
     let (scratch, names) = set_up();
+    keep_all_samples(&scratch);
     let mut ini = scratch.read("machine.ini").replace(".hal\n", ".hal\nHALFILE = record.hal\n");
     if let Some(jerk) = jerk {
         ini = ini.replace(

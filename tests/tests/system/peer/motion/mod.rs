@@ -141,9 +141,18 @@ fn copied(free: bool) -> Scratch {
     scratch
 }
 
+/// Lets the sampler keep whole programs: on the virtual clock the machine is ahead of the program that reads it.
+pub(super) fn keep_all_samples(scratch: &Scratch) {
+    let (few, many) = ("depth=16000 ", "depth=1000000 ");
+    let machine = scratch.read("machine.hal");
+    assert!(machine.contains(few));
+    scratch.write("machine.hal", machine.replace(few, many));
+}
+
 /// Runs a program through ours, on the virtual clock; returns the joint positions and the programmed path.
 fn run_ours(name: &str, free: bool) -> (Vec<[f64; JOINTS]>, Programmed) {
     let scratch = copied(free);
+    keep_all_samples(&scratch);
     let ini = scratch.read("machine.ini");
     scratch.write("ours.ini", ini.replace(".hal\n", ".hal\nHALFILE = record.hal\n"));
     let program = format!("{name}.ngc");
