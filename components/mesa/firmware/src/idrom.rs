@@ -146,7 +146,7 @@ impl Identification {
         if let Some(hz) = [self.clock_low, self.clock_high].into_iter().find(|hz| *hz < 1_000_000) {
             return Err(BadIdentification::Clock(hz));
         }
-        let is_table = |at: &u32| (0x40..0x8000).contains(at) && at % 4 == 0;
+        let is_table = |at: &u32| (0x40..0x8000).contains(at) && at.is_multiple_of(4);
         match [self.modules, self.pins].into_iter().find(|at| !is_table(at)) {
             Some(at) => Err(BadIdentification::Offset(at)),
             None => Ok(()),

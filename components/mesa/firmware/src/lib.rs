@@ -17,12 +17,14 @@
 
 mod idrom;
 mod module;
+mod names;
 mod pin;
 pub mod registers;
 mod tag;
 
 pub use idrom::{BadIdentification, Identification};
 pub use module::{Clock, Module};
+pub use names::PinName;
 pub use pin::Pin;
 pub use registers::Register;
 pub use tag::Tag;

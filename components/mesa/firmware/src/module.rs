@@ -17,9 +17,9 @@ pub struct Module {
     pub base: u16,
     /// Number of its registers.
     pub registers: u8,
-    /// Which of the two strides its registers have: 0 or 1.
+    /// Number of the stride of its registers, 0 or 1.
     pub register_stride: u8,
-    /// Which of the two strides its instances have: 0 or 1.
+    /// Number of the stride of its instances, 0 or 1.
     pub instance_stride: u8,
     /// Bit N is 1 if each instance has a register N of its own, and 0 if all share one.
     pub multiple: u32,

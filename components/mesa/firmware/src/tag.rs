@@ -36,7 +36,7 @@ pub enum Tag {
     Debug = 15,
     /// Pulse-width modulation of three phases.
     ThreePhasePwm = 18,
-    /// Absolute encoder with a BiSS interface.
+    /// Absolute encoder with a `BiSS` interface.
     Biss = 24,
     /// Absolute encoder of Fanuc.
     Fanuc = 25,
@@ -66,7 +66,7 @@ pub enum Tag {
     Ssr = 195,
     /// Smart serial with a processor of its own.
     SmartSerialB = 198,
-    /// One-shot.
+    /// Generator of single pulses.
     OneShot = 199,
     /// Period and duty of inputs.
     PeriodMeter = 200,

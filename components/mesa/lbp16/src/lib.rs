@@ -13,8 +13,8 @@
 //! | 7 | the address moves on with each item |
 //! | 6–0 | number of items, 0 to 127 |
 //!
-//! The card answers a packet that reads with one packet: the data of all its reads, in order, and nothing else. Whoever
-//! reads the answer must therefore know what was asked. [`Packet`] builds packets and counts the bytes of their answer,
+//! The card answers a packet that reads with one packet: the data of all its reads, in order, and nothing else. The reader
+//! of an answer must therefore know what was asked. [`Packet`] builds packets and counts the bytes of their answer,
 //! [`commands`] reads them.
 //!
 //! Without `std` and `alloc`: realtime code may use all of it. Source: Mesa's manuals of its Ethernet cards, section
@@ -80,7 +80,7 @@ impl Space {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Size {
-    /// One byte.
+    /// A byte.
     Byte = 0,
     /// Two bytes.
     Word = 1,
