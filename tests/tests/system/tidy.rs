@@ -158,6 +158,7 @@ fn arrows_point_only_downward() {
         ("hal-handheld", &[]),
         ("hal-nk105", &["hal-gcode", "hal-handheld", "hal-job"]),
         ("hal-storage", &["hal-output"]),
+        ("hal-card", &["hal-firmware", "hal-lbp16"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
         ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol", "hal-remap"]),
@@ -616,6 +617,10 @@ fn output_goes_through_one_crate() {
         ),
         ("components/accessory/storage/src/gadget.rs", device),
         ("components/drivers/parport/src/hardware.rs", device),
+        (
+            "components/mesa/card/src/bin/hm2card/main.rs",
+            "a record that only grows, packet by packet",
+        ),
         ("components/drivers/speaker/src/device.rs", device),
         ("components/drivers/viagpio/src/hardware.rs", device),
         ("hal/golden/src/lib.rs", "expected files, which only tests write"),

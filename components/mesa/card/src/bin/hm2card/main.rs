@@ -1,0 +1,205 @@
+//! A simulated Mesa card at a UDP port.
+
+use clap::Parser;
+use hal_card::{ADDRESS, Board, Card, Fate, FaultyLine, Rates, Remote, boards, remotes};
+use hal_lbp16::{MAX_PACKET, PORT, commands};
+use std::{
+    fmt::Display,
+    fs::File,
+    io::{BufWriter, Write},
+    net::{Ipv4Addr, SocketAddr, UdpSocket},
+    path::PathBuf,
+    process::ExitCode,
+    time::{Duration, SystemTime},
+};
+
+/// Simulates a Mesa card with an Ethernet port.
+#[derive(Parser)]
+#[command(name = "hm2card", version)]
+struct Arguments {
+    /// Card and firmware.
+    #[arg(long, default_value = "7i92", value_parser = board)]
+    board: &'static str,
+    /// Address at which the card answers.
+    #[arg(long, default_value_t = ADDRESS.into())]
+    address: Ipv4Addr,
+    /// UDP port of the card.
+    #[arg(long, default_value_t = PORT)]
+    port: u16,
+    /// Remote at a channel of a smart-serial port.
+    #[arg(long, value_name = "PORT.CHANNEL=NAME", value_parser = remote)]
+    remote: Vec<(usize, usize, &'static str)>,
+    /// File for what each packet reads and writes.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Nanoseconds that pass with each packet that reads, in place of the computer's time.
+    #[arg(long, value_name = "NS")]
+    step: Option<u64>,
+    /// Packets of a million that are lost, in either direction.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    lose: u32,
+    /// Answers of a million that come behind the next one.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    delay: u32,
+    /// Packets of a million that come twice.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    double: u32,
+    /// Packets of a million that lose their ends.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    shorten: u32,
+    /// Seed of the faults.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+fn board(name: &str) -> Result<&'static str, UnknownName> {
+    boards().find(|b| b.eq_ignore_ascii_case(name)).ok_or(UnknownName(boards().collect()))
+}
+
+fn remote(text: &str) -> Result<(usize, usize, &'static str), UnknownName> {
+    let parts = || {
+        let (place, name) = text.split_once('=')?;
+        let (port, channel) = place.split_once('.')?;
+        let name = remotes().find(|r| r.eq_ignore_ascii_case(name))?;
+        Some((port.parse().ok()?, channel.parse().ok()?, name))
+    };
+    parts().ok_or(UnknownName(remotes().collect()))
+}
+
+/// Error of a name that is not in the list.
+#[derive(Debug)]
+struct UnknownName(Vec<&'static str>);
+
+impl Display for UnknownName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "known are {}", self.0.join(", "))
+    }
+}
+
+impl std::error::Error for UnknownName {}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            say(&format!("{}:{}: {error}", arguments.address, arguments.port));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The card with its lines.
+struct Server<'a> {
+    arguments: &'a Arguments,
+    card: Card,
+    socket: UdpSocket,
+    record: Option<BufWriter<File>>,
+    there: FaultyLine,
+    back: FaultyLine,
+    /// Answer that comes behind the next one.
+    late: Option<Vec<u8>>,
+    packets: u64,
+    clock: Duration,
+}
+
+fn run(arguments: &Arguments) -> std::io::Result<()> {
+    let Some(board) = Board::named(arguments.board) else { return Ok(()) };
+    let mut card = Card::new(&board);
+    for (port, channel, name) in &arguments.remote {
+        let known = Remote::named(name).is_some_and(|remote| card.plug(*port, *channel, remote));
+        if !known {
+            say(&format!("{} has no smart-serial channel {port}.{channel}", arguments.board));
+        }
+    }
+    let rates = |late| Rates {
+        lost: arguments.lose,
+        late,
+        doubled: arguments.double,
+        cut: arguments.shorten,
+    };
+    let mut server = Server {
+        arguments,
+        card,
+        socket: UdpSocket::bind((arguments.address, arguments.port))?,
+        record: arguments.record.as_ref().map(File::create).transpose()?.map(BufWriter::new),
+        there: FaultyLine::new(rates(0), arguments.seed),
+        back: FaultyLine::new(rates(arguments.delay), arguments.seed.wrapping_add(1)),
+        late: None,
+        packets: 0,
+        clock: now(),
+    };
+    let mut packet = [0; MAX_PACKET];
+    loop {
+        let (length, from) = server.socket.recv_from(&mut packet)?;
+        let packet = packet.get(..length).unwrap_or_default();
+        match server.there.carry(length) {
+            Fate::Lost => {}
+            Fate::Doubled => {
+                server.take(packet, from)?;
+                server.take(packet, from)?;
+            }
+            Fate::Cut(length) => server.take(packet.get(..length).unwrap_or_default(), from)?,
+            Fate::Delivered | Fate::Late => server.take(packet, from)?,
+        }
+    }
+}
+
+/// Writes a message to standard error. If that fails, the failure cannot be reported anywhere.
+fn say(text: &str) {
+    drop(writeln!(std::io::stderr(), "hm2card: {text}"));
+}
+
+fn now() -> Duration {
+    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default()
+}
+
+impl Server<'_> {
+    fn take(&mut self, packet: &[u8], from: SocketAddr) -> std::io::Result<()> {
+        self.pass_time(packet);
+        self.packets += 1;
+        if let Some(record) = &mut self.record {
+            writeln!(record, "packet {}", self.packets)?;
+            write!(record, "{}", self.card.recorded(packet))?;
+            record.flush()?;
+        }
+        let mut answer = [0; MAX_PACKET];
+        let Some(length) = self.card.answer(packet, &mut answer) else { return Ok(()) };
+        let answer = answer.get(..length).unwrap_or_default();
+        let late = self.late.take();
+        match self.back.carry(length) {
+            Fate::Lost => {}
+            Fate::Late => self.late = Some(answer.to_owned()),
+            Fate::Doubled => {
+                self.socket.send_to(answer, from)?;
+                self.socket.send_to(answer, from)?;
+            }
+            Fate::Cut(length) => {
+                self.socket.send_to(answer.get(..length).unwrap_or_default(), from)?;
+            }
+            Fate::Delivered => {
+                self.socket.send_to(answer, from)?;
+            }
+        }
+        if let Some(late) = late {
+            self.socket.send_to(&late, from)?;
+        }
+        Ok(())
+    }
+
+    fn pass_time(&mut self, packet: &[u8]) {
+        match self.arguments.step {
+            Some(step) => {
+                if commands(packet).flatten().any(|request| !request.command.writes) {
+                    self.card.advance(step);
+                }
+            }
+            None => {
+                let now = now();
+                let passed = now.saturating_sub(self.clock);
+                self.clock = now;
+                self.card.advance(u64::try_from(passed.as_nanos()).unwrap_or(0));
+            }
+        }
+    }
+}
