@@ -126,6 +126,20 @@ impl Card {
         self.malformed
     }
 
+    /// Returns whether a packet reads the levels of the I/O pins, as a controller does once per cycle.
+    #[must_use]
+    pub fn reads_levels(&self, packet: &[u8]) -> bool {
+        let mut requests = commands(packet).flatten();
+        requests.any(|request| {
+            let command = request.command;
+            let is_read = !command.writes && !command.is_info && command.space == Space::Registers;
+            let slot = request.address.filter(|_| is_read).and_then(|at| self.decoder.slot(at));
+            slot.is_some_and(|slot| {
+                slot.tag == Tag::IoPort && slot.register == registers::PORT_DATA.index
+            })
+        })
+    }
+
     /// Lets time pass.
     pub fn advance(&mut self, ns: u64) {
         let mut left = ns;

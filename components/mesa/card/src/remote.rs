@@ -14,7 +14,16 @@
 
 use std::collections::BTreeMap;
 
-const FILES: &[(&str, &str)] = &[];
+/// Remotes by name, in the order of their names.
+const FILES: &[(&str, &str)] = &[
+    ("7i70", include_str!("../remotes/7i70.txt")),
+    ("7i71", include_str!("../remotes/7i71.txt")),
+    ("7i73", include_str!("../remotes/7i73.txt")),
+    ("7i76", include_str!("../remotes/7i76.txt")),
+    ("7i77", include_str!("../remotes/7i77.txt")),
+    ("7i77-analog", include_str!("../remotes/7i77-analog.txt")),
+    ("7i84", include_str!("../remotes/7i84.txt")),
+];
 
 /// Names of the remotes.
 pub fn remotes() -> impl Iterator<Item = &'static str> {
@@ -363,4 +372,49 @@ fn put(memory: &mut [u8], mut at: usize, parts: &[&[u8]]) -> Option<usize> {
         at += part.len();
     }
     Some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_remote_has_its_records() {
+        let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/remotes")).unwrap();
+        assert_eq!(folder.count(), remotes().count(), "a file that no row names");
+        for (name, text) in FILES {
+            let remote = Remote::parse(text).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+            for mode in &remote.modes {
+                let bits = |out: Flow| -> u32 {
+                    let data = mode.elements.iter().map(|nth| &remote.data[*nth]);
+                    data.filter(|d| d.way == out).map(|d| u32::from(d.bits)).sum()
+                };
+                assert!(bits(Flow::In) <= 96 && bits(Flow::Out) <= 96, "{name}");
+            }
+            let unit = remote.data.iter().find(|d| &*d.name == "NVUnitNumber").unwrap();
+            assert_eq!(unit.value, u64::from(remote.unit), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_bad_line_is_named() {
+        let rows = [
+            ("nonsense", 1),
+            ("name 7I7", 1),
+            ("unit xyz", 1),
+            ("name 7I76\nelement A bits 65 in 0 0 None", 2),
+            ("element A bits 0 in 0 0 None", 1),
+            ("element A word 8 in 0 0 None", 1),
+            ("element A bits 8 up 0 0 None", 1),
+            ("parameter A bits 8 0 0 None x", 1),
+            ("mode A: B", 1),
+            ("mode A", 1),
+            ("name 7I76", 0),
+        ];
+        for (text, line) in rows {
+            assert_eq!(Remote::parse(text).err(), Some(BadRemote { line }), "{text}");
+        }
+        let many = "element A bits 8 in 0 0 None\n".repeat(200);
+        assert!(Remote::parse(&many).is_err());
+    }
 }

@@ -115,6 +115,12 @@ impl Card {
         self.muxed.turn_to(encoder, counts);
     }
 
+    /// As [`Card::turn`], for an encoder that shares its lines with another.
+    pub fn turn_muxed(&mut self, encoder: usize, counts: i64) {
+        let at = self.muxed.position(encoder).unwrap_or(0);
+        self.muxed.turn_to(encoder, at.wrapping_add(counts));
+    }
+
     /// As [`Card::set_index`], for an encoder that shares its lines with another.
     pub fn set_muxed_index(&mut self, encoder: usize, counts: u32) {
         self.muxed.set_turn(encoder, counts);

@@ -1,14 +1,17 @@
 //! A simulated Mesa card at a UDP port.
 
+mod play;
+
 use clap::Parser;
 use hal_card::{ADDRESS, Board, Card, Fate, FaultyLine, Rates, Remote, boards, remotes};
-use hal_lbp16::{MAX_PACKET, PORT, commands};
+use hal_lbp16::{MAX_PACKET, PORT};
+use play::{Loss, Play};
 use std::{
     fmt::Display,
     fs::File,
     io::{BufWriter, Write},
     net::{Ipv4Addr, SocketAddr, UdpSocket},
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::ExitCode,
     time::{Duration, SystemTime},
 };
@@ -32,9 +35,14 @@ struct Arguments {
     /// File for what each packet reads and writes.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Nanoseconds that pass with each packet that reads, in place of the computer's time.
+    /// Nanoseconds that pass with each cycle, in place of the computer's time.
+    ///
+    /// A cycle is a packet that reads the levels of the I/O pins: two drivers then see the same values.
     #[arg(long, value_name = "NS")]
     step: Option<u64>,
+    /// Play of what happens at the card's terminals, by cycles.
+    #[arg(long, value_name = "FILE")]
+    world: Option<PathBuf>,
     /// Packets of a million that are lost, in either direction.
     #[arg(long, default_value_t = 0, value_name = "N")]
     lose: u32,
@@ -100,6 +108,7 @@ struct Server<'a> {
     /// Answer that comes behind the next one.
     late: Option<Vec<u8>>,
     packets: u64,
+    play: Play,
     clock: Duration,
 }
 
@@ -118,6 +127,15 @@ fn run(arguments: &Arguments) -> std::io::Result<()> {
         doubled: arguments.double,
         cut: arguments.shorten,
     };
+    let text = arguments.world.as_ref().map(std::fs::read_to_string).transpose()?;
+    let play = match Play::parse(&text.unwrap_or_default()) {
+        Ok(play) => play,
+        Err(bad) => {
+            let name = arguments.world.as_deref().unwrap_or(Path::new("")).display();
+            say(&format!("{name}: {bad}"));
+            return Err(std::io::ErrorKind::InvalidData.into());
+        }
+    };
     let mut server = Server {
         arguments,
         card,
@@ -127,6 +145,7 @@ fn run(arguments: &Arguments) -> std::io::Result<()> {
         back: FaultyLine::new(rates(arguments.delay), arguments.seed.wrapping_add(1)),
         late: None,
         packets: 0,
+        play,
         clock: now(),
     };
     let mut packet = [0; MAX_PACKET];
@@ -156,15 +175,24 @@ fn now() -> Duration {
 
 impl Server<'_> {
     fn take(&mut self, packet: &[u8], from: SocketAddr) -> std::io::Result<()> {
-        self.pass_time(packet);
+        let is_cycle = self.card.reads_levels(packet);
+        let cycle = is_cycle.then(|| self.play.next_cycle(&mut self.card));
+        self.pass_time(is_cycle);
         self.packets += 1;
         if let Some(record) = &mut self.record {
-            writeln!(record, "packet {}", self.packets)?;
+            let cycle = cycle.map(|cycle| format!(" cycle {cycle}")).unwrap_or_default();
+            writeln!(record, "packet {}{cycle}", self.packets)?;
             write!(record, "{}", self.card.recorded(packet))?;
             record.flush()?;
         }
+        if self.play.loses(if is_cycle { Loss::Read } else { Loss::Write }) {
+            return Ok(());
+        }
         let mut answer = [0; MAX_PACKET];
         let Some(length) = self.card.answer(packet, &mut answer) else { return Ok(()) };
+        if is_cycle && self.play.loses(Loss::Answer) {
+            return Ok(());
+        }
         let answer = answer.get(..length).unwrap_or_default();
         let late = self.late.take();
         match self.back.carry(length) {
@@ -187,13 +215,10 @@ impl Server<'_> {
         Ok(())
     }
 
-    fn pass_time(&mut self, packet: &[u8]) {
+    fn pass_time(&mut self, is_cycle: bool) {
         match self.arguments.step {
-            Some(step) => {
-                if commands(packet).flatten().any(|request| !request.command.writes) {
-                    self.card.advance(step);
-                }
-            }
+            Some(step) if is_cycle => self.card.advance(step),
+            Some(_) => {}
             None => {
                 let now = now();
                 let passed = now.saturating_sub(self.clock);
