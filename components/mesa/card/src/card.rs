@@ -157,6 +157,8 @@ impl Card {
         }
         self.pwm.advance(self.high.take(ns));
         let mut left = self.low.take(ns);
+        self.encoders.begin(left);
+        self.muxed.begin(left);
         while 0 < left {
             let part = self.watchdog.until_bite().map_or(left, |bite| bite.min(left));
             let timers = self.steps.timers() | self.encoders.timers() | self.muxed.timers();
@@ -328,7 +330,8 @@ impl Card {
 
 /// Fills an item from words.
 fn fill(item: &mut [u8], at: u16, word: impl Fn(u16) -> u16) {
-    for (place, at) in item.iter_mut().zip(at..) {
+    for (place, offset) in item.iter_mut().zip(0_u16..) {
+        let at = at.wrapping_add(offset);
         let [low, high] = word(at & !1).to_le_bytes();
         *place = if at & 1 == 0 { low } else { high };
     }

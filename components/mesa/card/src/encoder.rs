@@ -31,6 +31,14 @@ pub(crate) struct Counters {
     stamps: Stamps,
     latched: Latched,
     latched_stamp: u16,
+    span: Span,
+}
+
+/// Time that passes in one go, and how much of it is over.
+#[derive(Clone, Copy, Debug, Default)]
+struct Span {
+    all: u64,
+    done: u64,
 }
 
 /// Line of an encoder.
@@ -76,6 +84,7 @@ struct Counter {
     /// Index as the control register has it: polarity, gate.
     index: bool,
     position: i64,
+    start: i64,
     goal: i64,
     turn: Option<i64>,
     sampled: [u32; 2],
@@ -114,6 +123,15 @@ impl Counters {
             stamps: Stamps { counter: 0, rest: 0, divisor: 0 },
             latched: Latched::default(),
             latched_stamp: 0,
+            span: Span::default(),
+        }
+    }
+
+    /// Begins a time, during which the encoders turn to their goals evenly.
+    pub(crate) fn begin(&mut self, clock: u64) {
+        self.span = Span { all: clock, done: 0 };
+        for one in &mut self.all {
+            one.start = one.position;
         }
     }
 
@@ -124,8 +142,9 @@ impl Counters {
     pub(crate) fn advance(&mut self, clock: u64) {
         let sample = u64::from(self.filter_rate & 0x0FFF) + 2;
         for one in &mut self.all {
-            one.turn(clock, sample, &self.stamps);
+            one.turn(clock, self.span, sample, &self.stamps);
         }
+        self.span.done += clock;
         self.stamps.advance(clock);
     }
 
@@ -252,26 +271,31 @@ impl Counter {
         self.turn.is_some_and(|turn| position.rem_euclid(turn) == 0)
     }
 
-    /// Turns the shaft to its goal, evenly over a time.
-    fn turn(&mut self, clock: u64, sample: u64, stamps: &Stamps) {
+    /// Turns the shaft on to its goal, evenly over the whole span.
+    fn turn(&mut self, clock: u64, span: Span, sample: u64, stamps: &Stamps) {
         if self.position == self.goal {
             return;
         }
-        let way = self.goal.abs_diff(self.position);
+        let way = self.goal.abs_diff(self.start);
         let samples: u64 = if self.has(LONG_FILTER) { 15 } else { 3 };
         // A line stays for two counts; the filter takes it after as many samples.
-        let is_seen = way.checked_mul(samples * sample).is_some_and(|time| time <= clock * 2);
+        let is_seen = way.checked_mul(samples * sample).is_some_and(|time| time <= span.all * 2);
         if !is_seen {
             self.position = self.goal;
             self.lines = Lines { index: self.index_at(self.goal), ..self.lines_at(self.goal) };
             self.index = self.index_level();
             return;
         }
-        let step = if self.position < self.goal { 1 } else { -1 };
-        for nth in 1..=way {
+        let step = if self.start < self.goal { 1 } else { -1 };
+        let first = self.position.abs_diff(self.start) + 1;
+        for nth in first..=way {
+            let at = span.all * nth / way;
+            if span.done + clock < at {
+                return;
+            }
             self.position += step;
             let lines = self.lines_at(self.position);
-            self.change(lines, stamps.after(clock * nth / way));
+            self.change(lines, stamps.after(at.saturating_sub(span.done)));
         }
     }
 

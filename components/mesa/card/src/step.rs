@@ -199,7 +199,7 @@ impl Generator {
     fn run(&mut self, ticks: u64) {
         let mut left = ticks;
         let speed = u64::from(self.rate.unsigned_abs());
-        let gap = u64::from(self.length) + u64::from(self.space) + OVERHEAD;
+        let gap = self.gap();
         while 0 < left {
             let turns = self.is_backward != (self.rate < 0);
             // Ticks until the direction changes, and until a step may come.
@@ -233,6 +233,16 @@ impl Generator {
             self.step(1);
             self.quiet = 0;
             left -= used;
+        }
+    }
+
+    /// Returns the ticks from a step to the next at least.
+    fn gap(&self) -> u64 {
+        let (length, space) = (u64::from(self.length), u64::from(self.space));
+        match (length, space) {
+            (0, _) => 1,
+            (_, 0) => length + OVERHEAD - 1,
+            _ => length + space + OVERHEAD,
         }
     }
 
