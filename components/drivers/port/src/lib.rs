@@ -1,14 +1,16 @@
-//! Access to device registers, shared by real and simulated ports.
+//! Access to devices, shared by real and simulated ones.
 //!
-//! This is a library for port drivers, not a plugin. A driver uses the trait [`Access`]; in simulation, [`Simulated`]
-//! implements it with registers whose bits are pins. A [`Shadow`] keeps the value last written to a register, and may
+//! This is a library for drivers, not a plugin. A driver of registers uses the trait [`Access`]; in simulation,
+//! [`Simulated`] implements it with registers whose bits are pins. A driver of packets uses [`Exchange`]. A [`Shadow`] keeps the value last written to a register, and may
 //! be shared by functions in different threads; a [`Report`] reports a device that fails.
 #![forbid(unsafe_code)]
 
+mod exchange;
 mod report;
 mod shadow;
 mod simulated;
 
+pub use exchange::Exchange;
 pub use report::Report;
 pub use shadow::Shadow;
 pub use simulated::{Driven, Shown, Simulated};

@@ -56,6 +56,15 @@ impl Packet {
         self.len == 0
     }
 
+    /// Replaces the word of 16 bits at byte `at` of the packet, such as data that a command writes. Nothing happens beyond
+    /// the end of the packet.
+    pub fn patch(&mut self, at: usize, word: u16) {
+        let end = self.len.min(at.saturating_add(2));
+        if let Some(bytes) = self.bytes.get_mut(at..end).and_then(|bytes| bytes.first_chunk_mut()) {
+            *bytes = word.to_le_bytes();
+        }
+    }
+
     /// Returns the number of bytes that the answer has: 0 if nothing is read, and then there is no answer.
     #[must_use]
     pub const fn answer_bytes(&self) -> usize {
@@ -161,6 +170,9 @@ mod tests {
             *address = request.unwrap().address;
         }
         assert_eq!(addresses, [Some(0x100), Some(0), Some(0x0C00), None]);
+        packet.patch(14, 0x1122);
+        packet.patch(packet.bytes().len() - 1, 0x1122);
+        assert_eq!(packet.bytes()[11..], [0x0C, 4, 3, 0x22, 0x11, 5, 0, 0, 0]);
         packet.clear();
         assert!(packet.is_empty() && packet.answer_bytes() == 0);
     }

@@ -21,7 +21,7 @@ impl Creating<'_> {
         if self.engine.options.simulate {
             flags |= host_flags::SIMULATED;
         }
-        if self.engine.runtime.is_dry_run() {
+        if self.engine.runtime.is_dry_run() || self.engine.model.staged().is_dry() {
             flags |= host_flags::TRIAL;
         }
         if self.engine.options.interlock {

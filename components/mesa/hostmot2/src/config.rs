@@ -1,0 +1,240 @@
+//! The string `config=` of a card, as users write it.
+
+use core::num::IntErrorKind;
+use hal_firmware::Tag;
+
+/// Choices for one card.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CardConfig {
+    /// Largest number of instances of a kind; absent for all.
+    counts: Vec<(Tag, u8)>,
+    /// I/O pins of each step generator.
+    pub(crate) step_width: Option<u8>,
+    /// Modes of the smart-serial channels by port; absent for all in mode 0.
+    ports: Vec<(u8, Vec<Channel>)>,
+    /// True for pins that read and write any register.
+    pub(crate) raw: bool,
+}
+
+/// Choice for a channel of smart serial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Channel {
+    /// Used, in this mode.
+    Mode(u8),
+    /// Not used: its I/O pins are free.
+    Off,
+}
+
+/// Error in the string.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct BadConfig<'t> {
+    word: &'t str,
+    what: Wrong,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wrong {
+    Unknown,
+    Number,
+    Large(u8),
+    Port,
+    Firmware,
+    Missing,
+}
+
+impl core::fmt::Display for BadConfig<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "config: '{}': ", self.word.escape_debug())?;
+        match self.what {
+            Wrong::Unknown => {
+                f.write_str("no such entry; there are ")?;
+                for (name, _) in COUNTS {
+                    write!(f, "{name}=N, ")?;
+                }
+                f.write_str("stepgen_width=N, sserial_port_N=MODES and enable_raw")
+            }
+            Wrong::Number => f.write_str("a whole number from -1 on is needed behind '='"),
+            Wrong::Large(most) => write!(f, "at most {most}"),
+            Wrong::Port => f.write_str(
+                "up to eight letters are needed: 0 to 9 for the mode of each channel, x for one that \
+                 is not used",
+            ),
+            Wrong::Firmware => f.write_str(
+                "cards over Ethernet keep their firmware: load it with mesaflash, and leave this out",
+            ),
+            Wrong::Missing => f.write_str(
+                "this kind of module is not driven yet; without the entry its I/O pins can be used",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for BadConfig<'_> {}
+
+/// Entries that limit the number of instances.
+const COUNTS: &[(&str, Tag)] = &[
+    ("num_encoders", Tag::Encoder),
+    ("num_pwmgens", Tag::Pwm),
+    ("num_stepgens", Tag::StepGenerator),
+    ("num_dplls", Tag::Dpll),
+    ("num_ssrs", Tag::Ssr),
+    ("num_inms", Tag::Inputs),
+    ("num_inmuxs", Tag::InputMux),
+    ("num_outms", Tag::Outputs),
+    ("num_leds", Tag::Led),
+];
+
+/// Entries for modules without a driver here: only the number 0 and -1 can be had.
+const ABSENT: &[&str] = &[
+    "num_resolvers",
+    "num_3pwmgens",
+    "num_rcpwmgens",
+    "num_oneshots",
+    "num_periodms",
+    "num_bspis",
+    "num_uarts",
+    "num_pktuarts",
+    "num_xy2mods",
+    "num_bisss",
+    "num_fanucs",
+    "num_ssis",
+];
+
+/// Beginnings of entries for channels without a driver here.
+const ABSENT_CHANNELS: &[&str] = &["ssi_chan_", "biss_chan_", "fanuc_chan_"];
+
+impl CardConfig {
+    /// Reads the string. Quotation marks around it are ignored.
+    pub(crate) fn parse(text: &str) -> Result<Self, BadConfig<'_>> {
+        let mut config = Self::default();
+        for word in text.split(|c: char| c.is_whitespace() || c == '"').filter(|w| !w.is_empty()) {
+            let bad = |what| BadConfig { word, what };
+            match word.split_once('=') {
+                None if word == "enable_raw" => config.raw = true,
+                None => return Err(bad(Wrong::Unknown)),
+                Some(("firmware", _)) => return Err(bad(Wrong::Firmware)),
+                Some((name, value)) => config.entry(name, value).map_err(bad)?,
+            }
+        }
+        Ok(config)
+    }
+
+    fn entry(&mut self, name: &str, value: &str) -> Result<(), Wrong> {
+        if let Some((_, tag)) = COUNTS.iter().find(|row| row.0 == name) {
+            if let Some(n) = number(value, u8::MAX)? {
+                self.counts.push((*tag, n));
+            }
+            return Ok(());
+        }
+        if name == "stepgen_width" {
+            self.step_width = number(value, 8)?;
+            return Ok(());
+        }
+        if let Some(port) = name.strip_prefix("sserial_port_") {
+            let port = port.parse().ok().filter(|port| *port < 8).ok_or(Wrong::Unknown)?;
+            self.ports.push((port, channels(value)?));
+            return Ok(());
+        }
+        if ABSENT.contains(&name) {
+            return if matches!(number(value, u8::MAX)?, None | Some(0)) {
+                Ok(())
+            } else {
+                Err(Wrong::Missing)
+            };
+        }
+        if ABSENT_CHANNELS.iter().any(|begins| name.starts_with(begins)) {
+            return Err(Wrong::Missing);
+        }
+        Err(Wrong::Unknown)
+    }
+
+    /// Returns how many of `there` instances of a kind are used; `Err` with the number asked for if it is more.
+    pub(crate) fn count(&self, tag: Tag, there: u8) -> Result<u8, u8> {
+        match self.counts.iter().rev().find(|row| row.0 == tag) {
+            Some((_, asked)) if *asked <= there => Ok(*asked),
+            Some((_, asked)) => Err(*asked),
+            None => Ok(there),
+        }
+    }
+
+    /// Returns the entry that limits a kind.
+    pub(crate) fn entry_of(tag: Tag) -> Option<&'static str> {
+        COUNTS.iter().find(|row| row.1 == tag).map(|row| row.0)
+    }
+
+    /// Returns the choices for the channels of a smart-serial port; `None` if all are used in mode 0.
+    pub(crate) fn port(&self, port: u8) -> Option<&[Channel]> {
+        self.ports.iter().rev().find(|row| row.0 == port).map(|row| row.1.as_slice())
+    }
+}
+
+/// Reads a number, where -1 stands for all.
+fn number(text: &str, most: u8) -> Result<Option<u8>, Wrong> {
+    if text == "-1" {
+        return Ok(None);
+    }
+    match text.parse::<u8>() {
+        Ok(n) if n <= most => Ok(Some(n)),
+        Ok(_) => Err(Wrong::Large(most)),
+        Err(error) if *error.kind() == IntErrorKind::PosOverflow => Err(Wrong::Large(most)),
+        Err(_) => Err(Wrong::Number),
+    }
+}
+
+fn channels(text: &str) -> Result<Vec<Channel>, Wrong> {
+    if text.is_empty() || text.len() > 8 {
+        return Err(Wrong::Port);
+    }
+    let channel = |byte| match byte {
+        b'0'..=b'9' => Ok(Channel::Mode(byte - b'0')),
+        b'x' | b'X' => Ok(Channel::Off),
+        _ => Err(Wrong::Port),
+    };
+    text.bytes().map(channel).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_limit_instances() {
+        let text = "num_encoders=1 num_stepgens=-1 sserial_port_0=20xX num_pwmgens=0 enable_raw";
+        let config = CardConfig::parse(text).unwrap();
+        assert_eq!(config.count(Tag::Encoder, 2), Ok(1));
+        assert_eq!(config.count(Tag::Encoder, 0), Err(1));
+        assert_eq!(config.count(Tag::StepGenerator, 5), Ok(5));
+        assert_eq!(config.count(Tag::Pwm, 5), Ok(0));
+        let port = [Channel::Mode(2), Channel::Mode(0), Channel::Off, Channel::Off];
+        assert_eq!(config.port(0), Some(&port[..]));
+        assert_eq!(config.port(1), None);
+        assert!(config.raw);
+        assert_eq!(CardConfig::parse("\"num_leds=0\"").unwrap().count(Tag::Led, 4), Ok(0));
+        assert_eq!(CardConfig::parse("").unwrap(), CardConfig::default());
+    }
+
+    #[test]
+    fn what_cannot_be_had_is_refused_with_what_can() {
+        let rows = [
+            ("num_encoder=1", "no such entry; there are num_encoders=N"),
+            ("num_encoders=two", "a whole number from -1 on"),
+            ("num_encoders=-2", "a whole number from -1 on"),
+            ("num_encoders=256", "at most 255"),
+            ("stepgen_width=9", "at most 8"),
+            ("sserial_port_8=0", "no such entry"),
+            ("sserial_port_0=000000000", "up to eight letters"),
+            ("sserial_port_0=0y", "up to eight letters"),
+            ("sserial_port_0=", "up to eight letters"),
+            ("firmware=hm2/5i25/7i76.bit", "load it with mesaflash"),
+            ("num_resolvers=1", "not driven yet"),
+            ("ssi_chan_0=a%24g", "not driven yet"),
+            ("num_encoders", "no such entry"),
+        ];
+        for (text, says) in rows {
+            let error = CardConfig::parse(text).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("config: '{text}': ")), "{error}");
+            assert!(error.contains(says), "{text}: {error}");
+        }
+        assert!(CardConfig::parse("num_resolvers=0 num_uarts=-1").is_ok());
+    }
+}

@@ -1,0 +1,228 @@
+//! Driver of Mesa's cards with hostmot2 firmware, over Ethernet.
+//!
+//! A card tells its modules and pins (`ask`); `making` and `modules` create the HAL pins from that. In each cycle `read`
+//! sends one packet and takes its answer, `write` sends one (`cycle`, `link`). The real way to a card is `hal_udp`; under
+//! simulation a `hal_card` answers in the process (`simulated`). The driver's code is the same with both.
+#![forbid(unsafe_code)]
+
+mod ask;
+mod config;
+mod cycle;
+mod follow;
+mod link;
+mod making;
+mod module;
+mod modules;
+mod names;
+mod plan;
+mod simulated;
+#[cfg(test)]
+mod tests;
+
+use crate::{
+    ask::Described,
+    config::CardConfig,
+    cycle::{Health, Read, ReadState, Request, Write},
+    link::{Link, Renewals},
+    making::Making,
+    simulated::SimulatedCard,
+};
+use hal_card::Board;
+use hal_component::{
+    Arg, Builder, Component, Error,
+    abi::{ArgSpec, component_flags},
+};
+use hal_firmware::{Tag, registers};
+use hal_lbp16::Packet;
+use port::Exchange;
+use std::{net::Ipv4Addr, sync::Arc};
+
+hal_component::export!(Hostmot2, Hm2Eth);
+
+/// Component `hostmot2`.
+pub(crate) enum Hostmot2 {}
+
+impl Component for Hostmot2 {
+    const NAME: &'static str = "hostmot2";
+    const DOC: &'static str = "\
+The common part of Mesa's cards. Loading it makes nothing: `hm2_eth` makes the pins of each card.
+
+Scripts load it before the driver of their card, and it is kept for them. Its arguments are accepted
+without effect: `hm2_eth` logs what it finds in a card.
+
+# Example
+
+```hal
+loadrt hostmot2
+```";
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] = &[
+        &Arg::int("debug_idrom", "Without effect"),
+        &Arg::int("debug_module_descriptors", "Without effect"),
+        &Arg::int("debug_pin_descriptors", "Without effect"),
+        &Arg::int("debug_modules", "Without effect"),
+        &Arg::int("use_serial_numbers", "Without effect"),
+    ];
+
+    fn create(_: &mut Builder<'_>) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+/// Component `hm2_eth`.
+pub(crate) enum Hm2Eth {}
+
+impl Component for Hm2Eth {
+    const NAME: &'static str = "hm2_eth";
+    const DOC: &'static str = include_str!("hm2_eth.md");
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] = &[
+        &Arg::texts("board_ip", "Addresses of the cards, separated by commas").or("192.168.1.121"),
+        &Arg::texts(
+            "config",
+            "For each card, what is used of it: `num_encoders=N num_stepgens=N …`, in the order of \
+             `board_ip`",
+        ),
+        &Arg::texts(
+            "card",
+            "For each card, its kind, such as 7i96s: needed where no card can be asked, which is in \
+             simulation and in `check`",
+        ),
+        &Arg::int("debug", "Without effect"),
+    ];
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let mut names = names::Names::default();
+        for (index, address) in b.arg_texts("board_ip").into_iter().enumerate() {
+            let address = address.trim_matches('"').trim();
+            let address: Ipv4Addr = address.parse().map_err(|_| {
+                Error::new(format!(
+                    "board_ip: '{}' is no address: four numbers from 0 to 255 with dots, such as \
+                     192.168.1.121",
+                    address.escape_debug()
+                ))
+            })?;
+            create_card(b, index, address, &mut names)?;
+        }
+        Ok(())
+    }
+}
+
+/// Finds one card, and creates its pins and functions.
+fn create_card(
+    b: &mut Builder<'_>,
+    index: usize,
+    address: Ipv4Addr,
+    names: &mut names::Names,
+) -> Result<(), Error> {
+    let device = device(b, index, address)?;
+    let card = ask::describe(&*device).map_err(|why| Error::new(format!("{address}: {why}")))?;
+    let name = names.next(&card.board);
+    let text = b.arg_text_at("config", index).unwrap_or_default();
+    let failed = |why: &dyn core::fmt::Display| Error::new(format!("{name}: {why}"));
+    let config = CardConfig::parse(&text).map_err(|why| failed(&why))?;
+    let number = u32::try_from(index).map_or(0.0, f64::from);
+    let renewals = Renewals::new();
+    let used = used(&card, &config, &name)?;
+    let health = Health::make(b, &name)?;
+    let mut making = Making {
+        b,
+        name: &name,
+        number,
+        renewals: renewals.clone(),
+        card: &card,
+        config: &config,
+        plan: plan::ReadPlan::default(),
+        reads: Vec::new(),
+        writes: Vec::new(),
+        used,
+    };
+    modules::make(&mut making)?;
+    let stop = stop(&making)?;
+    let (plan, reads, writes) = (making.plan, making.reads, making.writes);
+    let link = Arc::new(Link::new(device, b.clock(), plan.packet()?, renewals.clone()));
+    let messages = b.messages();
+    let request = Request { link: Arc::clone(&link), io_error: health.io_error };
+    b.function(&format!("{name}.read-request"), "Sends the packet of reads early", request)?;
+    let write = Write {
+        link: Arc::clone(&link),
+        io_error: health.io_error,
+        parts: writes,
+        messages,
+        number,
+        reported: false,
+    };
+    let read = Read {
+        link: Arc::clone(&link),
+        health,
+        parts: reads,
+        renewals: renewals.clone(),
+        messages: b.messages(),
+        number,
+        state: ReadState::default(),
+    };
+    b.function(&format!("{name}.read"), "Asks the card, and takes its answer", read)?;
+    b.function(&format!("{name}.write"), "Sends what is new to the card", write)?;
+    b.on_stop(move || {
+        // A card that cannot be reached is stopped by its watchdog.
+        let _ = link.stop(&stop);
+        renewals.renew();
+    })
+}
+
+/// Returns the way to a card.
+fn device(b: &Builder<'_>, index: usize, address: Ipv4Addr) -> Result<Box<dyn Exchange>, Error> {
+    if !b.is_simulated() && !b.is_trial() {
+        let line = hal_udp::Line::open(address, hal_lbp16::PORT);
+        let line = line.map_err(|why| Error::new(format!("{address}: no way to a card: {why}")))?;
+        return Ok(Box::new(line));
+    }
+    let kinds = || hal_card::boards().collect::<Vec<_>>().join(", ");
+    let Some(kind) = b.arg_text_at("card", index) else {
+        return Err(Error::new(format!(
+            "{address}: no card can be asked here, so its kind is needed: card=KIND, one of {}",
+            kinds()
+        )));
+    };
+    let board = Board::named(kind.trim_matches('"').trim()).ok_or_else(|| {
+        Error::new(format!("card: '{}' is not known: {}", kind.escape_debug(), kinds()))
+    })?;
+    Ok(Box::new(SimulatedCard::new(&board)))
+}
+
+/// Returns how many instances of each kind of module are used.
+fn used(card: &Described, config: &CardConfig, name: &str) -> Result<Vec<(Tag, u8)>, Error> {
+    let mut used = Vec::new();
+    for module in &card.modules {
+        let Some(tag) = module.kind() else { continue };
+        used.push((tag, module.instances));
+    }
+    for tag in Tag::all() {
+        let there = used.iter().find(|row| row.0 == tag).map_or(0, |row| row.1);
+        let count = config.count(tag, there).map_err(|asked| {
+            let entry = CardConfig::entry_of(tag).unwrap_or_default();
+            Error::new(format!(
+                "{name}: config: '{entry}={asked}': the card's firmware has {there} of them"
+            ))
+        })?;
+        if let Some(row) = used.iter_mut().find(|row| row.0 == tag) {
+            row.1 = count;
+        }
+    }
+    Ok(used)
+}
+
+/// Returns the packet that stops a card: its watchdog bites in the next moment, and all I/O pins become inputs.
+fn stop(m: &Making<'_, '_>) -> Result<Packet, Error> {
+    let mut packet = Packet::new();
+    if let Some((module, _)) = m.module(Tag::Watchdog) {
+        for (register, value) in
+            [(registers::WATCHDOG_TIMEOUT, 1), (registers::WATCHDOG_RESET, modules::RESET)]
+        {
+            let address = m.address(&module, register, 0)?;
+            // An empty packet has room for two registers.
+            let _ = packet.write_registers(address, &[value]);
+        }
+    }
+    Ok(packet)
+}

@@ -1,0 +1,105 @@
+//! A card's pins under construction.
+
+use crate::{
+    ask::Described,
+    config::CardConfig,
+    link::Renewals,
+    module::{Reads, Writes},
+    plan::{Place, ReadPlan},
+};
+use hal_component::{Builder, Error};
+use hal_firmware::{Module, Register, Tag};
+
+/// Pins, registers to read, and parts of the functions of one card, so far.
+pub(crate) struct Making<'m, 'h> {
+    pub(crate) b: &'m mut Builder<'h>,
+    /// Beginning of all names, such as `hm2_7i92.0`.
+    pub(crate) name: &'m str,
+    /// Number of the card among all, for messages.
+    pub(crate) number: f64,
+    pub(crate) renewals: Renewals,
+    pub(crate) card: &'m Described,
+    pub(crate) config: &'m CardConfig,
+    pub(crate) plan: ReadPlan,
+    pub(crate) reads: Vec<Box<dyn Reads>>,
+    pub(crate) writes: Vec<Box<dyn Writes>>,
+    /// Number of used instances of each kind of module.
+    pub(crate) used: Vec<(Tag, u8)>,
+}
+
+impl Making<'_, '_> {
+    /// Returns the module of a kind with the number of its instances that are used, if that is not 0.
+    pub(crate) fn module(&self, tag: Tag) -> Option<(Module, u8)> {
+        let used = self.used.iter().find(|row| row.0 == tag).map_or(0, |row| row.1);
+        let module = self.card.modules.iter().find(|module| module.kind() == Some(tag))?;
+        (used > 0).then_some((*module, used))
+    }
+
+    /// Returns the address of a register of an instance.
+    pub(crate) fn address(
+        &self,
+        module: &Module,
+        register: Register,
+        instance: u8,
+    ) -> Result<u16, Error> {
+        module.address(&self.card.identification, register.index, instance).ok_or_else(|| {
+            Error::new(format!(
+                "{}: the card's firmware has no register {} of {} {instance}",
+                self.name,
+                register.name,
+                register.of.name()
+            ))
+        })
+    }
+
+    /// Adds a register of an instance to those that are read in each cycle.
+    pub(crate) fn read(
+        &mut self,
+        module: &Module,
+        register: Register,
+        instance: u8,
+    ) -> Result<Place, Error> {
+        let address = self.address(module, register, instance)?;
+        Ok(self.plan.read(address))
+    }
+
+    /// Returns the frequency of a module's clock in hertz.
+    pub(crate) fn clock(&self, module: &Module) -> Result<f64, Error> {
+        let hz = module.clock_hz(&self.card.identification).ok_or_else(|| {
+            Error::new(format!(
+                "{}: the card's firmware does not say the clock of module {}",
+                self.name, module.tag
+            ))
+        })?;
+        Ok(f64::from(hz))
+    }
+
+    /// Returns the name of a pin: `hm2_7i92.0.stepgen.00.` and what follows, without the last dot if nothing does.
+    pub(crate) fn at(&self, part: &str) -> String {
+        format!("{}.{part}", self.name)
+    }
+
+    /// Returns the numbers of the outputs of an instance that the card has, from 0 on; 32 and more are of the module itself.
+    pub(crate) fn outputs(&self, tag: Tag, instance: u8) -> Vec<u8> {
+        let mut numbers: Vec<u8> = self
+            .pins_of(tag, instance)
+            .filter(|pin| pin.is_output && (1..=32).contains(&pin.number))
+            .map(|pin| pin.number - 1)
+            .collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    }
+
+    /// Returns the number of inputs of an instance.
+    pub(crate) fn inputs(&self, tag: Tag, instance: u8) -> u8 {
+        let inputs = self.pins_of(tag, instance).filter(|pin| !pin.is_output);
+        inputs.map(|pin| pin.number).filter(|n| *n <= 32).max().unwrap_or(0)
+    }
+
+    fn pins_of(&self, tag: Tag, instance: u8) -> impl Iterator<Item = &hal_firmware::Pin> {
+        let of =
+            move |pin: &&hal_firmware::Pin| pin.kind() == Some(tag) && pin.instance == instance;
+        self.card.pins.iter().filter(of)
+    }
+}

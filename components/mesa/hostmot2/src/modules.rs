@@ -1,0 +1,55 @@
+//! Kinds of modules: each file drives one.
+
+mod dpll;
+mod encoder;
+mod inm;
+mod ioport;
+mod led;
+mod outm;
+mod pwmgen;
+mod raw;
+mod ssr;
+mod stepgen;
+mod watchdog;
+
+pub(crate) use watchdog::RESET;
+
+use crate::making::Making;
+use hal_component::{Error, ParamRw};
+
+/// Creates the pins of one kind of module.
+type Make = fn(&mut Making<'_, '_>) -> Result<(), Error>;
+
+/// All kinds, in the order in which their registers are read and written.
+const ALL: &[Make] = &[
+    dpll::make,
+    encoder::make,
+    stepgen::make,
+    pwmgen::make,
+    inm::make,
+    outm::make,
+    ssr::make,
+    led::make,
+    ioport::make,
+    raw::make,
+    // Last: a packet that lets its time begin anew has brought all the rest.
+    watchdog::make,
+];
+
+/// Creates the pins of all modules.
+pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
+    ALL.iter().try_for_each(|make| make(m))
+}
+
+/// Meaning of the parameters that select a timer.
+const TIMER: &str = "Timer of the card's clock at which the counts are latched: 1 to 4, 0 for the read itself, -1 for none";
+
+/// Returns the register of such a parameter; corrects numbers of no timer.
+fn timer(timer: ParamRw<i32>) -> u32 {
+    let number = timer.get();
+    if !(-1..=4).contains(&number) {
+        timer.set(-1);
+        return 0;
+    }
+    u32::try_from(number).map_or(0, |number| number << 12 | 1 << 15)
+}

@@ -1,0 +1,159 @@
+//! Realtime. The card's clock, which follows the thread's reads and latches positions at a stated time before them.
+
+use crate::{
+    link::{Kept, Outgoing},
+    making::Making,
+    module::{Cycle, Reads, Writes},
+    plan::{Answer, Place},
+};
+use hal_component::{Error, In, InSet, Out, Touch, pins};
+use hal_firmware::{Tag, registers};
+
+/// Parts of a period in a timer's register.
+const PARTS: f64 = 65_536.0;
+
+/// Parts of a period in the phase register.
+const PHASE_PARTS: f64 = 4_294_967_296.0;
+
+pins! {
+    /// The clock's pins.
+    struct Clock {
+        /// Time of timer 1 from the read, in microseconds: negative before it.
+        timer_1: In<f64> = "01.timer-us", 100.0;
+        /// Time of timer 2 from the read, in microseconds: negative before it.
+        timer_2: In<f64> = "02.timer-us", 100.0;
+        /// Time of timer 3 from the read, in microseconds: negative before it.
+        timer_3: In<f64> = "03.timer-us", 100.0;
+        /// Time of timer 4 from the read, in microseconds: negative before it.
+        timer_4: In<f64> = "04.timer-us", 100.0;
+        /// Frequency of the clock, in kilohertz; 0 for that of the thread, -1 while it is not known.
+        base_freq: InSet<f64> = "base-freq-khz", -1.0;
+        /// Phase of the last read, in microseconds.
+        phase_error: Out<f64> = "phase-error-us", 0.0;
+        /// Time constant of the filter, in the card's units; 0 to 65535.
+        time_const: In<u32> = "time-const", 2000;
+        /// Limit of the change of the clock, in the card's units; 0 for none, 0 to 2^24 - 1.
+        plimit: In<u32> = "plimit", 0x0040_0000;
+        /// Number of bits of the card's phase.
+        ddsize: Out<u32> = "ddsize", 0;
+        /// Divisor of the clock of the phase; 1 to 255.
+        prescale: In<u32> = "prescale", 1;
+    }
+}
+
+/// Function half that reads.
+#[derive(Touch)]
+struct Phase {
+    base_freq: InSet<f64>,
+    phase_error: Out<f64>,
+    ddsize: Out<u32>,
+    #[state]
+    phase: Place,
+    #[state]
+    control: Place,
+}
+
+impl Reads for Phase {
+    fn read(&mut self, answer: Answer<'_>, cycle: Cycle, _: bool) {
+        if self.base_freq.get() < 0.0 {
+            self.base_freq.set(0.001 / cycle.period);
+        }
+        let [_, _, size, _] = answer.get(self.control).to_le_bytes();
+        self.ddsize.set(u32::from(size));
+        let periods = f64::from(answer.get(self.phase).cast_signed()) / PHASE_PARTS;
+        self.phase_error.set(periods * 1000.0 / frequency(self.base_freq, cycle));
+    }
+}
+
+/// Returns the frequency in kilohertz.
+fn frequency(pin: InSet<f64>, cycle: Cycle) -> f64 {
+    let khz = pin.get();
+    if khz > 0.0 && khz.is_finite() { khz } else { 0.001 / cycle.period }
+}
+
+/// Function half that writes.
+#[derive(Touch)]
+struct Following {
+    pins: Clock,
+    #[state]
+    hz: f64,
+    #[state]
+    base_rate: Kept,
+    #[state]
+    control_0: Kept,
+    #[state]
+    control_1: Kept,
+    #[state]
+    timers_12: Kept,
+    #[state]
+    timers_34: Kept,
+}
+
+impl Writes for Following {
+    fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
+        let p = &self.pins;
+        let khz = frequency(p.base_freq, cycle);
+        let prescale = p.prescale.get().clamp_to(1, 255);
+        let size = p.ddsize.get().clamp_to(1, 62);
+        let span = libm::scalbn(1.0, i32::try_from(size).unwrap_or(42));
+        self.base_rate.put(to, saturated(span * khz * 1000.0 * f64::from(prescale) / self.hz));
+        self.control_0.put(to, prescale << 24 | p.plimit.get().clamp_to(0, 0x00FF_FFFF));
+        self.control_1.put(to, p.time_const.get().clamp_to(0, 0xFFFF));
+        let timer = |us: In<f64>| saturated_half(us.get() * khz / 1000.0 * PARTS);
+        self.timers_12.put(to, timer(p.timer_2) << 16 | timer(p.timer_1));
+        self.timers_34.put(to, timer(p.timer_4) << 16 | timer(p.timer_3));
+    }
+}
+
+/// Limits of whole numbers.
+trait ClampTo {
+    /// Returns the number limited to two bounds.
+    fn clamp_to(self, low: Self, high: Self) -> Self;
+}
+
+impl ClampTo for u32 {
+    fn clamp_to(self, low: Self, high: Self) -> Self {
+        self.max(low).min(high)
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the conversion saturates"
+)]
+const fn saturated(x: f64) -> u32 {
+    x as u32
+}
+
+/// Returns a signed number of 16 bits.
+#[expect(clippy::cast_possible_truncation, reason = "the conversion saturates")]
+fn saturated_half(x: f64) -> u32 {
+    u32::from((libm::floor(x + 0.5) as i16).cast_unsigned())
+}
+
+/// Creates the pins of the clock.
+pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
+    let Some((module, _)) = m.module(Tag::Dpll) else { return Ok(()) };
+    let pins = Clock::make(m.b, &m.at("dpll"))?;
+    let phase = Phase {
+        base_freq: pins.base_freq,
+        phase_error: pins.phase_error,
+        ddsize: pins.ddsize,
+        phase: m.read(&module, registers::DPLL_PHASE_ERROR, 0)?,
+        control: m.read(&module, registers::DPLL_CONTROL_1, 0)?,
+    };
+    let kept = |register| m.address(&module, register, 0).map(Kept::new);
+    let following = Following {
+        pins,
+        hz: m.clock(&module)?,
+        base_rate: kept(registers::DPLL_BASE_RATE)?,
+        control_0: kept(registers::DPLL_CONTROL_0)?,
+        control_1: kept(registers::DPLL_CONTROL_1)?,
+        timers_12: kept(registers::DPLL_TIMERS_12)?,
+        timers_34: kept(registers::DPLL_TIMERS_34)?,
+    };
+    m.reads.push(Box::new(phase));
+    m.writes.push(Box::new(following));
+    Ok(())
+}

@@ -1,0 +1,200 @@
+//! Realtime. Generators of pulse width and pulse density.
+
+use crate::{
+    link::{Kept, Outgoing},
+    making::Making,
+    module::{Cycle, Writes},
+};
+use hal_component::{Error, In, ParamRw, Touch, pins};
+use hal_firmware::{Tag, registers};
+
+/// Rate register's steps for the clock: the accumulator of rates has 16 bits.
+const RATE_STEPS: f64 = 65_536.0;
+
+/// Forms of the output: pulse width with direction, up and down, pulse density, pulse width with direction swapped.
+const FORMS: core::ops::RangeInclusive<i32> = 1..=4;
+
+pins! {
+    /// One generator.
+    struct Generator {
+        /// Value to put out, in units.
+        value: In<f64> = "value", 0.0;
+        /// TRUE to put it out.
+        enable: In<bool> = "enable", false;
+        /// Value of a full duty, in units; 0 counts as 1. Beyond it, the duty saturates.
+        scale: ParamRw<f64> = "scale", 1.0;
+        /// Form of the output: 1 pulse width and direction, 2 up and down, 3 pulse density and direction, 4 direction and pulse width.
+        output_type: ParamRw<i32> = "output-type", 1;
+        /// TRUE for half a duty at a value of 0, and none at minus one scale.
+        offset_mode: ParamRw<bool> = "offset-mode", false;
+    }
+}
+
+/// A generator with its registers.
+#[derive(Touch)]
+struct Instance {
+    pins: Generator,
+    #[state]
+    value: u16,
+    #[state]
+    mode: Kept,
+}
+
+/// Function half that writes.
+#[derive(Touch)]
+struct Generators {
+    instances: Vec<Instance>,
+    pwm_frequency: ParamRw<u32>,
+    pdm_frequency: ParamRw<u32>,
+    #[state]
+    clock: f64,
+    #[state]
+    pwm_rate: Kept,
+    #[state]
+    pdm_rate: Kept,
+    #[state]
+    enable: Kept,
+}
+
+/// Width of the duty in bits, its code in the mode register, and the rate register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Width {
+    bits: u32,
+    rate: u32,
+}
+
+/// Returns the most bits that a frequency leaves: the card counts a period of 2^bits at a rate below its clock.
+fn width(clock: f64, frequency: u32) -> Width {
+    for bits in (9..=12_u32).rev() {
+        let rate =
+            libm::floor(f64::from(frequency) * RATE_STEPS * f64::from(1_u32 << bits) / clock + 0.5);
+        if rate < RATE_STEPS {
+            return Width { bits, rate: whole(if rate < 1.0 { 1.0 } else { rate }) };
+        }
+    }
+    Width { bits: 9, rate: 65_535 }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "it is not negative and small"
+)]
+const fn whole(x: f64) -> u32 {
+    x as u32
+}
+
+impl Writes for Generators {
+    fn write(&mut self, to: &mut Outgoing<'_>, _: Cycle) {
+        let width = width(self.clock, self.pwm_frequency.get());
+        self.pwm_rate.put(to, width.rate);
+        let density =
+            libm::floor(f64::from(self.pdm_frequency.get()) * RATE_STEPS / self.clock + 0.5);
+        self.pdm_rate.put(to, whole(if density < 65_535.0 { density } else { 65_535.0 }));
+        let mut enable = 0;
+        for (n, instance) in self.instances.iter_mut().enumerate() {
+            enable |= if instance.pins.enable.get() { 1 << n } else { 0 };
+            instance.write(to, width.bits);
+        }
+        self.enable.put(to, enable);
+    }
+}
+
+impl Instance {
+    fn write(&mut self, to: &mut Outgoing<'_>, bits: u32) {
+        let form = self.pins.output_type.get();
+        let form = if FORMS.contains(&form) {
+            form
+        } else {
+            self.pins.output_type.set(1);
+            1
+        };
+        // Pulse density always has 12 bits.
+        let bits = if form == 3 { 12 } else { bits };
+        let (duty, backward) = self.duty();
+        let most = f64::from((1_u32 << bits) - 1);
+        let value = whole(libm::floor(duty * most + 0.5));
+        to.put(self.value, value << 16 | u32::from(backward) << 31);
+        // Symmetrical pulses, double buffered.
+        let form = match form {
+            2 => 2 << 3,
+            3 => 3 << 3,
+            4 => 1 << 3,
+            _ => 0,
+        };
+        self.mode.put(to, bits - 9 | 1 << 5 | form);
+    }
+
+    /// Returns the duty from 0 to 1, and the direction.
+    fn duty(&self) -> (f64, bool) {
+        let scale = self.pins.scale.get();
+        let scale = if scale.is_finite() && scale != 0.0 {
+            scale
+        } else {
+            self.pins.scale.set(1.0);
+            1.0
+        };
+        let value = self.pins.value.get() / scale;
+        let value = if value.is_nan() { 0.0 } else { value };
+        let value = if value > 1.0 {
+            1.0
+        } else if value < -1.0 {
+            -1.0
+        } else {
+            value
+        };
+        if self.pins.offset_mode.get() {
+            return ((value + 1.0) / 2.0, false);
+        }
+        (value.abs(), value < 0.0)
+    }
+}
+
+/// Creates the pins of all generators.
+pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
+    let Some((module, used)) = m.module(Tag::Pwm) else { return Ok(()) };
+    let mut instances = Vec::new();
+    for instance in 0..used {
+        let name = m.at(&format!("pwmgen.{instance:02}"));
+        instances.push(Instance {
+            pins: Generator::make(m.b, &name)?,
+            value: m.address(&module, registers::PWM_VALUE, instance)?,
+            mode: Kept::new(m.address(&module, registers::PWM_MODE, instance)?),
+        });
+    }
+    let about = "Frequency of all generators of pulse width, in hertz; beyond what the card can, it saturates";
+    let name = m.at("pwmgen.pwm_frequency");
+    let pwm_frequency = m.b.item(&name, about, 20_000)?;
+    let about = "Frequency of the slots of all generators of pulse density, in hertz";
+    let name = m.at("pwmgen.pdm_frequency");
+    let pdm_frequency = m.b.item(&name, about, 20_000)?;
+    m.writes.push(Box::new(Generators {
+        instances,
+        pwm_frequency,
+        pdm_frequency,
+        clock: m.clock(&module)?,
+        pwm_rate: Kept::new(m.address(&module, registers::PWM_RATE, 0)?),
+        pdm_rate: Kept::new(m.address(&module, registers::PWM_PDM_RATE, 0)?),
+        enable: Kept::new(m.address(&module, registers::PWM_ENABLE, 0)?),
+    }));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The frequency that a width makes is the one asked for, within a step of the rate.
+    #[test]
+    fn the_rate_makes_the_frequency() {
+        let clock = 200e6;
+        for (frequency, bits) in [(1, 12), (20_000, 12), (48_000, 12), (97_000, 11), (390_000, 9)] {
+            let width = width(clock, frequency);
+            assert_eq!(width.bits, bits, "{frequency}");
+            let made = f64::from(width.rate) * clock / RATE_STEPS / f64::from(1_u32 << bits);
+            let step = clock / RATE_STEPS / f64::from(1_u32 << bits);
+            assert!((made - f64::from(frequency)).abs() <= step, "{made} for {frequency}");
+        }
+        assert_eq!(width(clock, u32::MAX), Width { bits: 9, rate: 65_535 });
+    }
+}

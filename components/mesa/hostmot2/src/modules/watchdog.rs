@@ -1,0 +1,131 @@
+//! Realtime. The watchdog: without a packet in time, the card makes all I/O pins inputs.
+
+use crate::{
+    link::{Kept, Outgoing, Renewals},
+    making::Making,
+    module::{Cycle, Reads, Writes},
+    plan::{Answer, Place},
+};
+use core::sync::atomic::{
+    AtomicBool,
+    Ordering::{Acquire, Release},
+};
+use hal_component::{Error, Gives, Io, Messages, ParamRw, Takes, Touch};
+use hal_firmware::{Tag, registers};
+
+/// Value that lets the time begin anew.
+pub(crate) const RESET: u32 = 0x5A00_0000;
+
+/// Longest time that the register holds: bit 31 switches the watchdog off.
+const MOST: f64 = 2_147_483_647.0;
+
+/// Function half that reads.
+#[derive(Touch)]
+struct Status {
+    #[state]
+    status: Place,
+    has_bit: Io<bool>,
+    messages: Messages,
+    /// True from the first write on: before that, what the status says is of an earlier program.
+    runs: Takes<AtomicBool>,
+    #[state]
+    number: f64,
+}
+
+impl Reads for Status {
+    fn read(&mut self, answer: Answer<'_>, _: Cycle, _: bool) {
+        let bitten = self.runs.load(Acquire) && answer.get(self.status) & 1 != 0; // Pairs with `write`.
+        if bitten && !self.has_bit.get() {
+            self.has_bit.set(true);
+            self.messages.error(BITTEN, &[self.number]);
+        }
+    }
+}
+
+const BITTEN: &str = "card {}: its watchdog has bitten, because no packet of the write function came \
+    in watchdog.timeout_ns: all its I/O pins are inputs; when the cause is known, set watchdog.has_bit \
+    to 0 to go on";
+
+/// Function half that writes.
+#[derive(Touch)]
+struct Keep {
+    has_bit: Io<bool>,
+    timeout: ParamRw<u32>,
+    runs: Gives<AtomicBool>,
+    #[state]
+    renewals: Renewals,
+    #[state]
+    clock: f64,
+    #[state]
+    period: Kept,
+    #[state]
+    status: Kept,
+    #[state]
+    reset: u16,
+    #[state]
+    was_bitten: bool,
+}
+
+impl Writes for Keep {
+    fn write(&mut self, to: &mut Outgoing<'_>, _: Cycle) {
+        let is_bitten = self.has_bit.get();
+        if is_bitten {
+            // Nothing keeps the watchdog quiet until a person has looked.
+            self.was_bitten = true;
+            return;
+        }
+        if self.was_bitten {
+            self.was_bitten = false;
+            self.status.forget();
+            self.renewals.renew();
+        }
+        let ticks = libm::floor(f64::from(self.timeout.get()) * 1e-9 * self.clock) - 1.0;
+        self.period.put(to, whole(if ticks < 1.0 { 1.0 } else { ticks }));
+        self.status.put(to, 0);
+        to.put(self.reset, RESET);
+        self.runs.store(true, Release); // Pairs with `read`.
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "it is within the limits"
+)]
+fn whole(x: f64) -> u32 {
+    if x < MOST { x as u32 } else { MOST as u32 }
+}
+
+/// Creates the pins of the watchdog.
+pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
+    let Some((module, _)) = m.module(Tag::Watchdog) else { return Ok(()) };
+    let (has_bit, timeout) = (m.at("watchdog.has_bit"), m.at("watchdog.timeout_ns"));
+    let about = "TRUE once the watchdog has bitten: all I/O pins are inputs. Setting it FALSE lets the \
+        card work again. The driver sets it TRUE";
+    let has_bit: Io<bool> = m.b.item(&has_bit, about, false)?;
+    let about =
+        "Longest time between two runs of the write function, in nanoseconds; 0 to 2^32 - 1";
+    let timeout: ParamRw<u32> = m.b.item(&timeout, about, 5_000_000)?;
+    let (gives, takes) = m.b.shared(AtomicBool::new(false));
+    let status = Status {
+        status: m.read(&module, registers::WATCHDOG_STATUS, 0)?,
+        has_bit,
+        messages: m.b.messages(),
+        runs: takes,
+        number: m.number,
+    };
+    let keep = Keep {
+        has_bit,
+        timeout,
+        runs: gives,
+        renewals: m.renewals.clone(),
+        clock: m.clock(&module)?,
+        period: Kept::new(m.address(&module, registers::WATCHDOG_TIMEOUT, 0)?),
+        status: Kept::new(m.address(&module, registers::WATCHDOG_STATUS, 0)?),
+        reset: m.address(&module, registers::WATCHDOG_RESET, 0)?,
+        was_bitten: false,
+    };
+    m.reads.push(Box::new(status));
+    m.writes.push(Box::new(keep));
+    Ok(())
+}
