@@ -46,7 +46,7 @@ impl Session<'_> {
             Command::Send(Request::Load { module, args }, _) => {
                 match NAMES.iter().find(|name| **name == module.as_str()) {
                     Some(name) => (*name, args.clone()),
-                    None => return Ok(Some(self.with_homing(command))),
+                    None => return Ok(Some(self.with_cards(self.with_homing(command)))),
                 }
             }
             _ => return Ok(Some(command)),

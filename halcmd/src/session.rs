@@ -3,6 +3,7 @@
 pub(crate) mod already;
 pub(crate) mod apply;
 mod beside;
+mod cards;
 pub mod dry_run;
 pub(crate) mod execute;
 mod late;

@@ -33,7 +33,7 @@ impl Folders {
 
     /// Finds a file beside the INI file or else in the libraries; `LIB:name` is searched in the
     /// libraries only. Returns the name for messages, and the path.
-    pub(super) fn find(&self, name: &str) -> Option<(String, PathBuf)> {
+    pub(crate) fn find(&self, name: &str) -> Option<(String, PathBuf)> {
         let (name, library) = name.strip_prefix("LIB:").map_or((name, false), |n| (n, true));
         let own = beside(&self.here, name);
         if !library && own.is_file() {
