@@ -63,7 +63,7 @@ pub use worker::{Work, WorkerSpec};
 pub const ABI_MAJOR: u32 = 1;
 /// Minor version, which increases when something is appended. The engine must be at least as new as
 /// the library.
-pub const ABI_MINOR: u32 = 11;
+pub const ABI_MINOR: u32 = 12;
 /// Maximum length of the name of a pin, parameter, signal, function, thread or component, in bytes.
 pub const NAME_LEN: usize = 55;
 

@@ -263,6 +263,23 @@ pub(super) unsafe extern "C" fn gaps(ctx: *const c_void) -> u32 {
 
 /// # Safety
 /// Called by a component through the records that [`Bench`] made.
+pub(super) unsafe extern "C" fn hardware(ctx: *const c_void, failed: u32) {
+    let failing = &table(ctx).borrow().failed_hardware;
+    if failed == 0 {
+        failing.fetch_sub(1, Relaxed);
+    } else {
+        failing.fetch_add(1, Relaxed);
+    }
+}
+
+/// # Safety
+/// Called by a component through the records that [`Bench`] made.
+pub(super) unsafe extern "C" fn failed_hardware(ctx: *const c_void) -> u32 {
+    table(ctx).borrow().failed_hardware.load(Relaxed)
+}
+
+/// # Safety
+/// Called by a component through the records that [`Bench`] made.
 pub(super) unsafe extern "C" fn fail_call(ctx: *const c_void, why: Str) {
     *table(ctx).borrow().fault.borrow_mut() = text(why);
 }

@@ -90,6 +90,8 @@ impl Bench {
             ask_value: None,
             take_value: None,
             gaps: Some(host::gaps),
+            hardware: Some(host::hardware),
+            failed_hardware: Some(host::failed_hardware),
         });
         Self { table, calls, flags }
     }

@@ -55,6 +55,7 @@ pub(super) struct Table {
     pub(super) failed: String,
     pub(super) now: AtomicI64,
     pub(super) gaps: AtomicU32,
+    pub(super) failed_hardware: AtomicU32,
     pub(super) tick: i64,
     pub(super) said: RefCell<Vec<String>>,
     pub(super) fault: RefCell<String>,

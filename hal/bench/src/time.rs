@@ -9,6 +9,19 @@ impl Bench {
         self.table.borrow().now.fetch_add(ns, Relaxed);
     }
 
+    /// Lets a part of the hardware fail, or work again.
+    pub fn fail_hardware(&self, failed: bool) {
+        let failing = &self.table.borrow().failed_hardware;
+        let change = if failed { 1 } else { u32::MAX };
+        failing.fetch_add(change, Relaxed);
+    }
+
+    /// Returns the number of parts of the hardware that have failed.
+    #[must_use]
+    pub fn failed_hardware(&self) -> u32 {
+        self.table.borrow().failed_hardware.load(Relaxed)
+    }
+
     /// Counts a gap in time.
     pub fn gap(&self) {
         self.table.borrow().gaps.fetch_add(1, Relaxed);

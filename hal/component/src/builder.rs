@@ -1,7 +1,7 @@
 //! Declaration of a component instance to the engine.
 
 use crate::{
-    Call, Clock, Decl, Error, HalValues, In, Item, Messages, Touch, Update, Uses, Value,
+    Call, Clock, Decl, Error, HalValues, Hardware, In, Item, Messages, Touch, Update, Uses, Value,
     abi::{
         self, ActionSpec, ArgSpec, ArgValue, CommandSpec, FunctSpec, Host, ItemSpec, Status, Str,
         TaskSpec, ThreadSpec, component_flags, funct_flags, host_flags, thread_flags,
@@ -70,6 +70,12 @@ impl<'h> Builder<'h> {
     #[must_use]
     pub fn clock(&self) -> Clock {
         Clock(self.calls())
+    }
+
+    /// Returns one part of the driver's hardware, which works.
+    #[must_use]
+    pub fn hardware(&self) -> Hardware {
+        Hardware::new(self.calls())
     }
 
     /// Returns the values of pins, parameters and signals, for a worker.

@@ -70,6 +70,43 @@ impl Clock {
     }
 }
 
+/// Realtime. One part of a driver's hardware: a port, a card, a line. While any part of any driver has failed, the motion
+/// controller is off and refuses to be switched on.
+#[derive(Clone, Debug)]
+pub struct Hardware {
+    host: &'static CallHost,
+    failed: bool,
+}
+
+impl Hardware {
+    pub(crate) const fn new(host: &'static CallHost) -> Self {
+        Self { host, failed: false }
+    }
+
+    /// Notes whether the part has failed. Returns true when it has failed just now.
+    pub fn note(&mut self, failed: bool) -> bool {
+        if core::mem::replace(&mut self.failed, failed) == failed {
+            return false;
+        }
+        if let Some(hardware) = self.host.hardware {
+            // SAFETY: this is the engine's function with the engine's context.
+            unsafe { hardware(self.host.ctx, failed.into()) };
+        }
+        failed
+    }
+
+    /// Returns whether any part of any driver's hardware has failed.
+    #[must_use]
+    pub fn has_failed_anywhere(&self) -> bool {
+        // SAFETY: this is the engine's function with the engine's context.
+        self.host.failed_hardware.is_some_and(|failed| unsafe { failed(self.host.ctx) } > 0)
+    }
+}
+
+impl Touch for Hardware {
+    fn touch(&self, _: &mut Uses) {}
+}
+
 /// Values of pins, parameters and signals by name, for a worker. The control side of the engine answers between two looks at
 /// its clients: on the virtual clock before the worker's next step, on the real clock within 0.1 s.
 #[derive(Clone, Copy, Debug)]

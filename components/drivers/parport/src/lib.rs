@@ -120,7 +120,7 @@ fn create_port(
     let (given, taken) = b.shared(Written::default());
     let sets = device.simulated().map(Simulated::written);
     let asks = device.simulated().map(Simulated::read_from);
-    let report = Report::new(b.messages(), u32::try_from(index).unwrap_or(u32::MAX));
+    let report = Report::new(b, u32::try_from(index).unwrap_or(u32::MAX));
     let clock = b.clock();
 
     let (mut registers, mut lines) = (vec![Register::Status], Vec::new());

@@ -62,7 +62,7 @@ getp speaker.sim.0061 # -> 0
             pins,
             sets: device.simulated().map(Simulated::written),
             asks: device.simulated().map(Simulated::read_from),
-            report: Report::new(b.messages(), 0),
+            report: Report::new(b, 0),
             device: device.clone(),
             was: 0,
         };

@@ -75,7 +75,7 @@ getp viagpio.pin-05-out # -> TRUE
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let device = Arc::new(Device::new(b)?);
-        let report = Report::new(b.messages(), 0);
+        let report = Report::new(b, 0);
         let asks = device.simulated().map(Simulated::read_from);
         let sets = device.simulated().map(Simulated::written);
 

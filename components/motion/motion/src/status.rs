@@ -1,6 +1,7 @@
 //! Realtime. The snapshot `motion.status`: the state of the machine in each cycle, as a whole.
 
 use crate::{
+    guards::interlock::Lockout,
     joint::Joint,
     path::Parked,
     pins::{Lists, Shown, packed},
@@ -114,7 +115,7 @@ impl Status {
             s.probe.found,
             s.at_speed,
             s.origin.is_claimed(),
-            s.inputs.lockout.is_some(),
+            s.inputs.lockout.is_some_and(Lockout::is_estop),
             s.overriding,
             s.on_soft_limit,
             s.inputs.jog_inhibit,
@@ -220,7 +221,7 @@ fn update(r: &mut MotionStatus, s: &State, lists: &Lists) {
     r.at_speed = s.at_speed;
     r.source = source(s);
     r.claimed = s.origin.is_claimed();
-    r.estop = s.inputs.lockout.is_some();
+    r.estop = s.inputs.lockout.is_some_and(Lockout::is_estop);
     r.overriding_limits = s.overriding;
     r.on_soft_limit = s.on_soft_limit;
     r.jog_inhibit = s.inputs.jog_inhibit;

@@ -1,12 +1,13 @@
-//! Realtime. The e-stop of iocontrol: while it is active, the machine is off and stays off.
+//! Realtime. The e-stop of iocontrol, and hardware that a driver has lost: meanwhile the machine is off and stays off.
 
 use crate::commands::refusal::Refusal;
-use hal_component::{Builder, Error, InterlockRef, Touch};
+use hal_component::{Builder, Error, Hardware, InterlockRef, Touch};
 
 /// The interlock; absent where a script keeps its own wiring.
 #[derive(Debug, Touch)]
 pub(crate) struct Interlock {
     found: Option<InterlockRef>,
+    hardware: Hardware,
 }
 
 /// Condition of the e-stop that keeps the machine off.
@@ -16,6 +17,8 @@ pub(crate) enum Lockout {
     Commanded,
     /// The e-stop chain is open.
     Open,
+    /// A driver has lost its hardware.
+    Hardware,
 }
 
 impl Interlock {
@@ -28,7 +31,7 @@ impl Interlock {
                  loadrt iocontrol first",
             ));
         }
-        Ok(Self { found })
+        Ok(Self { found, hardware: b.hardware() })
     }
 
     /// Returns whether there is an interlock.
@@ -38,21 +41,30 @@ impl Interlock {
 
     /// Reads the interlock, once in each cycle.
     pub(crate) fn read(&self) -> Option<Lockout> {
-        let estop = self.found.as_ref()?.state();
-        match (estop.commanded, estop.open) {
-            (true, _) => Some(Lockout::Commanded),
-            (false, true) => Some(Lockout::Open),
-            (false, false) => None,
+        let estop = self.found.as_ref().map(InterlockRef::state);
+        match estop.map(|estop| (estop.commanded, estop.open)) {
+            Some((true, _)) => Some(Lockout::Commanded),
+            Some((false, true)) => Some(Lockout::Open),
+            _ if self.hardware.has_failed_anywhere() => Some(Lockout::Hardware),
+            _ => None,
         }
     }
 }
 
 impl Lockout {
+    /// Returns whether the e-stop keeps the machine off.
+    pub(crate) const fn is_estop(self) -> bool {
+        matches!(self, Self::Commanded | Self::Open)
+    }
+
     /// Returns the cause for switching the machine off.
     pub(crate) const fn cause(self) -> &'static str {
         match self {
             Self::Commanded => "motion stopped by e-stop: it was commanded by iocontrol.estop",
             Self::Open => "motion stopped by e-stop: {iocontrol.0.emc-enable-in} is FALSE",
+            Self::Hardware => {
+                "motion stopped: a driver has lost its hardware, which its own message names"
+            }
         }
     }
 
@@ -67,6 +79,10 @@ impl Lockout {
                 "can't enable motion, the machine is in e-stop: {iocontrol.0.emc-enable-in} is \
                  FALSE. It ends when that is TRUE; iocontrol.estop-reset resets a latch in the \
                  chain"
+            }
+            Self::Hardware => {
+                "can't enable motion, a driver has lost its hardware: its own message names it and \
+                 what to do"
             }
         })
     }

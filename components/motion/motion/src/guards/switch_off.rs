@@ -69,7 +69,7 @@ impl State {
             match lockout {
                 // What somebody has commanded is no error.
                 Lockout::Commanded => self.say.notice(lockout.cause(), &[]),
-                Lockout::Open => self.say.error(lockout.cause(), &[]),
+                Lockout::Open | Lockout::Hardware => self.say.error(lockout.cause(), &[]),
             }
             self.find(found, Trouble::Hard, lockout.cause());
         } else if !self.inputs.enable {

@@ -10,6 +10,8 @@ const AMPS: [&str; 3] =
     ["joint.0.amp-enable-out", "joint.1.amp-enable-out", "joint.2.amp-enable-out"];
 const COMMANDED: &str = "motion stopped by e-stop: it was commanded by iocontrol.estop";
 const OPEN: &str = "motion stopped by e-stop: {iocontrol.0.emc-enable-in} is FALSE";
+const HARDWARE: &str =
+    "motion stopped: a driver has lost its hardware, which its own message names";
 
 impl Rig {
     /// A machine from an INI file, in e-stop; nothing is wired.
@@ -46,7 +48,8 @@ impl Rig {
 #[test]
 fn an_estop_stops_everything_in_the_cycle_in_which_it_comes() {
     type Comes = fn(&Rig);
-    let ways: [(Comes, &str); 2] = [
+    let ways: [(Comes, &str); 3] = [
+        (|rig| rig.bench.fail_hardware(true), HARDWARE),
         (|rig| assert!(rig.say("iocontrol.estop").is_empty()), COMMANDED),
         (|rig| rig.bench.set("iocontrol.0.emc-enable-in", false), OPEN),
     ];
@@ -83,6 +86,9 @@ fn an_estop_stops_everything_in_the_cycle_in_which_it_comes() {
             let places = rig.places();
             rig.bench.set("iocontrol.0.emc-enable-in", false);
             rig.cycles(3);
+            if cause == HARDWARE {
+                rig.bench.fail_hardware(false);
+            }
             rig.release();
             rig.cycles(100);
             assert_eq!(rig.which(&on), [""; 0], "{text}");
@@ -118,6 +124,27 @@ fn enabling_in_estop_is_refused_with_what_ends_it() {
     assert!(!rig.is("motion.motion-enabled"));
     let said = rig.bench.said();
     assert_eq!(said, [commanded, commanded, open, commanded, COMMANDED]);
+}
+
+#[test]
+fn enabling_without_the_hardware_is_refused_with_and_without_an_estop() {
+    let refused = "can't enable motion, a driver has lost its hardware: its own message names it \
+                   and what to do";
+    for mut rig in [Rig::released(), Rig::on(&[])] {
+        rig.strict = false;
+        for _ in 0..2 {
+            // Two parts fail; it works again when both do.
+            rig.bench.fail_hardware(true);
+        }
+        rig.cycles(2);
+        assert_eq!(rig.failed("motion.enable"), refused);
+        rig.bench.fail_hardware(false);
+        assert_eq!(rig.failed("motion.enable"), refused);
+        rig.bench.fail_hardware(false);
+        rig.cycles(100);
+        assert!(!rig.is("motion.motion-enabled"));
+        rig.done("motion.enable");
+    }
 }
 
 #[test]
