@@ -123,7 +123,10 @@ fn board(card: &dyn Exchange) -> Result<String, Unusable> {
 }
 
 /// Reads registers from an address on.
-fn registers<const N: usize>(card: &dyn Exchange, at: u16) -> Result<[u32; N], Unusable> {
+pub(crate) fn registers<const N: usize>(
+    card: &dyn Exchange,
+    at: u16,
+) -> Result<[u32; N], Unusable> {
     let mut packet = Packet::new();
     // An empty packet has room for one command.
     let _ = packet.read_registers(at, u8::try_from(N).unwrap_or(u8::MAX));

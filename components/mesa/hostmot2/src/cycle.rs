@@ -5,7 +5,7 @@ use crate::{
     module::{Cycle, Reads, Writes},
 };
 use core::time::Duration;
-use hal_component::{Messages, Out, ParamRw, Period, Touch, Update, pins};
+use hal_component::{Io, Messages, Out, ParamRo, ParamRw, Period, Touch, Update, pins};
 use hal_lbp16::MAX_PACKET;
 use port::Lost;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pins! {
         /// TRUE once the level has reached `packet-error-limit`: the card is given up until `io_error` is set to FALSE.
         exceeded: Out<bool> = "packet-error-exceeded", false;
         /// Packets without a good answer so far.
-        total: Out<u32> = "packet-error-total", 0;
+        total: Io<u32> = "packet-error-total", 0;
         /// Time from a question to its answer, in nanoseconds; 0 on the virtual clock.
         round_trip: Out<u32> = "packet-round-trip", 0;
         /// Of this, time in which the thread waited, in nanoseconds.
@@ -31,7 +31,7 @@ pins! {
         /// Added to the level by an error.
         increment: ParamRw<i32> = "packet-error-increment", 2;
         /// Taken from the level by a good cycle.
-        decrement: ParamRw<i32> = "packet-error-decrement", 1;
+        decrement: ParamRo<i32> = "packet-error-decrement", 1;
         /// Level at which the card is given up.
         limit: ParamRw<i32> = "packet-error-limit", 10;
         /// Longest wait for an answer: up to 0 for 80 % of the period, below 100 in percent of it, else in nanoseconds.

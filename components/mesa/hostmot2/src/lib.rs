@@ -130,6 +130,7 @@ fn create_card(
         name: &name,
         number,
         renewals: renewals.clone(),
+        device: &*device,
         card: &card,
         config: &config,
         plan: plan::ReadPlan::default(),

@@ -224,6 +224,12 @@ impl Outgoing<'_> {
         }
     }
 
+    /// Writes a register once more, behind what was written to it before.
+    pub(crate) fn put_again(&mut self, address: u16, value: u32) {
+        self.close_run();
+        self.put(address, value);
+    }
+
     fn close_run(&mut self) {
         let (at, run) = (self.at, self.run.get(..self.len).unwrap_or_default());
         if run.is_empty() {

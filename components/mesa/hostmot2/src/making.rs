@@ -1,7 +1,7 @@
 //! A card's pins under construction.
 
 use crate::{
-    ask::Described,
+    ask::{self, Described},
     config::CardConfig,
     link::Renewals,
     module::{Reads, Writes},
@@ -9,6 +9,7 @@ use crate::{
 };
 use hal_component::{Builder, Error};
 use hal_firmware::{Module, Register, Tag};
+use port::Exchange;
 
 /// Pins, registers to read, and parts of the functions of one card, so far.
 pub(crate) struct Making<'m, 'h> {
@@ -18,6 +19,7 @@ pub(crate) struct Making<'m, 'h> {
     /// Number of the card among all, for messages.
     pub(crate) number: f64,
     pub(crate) renewals: Renewals,
+    pub(crate) device: &'m dyn Exchange,
     pub(crate) card: &'m Described,
     pub(crate) config: &'m CardConfig,
     pub(crate) plan: ReadPlan,
@@ -63,6 +65,27 @@ impl Making<'_, '_> {
         Ok(self.plan.read(address))
     }
 
+    /// Returns the present value of a register of an instance.
+    pub(crate) fn peek(
+        &self,
+        module: &Module,
+        register: Register,
+        instance: u8,
+    ) -> Result<u32, Error> {
+        let address = self.address(module, register, instance)?;
+        let [value] = ask::registers(self.device, address)
+            .map_err(|why| Error::new(format!("{}: {why}", self.name)))?;
+        Ok(value)
+    }
+
+    /// Returns the address of a module's register that selects a timer, which descriptors do not count; `None` without a
+    /// clock that has timers.
+    pub(crate) fn timer(&self, module: &Module, register: Register) -> Option<u16> {
+        self.module(Tag::Dpll)?;
+        let whole = Module { registers: u8::MAX, ..*module };
+        whole.address(&self.card.identification, register.index, 0)
+    }
+
     /// Returns the frequency of a module's clock in hertz.
     pub(crate) fn clock(&self, module: &Module) -> Result<f64, Error> {
         let hz = module.clock_hz(&self.card.identification).ok_or_else(|| {
@@ -89,12 +112,6 @@ impl Making<'_, '_> {
         numbers.sort_unstable();
         numbers.dedup();
         numbers
-    }
-
-    /// Returns the number of inputs of an instance.
-    pub(crate) fn inputs(&self, tag: Tag, instance: u8) -> u8 {
-        let inputs = self.pins_of(tag, instance).filter(|pin| !pin.is_output);
-        inputs.map(|pin| pin.number).filter(|n| *n <= 32).max().unwrap_or(0)
     }
 
     fn pins_of(&self, tag: Tag, instance: u8) -> impl Iterator<Item = &hal_firmware::Pin> {

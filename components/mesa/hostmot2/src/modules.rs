@@ -15,7 +15,7 @@ mod watchdog;
 pub(crate) use watchdog::RESET;
 
 use crate::making::Making;
-use hal_component::{Error, ParamRw};
+use hal_component::{Error, In};
 
 /// Creates the pins of one kind of module.
 type Make = fn(&mut Making<'_, '_>) -> Result<(), Error>;
@@ -41,15 +41,14 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     ALL.iter().try_for_each(|make| make(m))
 }
 
-/// Meaning of the parameters that select a timer.
+/// Meaning of the pins that select a timer.
 const TIMER: &str = "Timer of the card's clock at which the counts are latched: 1 to 4, 0 for the read itself, -1 for none";
 
-/// Returns the register of such a parameter; corrects numbers of no timer.
-fn timer(timer: ParamRw<i32>) -> u32 {
+/// Returns the register of such a pin; a number of no timer selects none.
+fn timer(timer: In<i32>) -> u32 {
     let number = timer.get();
-    if !(-1..=4).contains(&number) {
-        timer.set(-1);
-        return 0;
+    match u32::try_from(number) {
+        Ok(number @ 0..=4) => number << 12 | 1 << 15,
+        _ => 0,
     }
-    u32::try_from(number).map_or(0, |number| number << 12 | 1 << 15)
 }

@@ -37,7 +37,7 @@ pins! {
         /// Number of bits of the card's phase.
         ddsize: Out<u32> = "ddsize", 0;
         /// Divisor of the clock of the phase; 1 to 255.
-        prescale: In<u32> = "prescale", 1;
+        prescale: Out<u32> = "prescale", 1;
     }
 }
 
@@ -58,7 +58,7 @@ impl Reads for Phase {
         if self.base_freq.get() < 0.0 {
             self.base_freq.set(0.001 / cycle.period);
         }
-        let [_, _, size, _] = answer.get(self.control).to_le_bytes();
+        let [size, _, _, _] = answer.get(self.control).to_le_bytes();
         self.ddsize.set(u32::from(size));
         let periods = f64::from(answer.get(self.phase).cast_signed()) / PHASE_PARTS;
         self.phase_error.set(periods * 1000.0 / frequency(self.base_freq, cycle));
@@ -93,12 +93,12 @@ impl Writes for Following {
     fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
         let p = &self.pins;
         let khz = frequency(p.base_freq, cycle);
-        let prescale = p.prescale.get().clamp_to(1, 255);
+        let prescale = p.prescale.get();
         let size = p.ddsize.get().clamp_to(1, 62);
         let span = libm::scalbn(1.0, i32::try_from(size).unwrap_or(42));
         self.base_rate.put(to, saturated(span * khz * 1000.0 * f64::from(prescale) / self.hz));
         self.control_0.put(to, prescale << 24 | p.plimit.get().clamp_to(0, 0x00FF_FFFF));
-        self.control_1.put(to, p.time_const.get().clamp_to(0, 0xFFFF));
+        self.control_1.put(to, p.time_const.get().clamp_to(0, 0xFFFF) << 16);
         let timer = |us: In<f64>| saturated_half(us.get() * khz / 1000.0 * PARTS);
         self.timers_12.put(to, timer(p.timer_2) << 16 | timer(p.timer_1));
         self.timers_34.put(to, timer(p.timer_4) << 16 | timer(p.timer_3));

@@ -19,17 +19,17 @@ mod bits {
     pub(super) const INPUT_B: u32 = 1 << 1;
     pub(super) const INPUT_INDEX: u32 = 1 << 2;
     /// 1 for the rising edge of the index.
-    pub(super) const INDEX_RISES: u32 = 1 << 4;
-    /// Latches the count at the index; the card clears it when it has.
-    pub(super) const LATCH_ON_INDEX: u32 = 1 << 5;
-    pub(super) const JUST_ONCE: u32 = 1 << 7;
+    pub(super) const INDEX_RISES: u32 = 1 << 3;
+    /// Latches the count at the index.
+    pub(super) const LATCH_ON_INDEX: u32 = 1 << 4;
+    /// The card clears the bits that latch when it has.
+    pub(super) const JUST_ONCE: u32 = 1 << 6;
     pub(super) const MASK_POLARITY: u32 = 1 << 8;
     pub(super) const INDEX_MASK: u32 = 1 << 9;
     pub(super) const STEP_AND_DIRECTION: u32 = 1 << 10;
     pub(super) const FILTER: u32 = 1 << 11;
     pub(super) const PROBE_RISES: u32 = 1 << 12;
     pub(super) const LATCH_ON_PROBE: u32 = 1 << 13;
-    pub(super) const CLEAR_ERROR: u32 = 1 << 14;
     pub(super) const ERROR: u32 = 1 << 15;
 }
 
@@ -256,7 +256,8 @@ impl Arming {
         set(c.index_mask_invert.get(), bits::MASK_POLARITY);
         set(c.counter_mode.get(), bits::STEP_AND_DIRECTION);
         set(c.filter.get(), bits::FILTER);
-        set(!c.quad_error_enable.get(), bits::CLEAR_ERROR);
+        // Writing 0 clears the error.
+        set(c.quad_error_enable.get(), bits::ERROR);
         self.control.put(to, control);
         // Pairs with Acquire in `read`.
         self.armed.index.store(index, Release);
@@ -312,7 +313,7 @@ struct Counts {
 }
 
 /// Parameter and register that select the timer which latches the counts.
-struct Timer(ParamRw<i32>, Kept);
+struct Timer(In<i32>, Kept);
 
 impl Touch for Timer {
     fn touch(&self, uses: &mut Uses) {
@@ -367,12 +368,12 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let about = "TRUE for time stamps of about 10 MHz, FALSE for about 2 MHz";
     let name = m.at("encoder.hires-timestamp");
     let hires = m.b.item(&name, about, false)?;
-    let timer = match m.address(&module, registers::ENCODER_TIMER, 0) {
-        Ok(at) if m.module(Tag::Dpll).is_some() => {
+    let timer = match m.timer(&module, registers::ENCODER_TIMER) {
+        Some(at) => {
             let name = m.at("encoder.timer-number");
             Some(Timer(m.b.item(&name, super::TIMER, -1)?, Kept::new(at)))
         }
-        _ => None,
+        None => None,
     };
     let clock = m.clock(&module)?;
     let (gives, takes) = m.b.shared(Tick::new(0));

@@ -6,8 +6,11 @@ use crate::{
     module::{Cycle, Reads, Writes},
     plan::{Answer, Place},
 };
-use hal_component::{Error, In, Out, ParamRw, Touch};
+use hal_component::{Error, In, Out, ParamRo, ParamRw, Touch};
 use hal_firmware::{Module, Register, Tag, registers};
+
+/// Periods of the clock that one period of the samples' divisor counts.
+const PRESCALE: f64 = 4.0;
 
 /// Kind of module: its tag and registers, and how they are named.
 struct InputKind {
@@ -47,6 +50,7 @@ struct Input {
     level: Out<bool>,
     not: Out<bool>,
     raw: Out<bool>,
+    raw_not: Out<bool>,
     slow: In<bool>,
 }
 
@@ -61,6 +65,11 @@ impl Input {
                 false,
             )?,
             raw: m.b.item(&at("raw-input", ""), "Level at the I/O pin", false)?,
+            raw_not: m.b.item(
+                &at("raw-input", "-not"),
+                "Opposite of the level at the I/O pin",
+                false,
+            )?,
             slow: m.b.item(&at("input", "-slow"), "True for the long filter", false)?,
         })
     }
@@ -70,7 +79,7 @@ impl Input {
 #[derive(Touch)]
 struct Wheel {
     count: Out<i32>,
-    every_edge: In<bool>,
+    every_edge: ParamRw<bool>,
     reset: In<bool>,
 }
 
@@ -80,7 +89,7 @@ impl Wheel {
         let about = "True to count each edge, false to count whole cycles";
         Ok(Self {
             count: m.b.item(&at("count"), "Counts of the hand wheel", 0)?,
-            every_edge: m.b.item(&at("4xmode"), about, false)?,
+            every_edge: m.b.item(&format!("{bank}.enc{n}_4xmode"), about, false)?,
             reset: m.b.item(&at("reset"), "True to hold the count at 0", false)?,
         })
     }
@@ -123,7 +132,9 @@ impl Reads for Banks {
                 let level = filtered >> n & 1 == 1;
                 input.level.set(level);
                 input.not.set(!level);
-                input.raw.set(raw >> n & 1 == 1);
+                let level = raw >> n & 1 == 1;
+                input.raw.set(level);
+                input.raw_not.set(!level);
             }
             let turns = answer.get(bank.turns).to_le_bytes();
             for (wheel, now) in bank.wheels.iter_mut().zip(turns) {
@@ -143,7 +154,7 @@ impl Reads for Banks {
 #[derive(Touch)]
 struct Scan {
     slow: Vec<In<bool>>,
-    every_edge: Vec<In<bool>>,
+    every_edge: Vec<ParamRw<bool>>,
     rate: ParamRw<u32>,
     fast: ParamRw<u32>,
     long: ParamRw<u32>,
@@ -153,6 +164,8 @@ struct Scan {
     control: Kept,
     #[state]
     filter: Kept,
+    #[state]
+    wheels: Kept,
 }
 
 /// Function half that writes.
@@ -171,23 +184,23 @@ impl Writes for Scans {
 
 impl Scan {
     fn write(&mut self, to: &mut Outgoing<'_>) {
-        let set = |pins: &[In<bool>]| {
-            let bits = (0..32).zip(pins).map(|(n, pin)| u32::from(pin.get()) << n);
-            bits.fold(0, |all, bit| all | bit)
-        };
-        let inputs = u32::try_from(self.slow.len()).unwrap_or(32);
-        let rate = f64::from(self.rate.get().max(1));
-        let divisor = whole(libm::floor(self.clock / rate + 0.5) - 1.0, 1023);
-        let fast = self.fast.get().min(31);
+        let rate = f64::from(self.rate.get().max(1)) * self.slow.len() as f64;
+        let divisor = whole(libm::floor(self.clock / PRESCALE / rate + 0.5) - 1.0, 1023);
+        let fast = self.fast.get().min(63);
         let long = self.long.get().min(1023);
-        let control = inputs & 0x1F
-            | divisor << 6
-            | fast << 16
-            | long << 22
-            | (set(&self.every_edge) & 0xF) << 28;
-        self.control.put(to, control);
-        self.filter.put(to, set(&self.slow));
+        self.control.put(to, divisor << 6 | fast << 16 | long << 22);
+        self.filter.put(to, bits(self.slow.iter().map(In::get)));
+        let mut modes = [0; 4];
+        for (mode, every_edge) in modes.iter_mut().zip(&self.every_edge) {
+            *mode = u8::from(every_edge.get());
+        }
+        self.wheels.put(to, u32::from_le_bytes(modes));
     }
+}
+
+/// Returns the bits of a row, the first at bit 0.
+fn bits(row: impl Iterator<Item = bool>) -> u32 {
+    (0..32).zip(row).fold(0, |all, (n, bit)| all | u32::from(bit) << n)
 }
 
 /// Returns a number limited to what a register holds.
@@ -224,7 +237,9 @@ fn bank(
 ) -> Result<(Bank, Scan), Error> {
     let name = m.at(&format!("{}.{instance:02}", kind.name));
     let mut inputs = Vec::new();
-    for n in 0..m.inputs(kind.tag, instance) {
+    let [width, ..] = (m.peek(module, kind.control, instance)? & 0x1F).to_le_bytes();
+    let width = width + 1;
+    for n in 0..width {
         inputs.push(Input::make(m, &name, n)?);
     }
     let mut wheels = Vec::new();
@@ -237,6 +252,8 @@ fn bank(
     let fast = m.b.item(&format!("{name}.fast_scans"), about, 5)?;
     let about = "Samples that must agree with the long filter; 0 to 1023";
     let long = m.b.item(&format!("{name}.slow_scans"), about, 500)?;
+    let about = "Number of inputs";
+    let _: ParamRo<u32> = m.b.item(&format!("{name}.scan_width"), about, u32::from(width))?;
     let scan = Scan {
         slow: inputs.iter().map(|input| input.slow).collect(),
         every_edge: wheels.iter().map(|wheel| wheel.pins.every_edge).collect(),
@@ -246,6 +263,7 @@ fn bank(
         clock: m.clock(module)?,
         control: Kept::new(m.address(module, kind.control, instance)?),
         filter: Kept::new(m.address(module, kind.filter, instance)?),
+        wheels: Kept::new(m.address(module, kind.wheels, instance)?),
     };
     let bank = Bank {
         inputs,

@@ -159,13 +159,12 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
             let bit = Bit(1 << at);
             let name = m.at(&format!("gpio.{:03}", usize::from(port) * width + at));
             let taken = is_used(m, *pin);
-            if !(taken && pin.is_output) {
-                level.pins.push((bit, Level::make(m.b, &name)?));
-            }
+            level.pins.push((bit, Level::make(m.b, &name)?));
             if !taken {
                 output.free.push((bit, Free::make(m.b, &name)?));
             }
             if !taken || pin.is_output {
+                let name = form_name(m, *pin, taken).unwrap_or(name);
                 output.forms.push((bit, Form::make(m.b, &name)?));
             }
             output.taken |= if taken { bit.0 } else { 0 };
@@ -177,6 +176,22 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     m.reads.push(Box::new(Levels { ports: levels }));
     m.writes.push(Box::new(Outputs { ports: outputs }));
     Ok(())
+}
+
+/// Returns the name under which the form of a module's output is set: that of the module's pin, where it has one.
+fn form_name(m: &Making<'_, '_>, pin: Pin, taken: bool) -> Option<String> {
+    let tag = pin.kind().filter(|_| taken)?;
+    let output = match (tag, pin.number) {
+        (Tag::StepGenerator, 1) => "step",
+        (Tag::StepGenerator, 2) => "direction",
+        (Tag::Pwm, 1) => "out0",
+        (Tag::Pwm, 2) => "out1",
+        (Tag::Pwm, 3) => "enable",
+        (Tag::MuxedEncoderSelect, 1) => "sel0",
+        _ => return None,
+    };
+    let kind = if tag == Tag::MuxedEncoderSelect { "encoder" } else { tag.name() };
+    Some(m.at(&format!("{kind}.{:02}.{output}", pin.instance)))
 }
 
 /// Returns whether a used instance of a module has a pin.

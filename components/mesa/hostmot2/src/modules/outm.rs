@@ -5,13 +5,13 @@ use crate::{
     making::Making,
     module::{Cycle, Writes},
 };
-use hal_component::{Error, In, ParamRw, Touch, Uses};
+use hal_component::{Error, In, Touch, Uses};
 use hal_firmware::{Tag, registers};
 
 /// One output with its place in the register.
 struct Output {
     on: In<bool>,
-    invert: ParamRw<bool>,
+    invert: In<bool>,
     bit: u32,
 }
 

@@ -5,16 +5,19 @@ use crate::{
     making::Making,
     module::{Cycle, Writes},
 };
-use hal_component::{Error, In, ParamRw, Touch};
+use hal_component::{Error, In, Touch};
 use hal_firmware::{Tag, registers};
 
 /// Rate of the chopper for a rate of 0 hertz in the register.
 const STEPS_PER_CLOCK: f64 = 4096.0;
 
+/// Bit of the rate register that lets the chopper run.
+const ENABLED: u32 = 1 << 12;
+
 /// Relays of one instance.
 #[derive(Touch)]
 struct Relays {
-    relays: Vec<(Relay, ParamRw<bool>)>,
+    relays: Vec<(Relay, In<bool>)>,
     rate: In<u32>,
     #[state]
     clock: f64,
@@ -39,8 +42,8 @@ impl Touch for Relay {
 impl Relays {
     fn write(&mut self, to: &mut Outgoing<'_>) {
         let rate = libm::floor(f64::from(self.rate.get()) * STEPS_PER_CLOCK / self.clock);
-        self.rate_register.put(to, whole(rate));
-        let on = |(relay, invert): &(Relay, ParamRw<bool>)| {
+        self.rate_register.put(to, whole(rate) | ENABLED);
+        let on = |(relay, invert): &(Relay, In<bool>)| {
             if relay.on.get() == invert.get() { 0 } else { relay.bit }
         };
         let data = self.relays.iter().map(on).fold(0, |all, bit| all | bit);

@@ -43,6 +43,8 @@ pins! {
         enable: In<bool> = "enable", false;
         /// FALSE to follow a position, TRUE to follow a speed.
         control_type: In<bool> = "control-type", false;
+        /// TRUE to hold counts and position at 0.
+        position_reset: In<bool> = "position-reset", false;
         /// Steps per unit; 0 counts as 1.
         scale: ParamRw<f64> = "position-scale", 1.0;
         /// Limit of the speed, in units per second; 0 for what the pulses allow.
@@ -82,6 +84,7 @@ struct Counter {
     last: Option<u32>,
     feedback: Feedback,
     scale: ParamRw<f64>,
+    reset: In<bool>,
     counted: Gives<Counted>,
 }
 
@@ -92,6 +95,7 @@ impl Counter {
         let moved = now.wrapping_sub(self.last.unwrap_or(now)).cast_signed();
         self.last = Some(now);
         let parts = self.counted.load(Acquire).wrapping_add(i64::from(moved)); // Pairs with this store.
+        let parts = if self.reset.get() { 0 } else { parts };
         self.counted.store(parts, Release); // Pairs with Acquire in `write`.
         self.feedback.counts.set(low(parts >> 16));
         self.feedback.position.set(parts as f64 / PARTS / scale(self.scale));
@@ -158,9 +162,16 @@ struct Generator {
     /// Step length, step space, setup and hold of the direction.
     timings: [Timing; 4],
     step_type: ParamRw<u32>,
+    table: [ParamRw<u32>; 4],
     counted: Takes<Counted>,
     #[state]
     mode: Kept,
+    #[state]
+    table_register: u16,
+    #[state]
+    table_length: Kept,
+    #[state]
+    table_written: Option<([u32; 4], u32)>,
     #[state]
     rate: u16,
     #[state]
@@ -174,7 +185,7 @@ impl Generator {
     fn rate(&mut self, to: &mut Outgoing<'_>, clock: f64, period: f64) -> i32 {
         let scale = scale(self.commands.scale);
         let [length, space, _, _] = self.timings.each_mut().map(|timing| timing.write(to, clock));
-        self.mode.put(to, self.step_type.get());
+        self.put_form(to);
         let most = 1e9 / (length + space).max(1e9 / clock * 2.0) / scale.abs();
         let bounds = self.bounds(most);
         let wish = self.commands.position.get();
@@ -200,6 +211,25 @@ impl Generator {
         };
         self.show(chosen);
         rounded(chosen.speed * scale * 4_294_967_296.0 / clock)
+    }
+
+    /// Writes the form of the pulses, with its table.
+    fn put_form(&mut self, to: &mut Outgoing<'_>) {
+        let form = self.step_type.get();
+        self.mode.put(to, form.min(3));
+        if form < 3 {
+            return;
+        }
+        let table = self.table.map(|words| words.get());
+        let length = (form - 1).min(15);
+        self.table_length.put(to, length);
+        if self.table_written != Some((table, to.renewal())) {
+            self.table_written = Some((table, to.renewal()));
+            for byte in table.iter().flat_map(|word| word.to_le_bytes()) {
+                // The card counts the bytes itself.
+                to.put_again(self.table_register, u32::from(byte));
+            }
+        }
     }
 
     fn show(&mut self, chosen: Chosen) {
@@ -254,7 +284,7 @@ struct Generators {
     clock: f64,
     #[state]
     master: Kept,
-    timer: Option<(ParamRw<i32>, TimerRegister)>,
+    timer: Option<(In<i32>, TimerRegister)>,
 }
 
 /// Register that selects the timer which latches the positions.
@@ -284,17 +314,17 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let clock = m.clock(&module)?;
     let (mut counters, mut generators) = (Vec::new(), Vec::new());
     for instance in 0..used {
-        let (counter, generator) = generator(m, &module, instance)?;
+        let (counter, generator) = generator(m, &module, clock, instance)?;
         counters.push(counter);
         generators.push(generator);
     }
     let master = Kept::new(m.address(&module, registers::STEP_MASTER_RATE, 0)?);
-    let timer = match m.address(&module, registers::STEP_TIMER, 0) {
-        Ok(at) if m.module(Tag::Dpll).is_some() => {
+    let timer = match m.timer(&module, registers::STEP_TIMER) {
+        Some(at) => {
             let name = m.at("stepgen.timer-number");
             Some((m.b.item(&name, super::TIMER, -1)?, TimerRegister(Kept::new(at))))
         }
-        _ => None,
+        None => None,
     };
     m.reads.push(Box::new(Counters { counters }));
     m.writes.push(Box::new(Generators { generators, clock, master, timer }));
@@ -304,6 +334,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
 fn generator(
     m: &mut Making<'_, '_>,
     module: &Module,
+    clock: f64,
     instance: u8,
 ) -> Result<(Counter, Generator), Error> {
     let name = m.at(&format!("stepgen.{instance:02}"));
@@ -315,7 +346,8 @@ fn generator(
         let about = format!(
             "{about}, in nanoseconds: rounded up to periods of the card's clock, at most 16383 of them"
         );
-        Ok(Timing { ns: m.b.item(&format!("{name}.{pin}"), &about, u32::MAX)?, register })
+        let most = whole(libm::floor(MOST_TICKS * 1e9 / clock + 0.5));
+        Ok(Timing { ns: m.b.item(&format!("{name}.{pin}"), &about, most)?, register })
     };
     let timings = [
         timing("steplen", "Time that a step lasts", registers::STEP_LENGTH)?,
@@ -326,11 +358,17 @@ fn generator(
     let about = "Form of the pulses: 0 step and direction, 1 up and down, 2 quadrature, 3 and above a \
         table of that length";
     let step_type = m.b.item(&format!("{name}.step_type"), about, 0)?;
+    let mut table = |n: u32| -> Result<ParamRw<u32>, Error> {
+        let about = "Four bytes of the table of levels, for step_type 3 and above; bit 0 is the first I/O pin";
+        m.b.item(&format!("{name}.table-data-{n}"), about, 0)
+    };
+    let table = [table(0)?, table(1)?, table(2)?, table(3)?];
     let (gives, takes) = m.b.shared(Counted::new(0));
     let counter = Counter {
         accumulator: m.read(module, registers::STEP_ACCUMULATOR, instance)?,
         last: None,
         scale: commands.scale,
+        reset: commands.position_reset,
         counted: gives,
         feedback: feedback.clone(),
     };
@@ -340,8 +378,12 @@ fn generator(
         inner,
         timings,
         step_type,
+        table,
         counted: takes,
         mode: Kept::new(m.address(module, registers::STEP_MODE, instance)?),
+        table_register: m.address(module, registers::STEP_TABLE_DATA, instance)?,
+        table_length: Kept::new(m.address(module, registers::STEP_TABLE_LENGTH, instance)?),
+        table_written: None,
         rate: m.address(module, registers::STEP_RATE, instance)?,
         last_command: None,
         speed: 0.0,

@@ -1,0 +1,79 @@
+//! Names, types, directions and initial values of pins, beside what LinuxCNC's driver makes of the same cards.
+//!
+//! `tests/mesa/pins` has a list of LinuxCNC's driver for each card.
+
+use super::card;
+use hal_bench::Bench;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Items by name: type, direction and initial value.
+type Items = BTreeMap<String, String>;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../tests/mesa/pins")
+}
+
+/// Reads a list, without the times of functions, which the engine makes.
+fn theirs(text: &str) -> Items {
+    let mut items = Items::new();
+    for line in text.lines() {
+        let words: Vec<_> = line.split_whitespace().collect();
+        let ["pin" | "param", name, ty, dir, value] = words[..] else { continue };
+        let last = name.rsplit('.').next().unwrap();
+        if ["time", "tmax", "tmax-increased"].contains(&last) {
+            continue;
+        }
+        let value = match value.strip_prefix("0x") {
+            Some(hex) => u32::from_str_radix(hex, 16).unwrap().to_string(),
+            None => value.to_owned(),
+        };
+        items.insert(name.to_owned(), format!("{ty} {} {value}", dir.replace("I/O", "IO")));
+    }
+    items
+}
+
+fn ours(bench: &Bench) -> Items {
+    let value = |name: &str, ty: &str| match ty {
+        "bit" => bench.get::<bool>(name).to_string().to_uppercase(),
+        "float" => bench.get::<f64>(name).to_string(),
+        "s32" => bench.get::<i32>(name).to_string(),
+        "u32" => bench.get::<u32>(name).to_string(),
+        _ => panic!("{name}: {ty}"),
+    };
+    let items = bench.names().into_iter().map(|line| {
+        let words: Vec<_> = line.split(' ').collect();
+        let [name, ty, dir] = words[..] else { panic!("{line}") };
+        (name.to_owned(), format!("{ty} {dir} {}", value(name, ty)))
+    });
+    items.collect()
+}
+
+#[test]
+fn every_card_has_linuxcncs_pins() {
+    let mut bad = Vec::new();
+    let mut cards = 0;
+    for entry in fs::read_dir(folder()).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        let text = fs::read_to_string(&path).unwrap();
+        let theirs = theirs(&text);
+        if theirs.is_empty() {
+            continue;
+        }
+        cards += 1;
+        let bench = card(name.split('-').next().unwrap(), "");
+        let ours = ours(&bench);
+        let names: BTreeSet<_> = theirs.keys().chain(ours.keys()).collect();
+        for item in names {
+            if theirs.get(item) != ours.get(item) {
+                bad.push(format!("{name}: {item}: {:?} {:?}", theirs.get(item), ours.get(item)));
+            }
+        }
+    }
+    assert!(bad.is_empty(), "{cards} cards, {} differences:\n{}", bad.len(), bad.join("\n"));
+    assert!(cards > 10);
+}
