@@ -6,8 +6,8 @@ use hal_firmware::Tag;
 /// Choices for one card.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct CardConfig {
-    /// Largest number of instances of a kind; absent for all.
-    counts: Vec<(Tag, u8)>,
+    /// Largest number of instances by the entry's name; absent for all.
+    limits: Vec<(&'static str, u8)>,
     /// I/O pins of each step generator.
     pub(crate) step_width: Option<u8>,
     /// Modes of the smart-serial channels by port; absent for all in mode 0.
@@ -48,7 +48,7 @@ impl core::fmt::Display for BadConfig<'_> {
         match self.what {
             Wrong::Unknown => {
                 f.write_str("no such entry; there are ")?;
-                for (name, _) in COUNTS {
+                for Limit { name, .. } in LIMITS {
                     write!(f, "{name}=N, ")?;
                 }
                 f.write_str("stepgen_width=N, sserial_port_N=MODES and enable_raw")
@@ -71,17 +71,24 @@ impl core::fmt::Display for BadConfig<'_> {
 
 impl core::error::Error for BadConfig<'_> {}
 
-/// Entries that limit the number of instances.
-const COUNTS: &[(&str, Tag)] = &[
-    ("num_encoders", Tag::Encoder),
-    ("num_pwmgens", Tag::Pwm),
-    ("num_stepgens", Tag::StepGenerator),
-    ("num_dplls", Tag::Dpll),
-    ("num_ssrs", Tag::Ssr),
-    ("num_inms", Tag::Inputs),
-    ("num_inmuxs", Tag::InputMux),
-    ("num_outms", Tag::Outputs),
-    ("num_leds", Tag::Led),
+/// Entry that limits the number of instances.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limit {
+    pub(crate) name: &'static str,
+    /// Kinds of modules that it limits.
+    pub(crate) tags: &'static [Tag],
+}
+
+const LIMITS: &[Limit] = &[
+    Limit { name: "num_encoders", tags: &[Tag::Encoder, Tag::MuxedEncoder] },
+    Limit { name: "num_pwmgens", tags: &[Tag::Pwm] },
+    Limit { name: "num_stepgens", tags: &[Tag::StepGenerator] },
+    Limit { name: "num_dplls", tags: &[Tag::Dpll] },
+    Limit { name: "num_ssrs", tags: &[Tag::Ssr] },
+    Limit { name: "num_inms", tags: &[Tag::Inputs] },
+    Limit { name: "num_inmuxs", tags: &[Tag::InputMux] },
+    Limit { name: "num_outms", tags: &[Tag::Outputs] },
+    Limit { name: "num_leds", tags: &[Tag::Led] },
 ];
 
 /// Entries for modules without a driver here: only the number 0 and -1 can be had.
@@ -120,9 +127,9 @@ impl CardConfig {
     }
 
     fn entry(&mut self, name: &str, value: &str) -> Result<(), Wrong> {
-        if let Some((_, tag)) = COUNTS.iter().find(|row| row.0 == name) {
+        if let Some(limit) = LIMITS.iter().find(|limit| limit.name == name) {
             if let Some(n) = number(value, u8::MAX)? {
-                self.counts.push((*tag, n));
+                self.limits.push((limit.name, n));
             }
             return Ok(());
         }
@@ -148,18 +155,14 @@ impl CardConfig {
         Err(Wrong::Unknown)
     }
 
-    /// Returns how many of `there` instances of a kind are used; `Err` with the number asked for if it is more.
-    pub(crate) fn count(&self, tag: Tag, there: u8) -> Result<u8, u8> {
-        match self.counts.iter().rev().find(|row| row.0 == tag) {
-            Some((_, asked)) if *asked <= there => Ok(*asked),
-            Some((_, asked)) => Err(*asked),
-            None => Ok(there),
-        }
+    /// Returns the entries that limit instances.
+    pub(crate) fn entries() -> impl Iterator<Item = &'static Limit> {
+        LIMITS.iter()
     }
 
-    /// Returns the entry that limits a kind.
-    pub(crate) fn entry_of(tag: Tag) -> Option<&'static str> {
-        COUNTS.iter().find(|row| row.1 == tag).map(|row| row.0)
+    /// Returns the limit of an entry, if it was given.
+    pub(crate) fn limit(&self, name: &str) -> Option<u8> {
+        self.limits.iter().rev().find(|row| row.0 == name).map(|row| row.1)
     }
 
     /// Returns the choices for the channels of a smart-serial port; `None` if all are used in mode 0.
@@ -201,15 +204,13 @@ mod tests {
     fn entries_limit_instances() {
         let text = "num_encoders=1 num_stepgens=-1 sserial_port_0=20xX num_pwmgens=0 enable_raw";
         let config = CardConfig::parse(text).unwrap();
-        assert_eq!(config.count(Tag::Encoder, 2), Ok(1));
-        assert_eq!(config.count(Tag::Encoder, 0), Err(1));
-        assert_eq!(config.count(Tag::StepGenerator, 5), Ok(5));
-        assert_eq!(config.count(Tag::Pwm, 5), Ok(0));
+        let limits = ["num_encoders", "num_stepgens", "num_pwmgens"].map(|name| config.limit(name));
+        assert_eq!(limits, [Some(1), None, Some(0)]);
         let port = [Channel::Mode(2), Channel::Mode(0), Channel::Off, Channel::Off];
         assert_eq!(config.port(0), Some(&port[..]));
         assert_eq!(config.port(1), None);
         assert!(config.raw);
-        assert_eq!(CardConfig::parse("\"num_leds=0\"").unwrap().count(Tag::Led, 4), Ok(0));
+        assert_eq!(CardConfig::parse("\"num_leds=0\"").unwrap().limit("num_leds"), Some(0));
         assert_eq!(CardConfig::parse("").unwrap(), CardConfig::default());
     }
 

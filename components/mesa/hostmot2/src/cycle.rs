@@ -3,9 +3,10 @@
 use crate::{
     link::{Link, Outcome, Renewals},
     module::{Cycle, Reads, Writes},
+    world::World,
 };
 use core::time::Duration;
-use hal_component::{Io, Messages, Out, ParamRo, ParamRw, Period, Touch, Update, pins};
+use hal_component::{Hardware, Io, Messages, Out, ParamRo, ParamRw, Period, Touch, Update, pins};
 use hal_lbp16::MAX_PACKET;
 use port::Lost;
 use std::sync::Arc;
@@ -48,9 +49,13 @@ pub(crate) struct Read {
     pub(crate) link: Arc<Link>,
     pub(crate) health: Health,
     pub(crate) parts: Vec<Box<dyn Reads>>,
+    /// Present around a simulated card.
+    pub(crate) world: Option<World>,
     #[state]
     pub(crate) renewals: Renewals,
     pub(crate) messages: Messages,
+    /// The card: failed while it is given up.
+    pub(crate) hardware: Hardware,
     #[state]
     pub(crate) number: f64,
     #[state]
@@ -68,12 +73,35 @@ pub(crate) struct ReadState {
     reported: bool,
 }
 
+const LATE: &str =
+    "card {}: no answer in packet-read-timeout (receiving): its inputs keep their values";
+const MISSED: &str =
+    "card {}: it had missed the last packet of writes (sending): all is written again";
+const FAILED: &str = "card {}: the network does not take the packet of reads (error {}): the inputs keep their values";
+const GIVEN_UP: &str = "card {}: packet-error-level has reached packet-error-limit: the card is given up \
+(io_error), and its watchdog makes all its outputs inputs; when the cause is known, set io_error to 0 \
+to begin anew";
+
 impl Update for Read {
     fn update(&mut self, period: Period) {
+        if let Some(world) = &self.world {
+            world.enter();
+        }
+        self.cycle(period);
+        if let Some(world) = &self.world {
+            world.show();
+        }
+    }
+}
+
+impl Read {
+    fn cycle(&mut self, period: Period) {
         if self.health.io_error.get() {
+            self.hardware.note(true);
             self.state.was_given_up = true;
             return;
         }
+        self.hardware.note(false);
         if core::mem::take(&mut self.state.was_given_up) {
             self.begin_anew();
         }
@@ -101,18 +129,7 @@ impl Update for Read {
             Outcome::Lost(lost) => self.bad(FAILED, lost),
         }
     }
-}
 
-const LATE: &str =
-    "card {}: no answer in packet-read-timeout (receiving): its inputs keep their values";
-const MISSED: &str =
-    "card {}: it had missed the last packet of writes (sending): all is written again";
-const FAILED: &str = "card {}: the network does not take the packet of reads (error {}): the inputs keep their values";
-const GIVEN_UP: &str = "card {}: packet-error-level has reached packet-error-limit: the card is given up \
-    (io_error), and its watchdog makes all its outputs inputs; when the cause is known, set io_error to 0 \
-    to begin anew";
-
-impl Read {
     fn timeout(&self, period: Period) -> Duration {
         let period = u64::try_from(period.ns()).unwrap_or(0);
         let within = match self.health.timeout.get() {
@@ -147,6 +164,7 @@ impl Read {
         if level >= limit {
             self.health.exceeded.set(true);
             self.health.io_error.set(true);
+            self.hardware.note(true);
             self.messages.error(GIVEN_UP, &[self.number]);
         }
     }
@@ -184,6 +202,8 @@ pub(crate) struct Write {
     pub(crate) link: Arc<Link>,
     pub(crate) io_error: ParamRw<bool>,
     pub(crate) parts: Vec<Box<dyn Writes>>,
+    /// Present around a simulated card.
+    pub(crate) world: Option<World>,
     pub(crate) messages: Messages,
     #[state]
     pub(crate) number: f64,
@@ -208,6 +228,9 @@ impl Update for Write {
                 self.messages.warn(UNSENT, &[self.number, f64::from(lost.0)]);
             }
             Err(_) => {}
+        }
+        if let Some(world) = &self.world {
+            world.show();
         }
     }
 }

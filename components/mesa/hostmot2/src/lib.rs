@@ -18,6 +18,7 @@ mod plan;
 mod simulated;
 #[cfg(test)]
 mod tests;
+mod world;
 
 use crate::{
     ask::Described,
@@ -25,7 +26,7 @@ use crate::{
     cycle::{Health, Read, ReadState, Request, Write},
     link::{Link, Renewals},
     making::Making,
-    simulated::SimulatedCard,
+    simulated::{SimulatedCard, SimulatedLine},
 };
 use hal_card::Board;
 use hal_component::{
@@ -33,7 +34,7 @@ use hal_component::{
     abi::{ArgSpec, component_flags},
 };
 use hal_firmware::{Tag, registers};
-use hal_lbp16::Packet;
+use hal_lbp16::{MAX_PACKET, Packet};
 use port::Exchange;
 use std::{net::Ipv4Addr, sync::Arc};
 
@@ -115,7 +116,7 @@ fn create_card(
     address: Ipv4Addr,
     names: &mut names::Names,
 ) -> Result<(), Error> {
-    let device = device(b, index, address)?;
+    let (device, simulated) = device(b, index, address)?;
     let card = ask::describe(&*device).map_err(|why| Error::new(format!("{address}: {why}")))?;
     let name = names.next(&card.board);
     let text = b.arg_text_at("config", index).unwrap_or_default();
@@ -139,8 +140,15 @@ fn create_card(
         used,
     };
     modules::make(&mut making)?;
+    let world = simulated.as_ref().map(|card| world::make(&mut making, card)).transpose()?;
     let stop = stop(&making)?;
-    let (plan, reads, writes) = (making.plan, making.reads, making.writes);
+    let (plan, mut reads, writes) = (making.plan, making.reads, making.writes);
+    let mut answer = [0; MAX_PACKET];
+    let first = ask::ask(&*device, &plan.packet()?, &mut answer);
+    let first = first.map_err(|why| failed(&why))?;
+    for part in &mut reads {
+        part.read(plan::Answer(first), module::Cycle { period: 0.001 }, false);
+    }
     let link = Arc::new(Link::new(device, b.clock(), plan.packet()?, renewals.clone()));
     let messages = b.messages();
     let request = Request { link: Arc::clone(&link), io_error: health.io_error };
@@ -149,6 +157,7 @@ fn create_card(
         link: Arc::clone(&link),
         io_error: health.io_error,
         parts: writes,
+        world: world.clone(),
         messages,
         number,
         reported: false,
@@ -157,8 +166,10 @@ fn create_card(
         link: Arc::clone(&link),
         health,
         parts: reads,
+        world,
         renewals: renewals.clone(),
         messages: b.messages(),
+        hardware: b.hardware(),
         number,
         state: ReadState::default(),
     };
@@ -171,12 +182,15 @@ fn create_card(
     })
 }
 
+/// Way to a card; the card itself if it is simulated.
+type Device = (Box<dyn Exchange>, Option<Arc<SimulatedCard>>);
+
 /// Returns the way to a card.
-fn device(b: &Builder<'_>, index: usize, address: Ipv4Addr) -> Result<Box<dyn Exchange>, Error> {
+fn device(b: &Builder<'_>, index: usize, address: Ipv4Addr) -> Result<Device, Error> {
     if !b.is_simulated() && !b.is_trial() {
         let line = hal_udp::Line::open(address, hal_lbp16::PORT);
         let line = line.map_err(|why| Error::new(format!("{address}: no way to a card: {why}")))?;
-        return Ok(Box::new(line));
+        return Ok((Box::new(line), None));
     }
     let kinds = || hal_card::boards().collect::<Vec<_>>().join(", ");
     let Some(kind) = b.arg_text_at("card", index) else {
@@ -185,29 +199,45 @@ fn device(b: &Builder<'_>, index: usize, address: Ipv4Addr) -> Result<Box<dyn Ex
             kinds()
         )));
     };
-    let board = Board::named(kind.trim_matches('"').trim()).ok_or_else(|| {
+    let kind = kind.trim_matches('"').trim();
+    // Scripts name some cards by the name that cards of one family share.
+    let of_family = || hal_card::boards().find(|board| names::kind(board) == kind);
+    let board = Board::named(kind).or_else(|| Board::named(of_family()?)).ok_or_else(|| {
         Error::new(format!("card: '{}' is not known: {}", kind.escape_debug(), kinds()))
     })?;
-    Ok(Box::new(SimulatedCard::new(&board)))
+    let card = Arc::new(SimulatedCard::new(&board));
+    Ok((Box::new(SimulatedLine(Arc::clone(&card))), Some(card)))
 }
+
+/// Lights of a board that has any.
+const LIGHTS: u8 = 4;
 
 /// Returns how many instances of each kind of module are used.
 fn used(card: &Described, config: &CardConfig, name: &str) -> Result<Vec<(Tag, u8)>, Error> {
     let mut used = Vec::new();
     for module in &card.modules {
         let Some(tag) = module.kind() else { continue };
-        used.push((tag, module.instances));
+        if tag == Tag::SmartSerial {
+            continue;
+        }
+        // One instance of lights has those of the board.
+        let instances = if tag == Tag::Led { LIGHTS } else { module.instances };
+        used.push((tag, instances));
     }
-    for tag in Tag::all() {
-        let there = used.iter().find(|row| row.0 == tag).map_or(0, |row| row.1);
-        let count = config.count(tag, there).map_err(|asked| {
-            let entry = CardConfig::entry_of(tag).unwrap_or_default();
-            Error::new(format!(
-                "{name}: config: '{entry}={asked}': the card's firmware has {there} of them"
-            ))
-        })?;
-        if let Some(row) = used.iter_mut().find(|row| row.0 == tag) {
-            row.1 = count;
+    let there =
+        |used: &[(Tag, u8)], tag| used.iter().find(|row| row.0 == tag).map_or(0, |row| row.1);
+    // A limit is for all kinds that an entry names, of which a firmware has one.
+    for entry in CardConfig::entries() {
+        let most = entry.tags.iter().map(|tag| there(&used, *tag)).max().unwrap_or(0);
+        let Some(asked) = config.limit(entry.name) else { continue };
+        if asked > most {
+            return Err(Error::new(format!(
+                "{name}: config: '{}={asked}': the card's firmware has {most} of them",
+                entry.name
+            )));
+        }
+        for row in used.iter_mut().filter(|row| entry.tags.contains(&row.0)) {
+            row.1 = row.1.min(asked);
         }
     }
     Ok(used)

@@ -78,10 +78,10 @@ impl Making<'_, '_> {
         Ok(value)
     }
 
-    /// Returns the address of a module's register that selects a timer, which descriptors do not count; `None` without a
-    /// clock that has timers.
+    /// Returns the address of a module's register that selects a timer, which descriptors do not count; `None` if the
+    /// firmware has no clock with timers.
     pub(crate) fn timer(&self, module: &Module, register: Register) -> Option<u16> {
-        self.module(Tag::Dpll)?;
+        self.card.modules.iter().find(|module| module.kind() == Some(Tag::Dpll))?;
         let whole = Module { registers: u8::MAX, ..*module };
         whole.address(&self.card.identification, register.index, 0)
     }
@@ -102,16 +102,21 @@ impl Making<'_, '_> {
         format!("{}.{part}", self.name)
     }
 
-    /// Returns the numbers of the outputs of an instance that the card has, from 0 on; 32 and more are of the module itself.
-    pub(crate) fn outputs(&self, tag: Tag, instance: u8) -> Vec<u8> {
+    /// Returns the numbers of the outputs of an instance that the card has, from 0 on, of at most `most`.
+    pub(crate) fn outputs(&self, tag: Tag, instance: u8, most: u8) -> Vec<u8> {
         let mut numbers: Vec<u8> = self
             .pins_of(tag, instance)
-            .filter(|pin| pin.is_output && (1..=32).contains(&pin.number))
+            .filter(|pin| pin.is_output && (1..=most).contains(&pin.number))
             .map(|pin| pin.number - 1)
             .collect();
         numbers.sort_unstable();
         numbers.dedup();
         numbers
+    }
+
+    /// Returns whether an instance has an I/O pin of this number that is an input.
+    pub(crate) fn has_pin(&self, tag: Tag, instance: u8, number: u8) -> bool {
+        self.pins_of(tag, instance).any(|pin| !pin.is_output && pin.number == number)
     }
 
     fn pins_of(&self, tag: Tag, instance: u8) -> impl Iterator<Item = &hal_firmware::Pin> {

@@ -17,7 +17,7 @@ impl Names {
 
 /// Returns the kind of a board: small letters and digits up to a dash, and one name for boards that differ in their
 /// connectors alone.
-fn kind(board: &str) -> String {
+pub(crate) fn kind(board: &str) -> String {
     let whole = board.split('-').next().unwrap_or_default();
     let kind: String = whole
         .chars()
@@ -27,6 +27,8 @@ fn kind(board: &str) -> String {
         .collect();
     match kind.as_str() {
         "7i80db" | "7i80hd" | "7i80hdt" => "7i80".to_owned(),
+        "7i76eu" => "7i76".to_owned(),
+        "7i92t" | "7i95t" | "7i97t" => kind.trim_end_matches('t').to_owned(),
         "" => "card".to_owned(),
         _ => kind,
     }
@@ -39,7 +41,7 @@ mod tests {
     #[test]
     fn cards_of_a_kind_are_counted() {
         let mut names = Names::default();
-        let boards = ["7I92", "7I76E-16", "7I92", "7I80HD-25", "7I80DB-16", "", "LITEHM2"];
+        let boards = ["7I92", "7I76E-16", "7I92", "7I80HD-25", "7I80DB-16", "", "LITEHM2", "7I95T"];
         assert_eq!(
             boards.map(|board| names.next(board)),
             [
@@ -49,7 +51,8 @@ mod tests {
                 "hm2_7i80.0",
                 "hm2_7i80.1",
                 "hm2_card.0",
-                "hm2_litehm2.0"
+                "hm2_litehm2.0",
+                "hm2_7i95.0"
             ]
         );
     }

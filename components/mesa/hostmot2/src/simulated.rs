@@ -1,28 +1,107 @@
-//! Realtime. A card that is simulated in the process.
+//! Realtime. A card that is simulated in the process, behind a line that may lose packets.
 
 use core::time::Duration;
 use crossbeam::atomic::AtomicCell;
-use hal_card::{Board, Card};
+use hal_card::{Board, Card, Fate, FaultyLine, Rates};
 use hal_lbp16::MAX_PACKET;
 use port::{Exchange, Lost};
+use std::sync::Arc;
 
-/// Simulated card, and the answers that it has given.
-struct Inside {
-    card: Card,
+/// Simulated card, its line, and the packets on that.
+pub(crate) struct Inside {
+    pub(crate) card: Card,
     /// Moment up to which its time has gone on, in nanoseconds.
     now: Option<i64>,
-    answers: [Answer; ANSWERS],
+    line: FaultyLine,
+    rates: Rates,
+    /// Number of times that the faults of the line were changed: the seed of its next ones.
+    changes: u64,
+    answers: [OnTheWay; ANSWERS],
     /// Number of answers that wait, the oldest first.
     waiting: usize,
+    /// An answer that comes behind the next one.
+    late: Option<OnTheWay>,
 }
 
 /// Most answers that wait: those to more questions are lost, as in a network.
 const ANSWERS: usize = 4;
 
+/// A packet on the line.
 #[derive(Clone, Copy)]
-struct Answer {
+struct OnTheWay {
     bytes: [u8; MAX_PACKET],
     len: usize,
+}
+
+impl OnTheWay {
+    const NONE: Self = Self { bytes: [0; MAX_PACKET], len: 0 };
+}
+
+impl Inside {
+    /// Sets the faults of the line.
+    pub(crate) fn set_line(&mut self, rates: Rates, plugged: bool) {
+        if rates != self.rates {
+            self.changes += 1;
+            self.rates = rates;
+            self.line = FaultyLine::new(rates, self.changes);
+        }
+        self.line.break_cable(!plugged);
+    }
+
+    /// Carries a packet to the card, and its answer back.
+    fn carry(&mut self, packet: &[u8]) {
+        match self.line.carry(packet.len()) {
+            Fate::Lost => {}
+            Fate::Cut(len) => self.ask(packet.get(..len).unwrap_or_default()),
+            Fate::Doubled => {
+                self.ask(packet);
+                self.ask(packet);
+            }
+            Fate::Delivered | Fate::Late => self.ask(packet),
+        }
+    }
+
+    fn ask(&mut self, packet: &[u8]) {
+        let mut answer = OnTheWay::NONE;
+        let Some(len) = self.card.answer(packet, &mut answer.bytes) else { return };
+        answer.len = len;
+        match self.line.carry(len) {
+            Fate::Lost => {}
+            Fate::Cut(len) => self.come(OnTheWay { len, ..answer }),
+            Fate::Doubled => {
+                self.come(answer);
+                self.come(answer);
+            }
+            Fate::Late => self.late = Some(answer),
+            Fate::Delivered => {
+                self.come(answer);
+                if let Some(late) = self.late.take() {
+                    self.come(late);
+                }
+            }
+        }
+    }
+
+    fn come(&mut self, answer: OnTheWay) {
+        if let Some(slot) = self.answers.get_mut(self.waiting) {
+            *slot = answer;
+            self.waiting += 1;
+        }
+    }
+
+    fn take(&mut self, into: &mut [u8]) -> usize {
+        let [answer, ..] = &self.answers;
+        if self.waiting == 0 {
+            return 0;
+        }
+        let len = answer.len;
+        for (to, from) in into.iter_mut().zip(answer.bytes.get(..len).unwrap_or_default()) {
+            *to = *from;
+        }
+        self.answers.rotate_left(1);
+        self.waiting -= 1;
+        len
+    }
 }
 
 /// Way to a simulated card. One thread at a time has the card; another one finds nobody there.
@@ -30,14 +109,21 @@ pub(crate) struct SimulatedCard(AtomicCell<Option<Box<Inside>>>);
 
 impl SimulatedCard {
     pub(crate) fn new(board: &Board) -> Self {
-        let empty = Answer { bytes: [0; MAX_PACKET], len: 0 };
-        let inside =
-            Inside { card: Card::new(board), now: None, answers: [empty; ANSWERS], waiting: 0 };
+        let inside = Inside {
+            card: Card::new(board),
+            now: None,
+            line: FaultyLine::new(Rates::default(), 0),
+            rates: Rates::default(),
+            changes: 0,
+            answers: [OnTheWay::NONE; ANSWERS],
+            waiting: 0,
+            late: None,
+        };
         Self(AtomicCell::new(Some(Box::new(inside))))
     }
 
     /// Runs `f` with the card.
-    fn with<T>(&self, f: impl FnOnce(&mut Inside) -> T) -> Result<T, Lost> {
+    pub(crate) fn with<T>(&self, f: impl FnOnce(&mut Inside) -> T) -> Result<T, Lost> {
         let mut inside = self.0.take().ok_or(BUSY)?;
         let done = f(&mut inside);
         self.0.store(Some(inside));
@@ -48,44 +134,21 @@ impl SimulatedCard {
 /// Error of a card that another thread has (EBUSY).
 const BUSY: Lost = Lost(16);
 
-impl Exchange for SimulatedCard {
+/// Way to a simulated card that the world around it shares.
+pub(crate) struct SimulatedLine(pub(crate) Arc<SimulatedCard>);
+
+impl Exchange for SimulatedLine {
     fn send(&self, packet: &[u8]) -> Result<(), Lost> {
-        self.with(|inside| {
-            let waiting = inside.waiting;
-            let mut none = [0; MAX_PACKET];
-            match inside.answers.get_mut(waiting) {
-                Some(answer) => {
-                    if let Some(len) = inside.card.answer(packet, &mut answer.bytes) {
-                        answer.len = len;
-                        inside.waiting += 1;
-                    }
-                }
-                None => {
-                    let _ = inside.card.answer(packet, &mut none);
-                }
-            }
-        })
+        self.0.with(|inside| inside.carry(packet))
     }
 
     fn receive(&self, into: &mut [u8], _: Duration) -> Result<usize, Lost> {
-        self.with(|inside| {
-            let [answer, ..] = &inside.answers;
-            if inside.waiting == 0 {
-                return 0;
-            }
-            let len = answer.len;
-            for (to, from) in into.iter_mut().zip(answer.bytes.get(..len).unwrap_or_default()) {
-                *to = *from;
-            }
-            inside.answers.rotate_left(1);
-            inside.waiting -= 1;
-            len
-        })
+        self.0.with(|inside| inside.take(into))
     }
 
     fn advance(&self, now_ns: i64) {
         // A card that another thread has goes on at the next call.
-        let _ = self.with(|inside| {
+        let _ = self.0.with(|inside| {
             let passed = now_ns.saturating_sub(inside.now.unwrap_or(now_ns));
             inside.now = Some(now_ns);
             inside.card.advance(u64::try_from(passed).unwrap_or(0));

@@ -6,7 +6,7 @@ use crate::{
     module::{Cycle, Reads, Writes},
     plan::{Answer, Place},
 };
-use hal_component::{Error, In, InSet, Out, Touch, pins};
+use hal_component::{Error, In, Out, Touch, pins};
 use hal_firmware::{Tag, registers};
 
 /// Parts of a period in a timer's register.
@@ -26,8 +26,8 @@ pins! {
         timer_3: In<f64> = "03.timer-us", 100.0;
         /// Time of timer 4 from the read, in microseconds: negative before it.
         timer_4: In<f64> = "04.timer-us", 100.0;
-        /// Frequency of the clock, in kilohertz; 0 for that of the thread, -1 while it is not known.
-        base_freq: InSet<f64> = "base-freq-khz", -1.0;
+        /// Frequency of the clock, in kilohertz; 0 and below for that of the thread.
+        base_freq: In<f64> = "base-freq-khz", -1.0;
         /// Phase of the last read, in microseconds.
         phase_error: Out<f64> = "phase-error-us", 0.0;
         /// Time constant of the filter, in the card's units; 0 to 65535.
@@ -44,7 +44,7 @@ pins! {
 /// Function half that reads.
 #[derive(Touch)]
 struct Phase {
-    base_freq: InSet<f64>,
+    base_freq: In<f64>,
     phase_error: Out<f64>,
     ddsize: Out<u32>,
     #[state]
@@ -55,9 +55,6 @@ struct Phase {
 
 impl Reads for Phase {
     fn read(&mut self, answer: Answer<'_>, cycle: Cycle, _: bool) {
-        if self.base_freq.get() < 0.0 {
-            self.base_freq.set(0.001 / cycle.period);
-        }
         let [size, _, _, _] = answer.get(self.control).to_le_bytes();
         self.ddsize.set(u32::from(size));
         let periods = f64::from(answer.get(self.phase).cast_signed()) / PHASE_PARTS;
@@ -66,7 +63,7 @@ impl Reads for Phase {
 }
 
 /// Returns the frequency in kilohertz.
-fn frequency(pin: InSet<f64>, cycle: Cycle) -> f64 {
+fn frequency(pin: In<f64>, cycle: Cycle) -> f64 {
     let khz = pin.get();
     if khz > 0.0 && khz.is_finite() { khz } else { 0.001 / cycle.period }
 }

@@ -11,7 +11,7 @@ use core::sync::atomic::{
     Ordering::{Acquire, Release},
 };
 use hal_component::{Error, Gives, In, Io, Messages, Out, ParamRw, Takes, Touch, Uses, pins};
-use hal_firmware::{Module, Tag, registers};
+use hal_firmware::{Module, Register, Tag, registers};
 
 /// Bits of the control register.
 mod bits {
@@ -70,10 +70,6 @@ pins! {
         reset: In<bool> = "reset", false;
         /// TRUE to make count and position 0 at the next edge of the index; the driver sets it FALSE then.
         index_enable: Io<bool> = "index-enable", false;
-        /// TRUE to latch the count at the next edge of the probe input; the driver sets it FALSE then.
-        latch_enable: Io<bool> = "latch-enable", false;
-        /// TRUE for the rising edge of the probe input, FALSE for the falling one.
-        latch_polarity: In<bool> = "latch-polarity", false;
         /// TRUE to report that A and B changed together; FALSE clears the report.
         quad_error_enable: In<bool> = "quad-error-enable", false;
         /// Counts per unit; 0 counts as 1.
@@ -93,6 +89,61 @@ pins! {
     }
 }
 
+pins! {
+    /// Commands to the latch of a counter whose card has a probe input.
+    struct Probe {
+        /// TRUE to latch the count at the next edge of the probe input; the driver sets it FALSE then.
+        latch_enable: Io<bool> = "latch-enable", false;
+        /// TRUE for the rising edge of the probe input, FALSE for the falling one.
+        latch_polarity: In<bool> = "latch-polarity", false;
+    }
+}
+
+/// Kind of module: its tag and registers. Both kinds make the same pins.
+struct CounterKind {
+    tag: Tag,
+    count: Register,
+    control: Register,
+    stamp_divisor: Register,
+    stamp: Register,
+    filter_rate: Register,
+    timer: Register,
+    /// Name, default and meaning of the pin that sets the rate of the samples.
+    rate: (&'static str, u32, &'static str),
+}
+
+const KINDS: [CounterKind; 2] = [
+    CounterKind {
+        tag: Tag::Encoder,
+        count: registers::ENCODER_COUNT,
+        control: registers::ENCODER_CONTROL,
+        stamp_divisor: registers::ENCODER_STAMP_DIVISOR,
+        stamp: registers::ENCODER_STAMP,
+        filter_rate: registers::ENCODER_FILTER_RATE,
+        timer: registers::ENCODER_TIMER,
+        rate: (
+            "sample-frequency",
+            25_000_000,
+            "Rate at which the inputs are sampled, in hertz; values out of range saturate",
+        ),
+    },
+    CounterKind {
+        tag: Tag::MuxedEncoder,
+        count: registers::MUXED_COUNT,
+        control: registers::MUXED_CONTROL,
+        stamp_divisor: registers::MUXED_STAMP_DIVISOR,
+        stamp: registers::MUXED_STAMP,
+        filter_rate: registers::MUXED_FILTER_RATE,
+        timer: registers::MUXED_TIMER,
+        rate: (
+            "muxed-sample-frequency",
+            8_333_333,
+            "Rate at which the inputs are sampled and the halves are changed, in hertz; values out \
+             of range saturate",
+        ),
+    },
+];
+
 /// What the writing half has armed.
 #[derive(Debug, Default)]
 struct Armed {
@@ -109,6 +160,7 @@ struct Counter {
     control: Place,
     feedback: Feedback,
     commands: Commands,
+    probe: Option<Probe>,
     armed: Takes<Armed>,
     messages: Messages,
     #[state]
@@ -165,9 +217,12 @@ impl Counter {
             s.zero = latched(s.raw);
             self.commands.index_enable.set(false);
         }
-        if done(bits::LATCH_ON_PROBE, &self.armed.probe) && self.commands.latch_enable.get() {
+        if let Some(probe) = &self.probe
+            && probe.latch_enable.get()
+            && done(bits::LATCH_ON_PROBE, &self.armed.probe)
+        {
             s.latched = latched(s.raw);
-            self.commands.latch_enable.set(false);
+            probe.latch_enable.set(false);
         }
         if self.commands.reset.get() {
             s.zero = s.raw;
@@ -237,6 +292,7 @@ fn scale(scale: ParamRw<f64>) -> f64 {
 #[derive(Touch)]
 struct Arming {
     commands: Commands,
+    probe: Option<Probe>,
     armed: Gives<Armed>,
     #[state]
     control: Kept,
@@ -245,12 +301,14 @@ struct Arming {
 impl Arming {
     fn write(&mut self, to: &mut Outgoing<'_>) {
         let c = &self.commands;
-        let (index, probe) = (c.index_enable.get(), c.latch_enable.get());
+        let index = c.index_enable.get();
+        let probe = self.probe.as_ref().is_some_and(|probe| probe.latch_enable.get());
+        let rises = self.probe.as_ref().is_some_and(|probe| probe.latch_polarity.get());
         let mut control = 0;
         let mut set = |is_set: bool, bit: u32| control |= if is_set { bit } else { 0 };
         set(index, bits::LATCH_ON_INDEX | bits::JUST_ONCE);
         set(probe, bits::LATCH_ON_PROBE);
-        set(c.latch_polarity.get(), bits::PROBE_RISES);
+        set(rises, bits::PROBE_RISES);
         set(c.index_invert.get(), bits::INDEX_RISES);
         set(c.index_mask.get(), bits::INDEX_MASK);
         set(c.index_mask_invert.get(), bits::MASK_POLARITY);
@@ -301,6 +359,7 @@ impl Reads for Counters {
 struct Counts {
     counters: Vec<Arming>,
     sample_frequency: In<u32>,
+    skew: Option<In<u32>>,
     hires: In<bool>,
     tick: Gives<Tick>,
     timer: Option<Timer>,
@@ -324,11 +383,13 @@ impl Touch for Timer {
 impl Writes for Counts {
     fn write(&mut self, to: &mut Outgoing<'_>, _: Cycle) {
         let rate = if self.hires.get() { 10e6 } else { 2e6 };
-        let divisor = divisor(self.clock, rate, 65_535.0);
-        self.divisor.put(to, divisor);
-        let tick = (f64::from(divisor) + 2.0) / self.clock;
+        let ticks = divisor(self.clock, rate, 65_535.0);
+        self.divisor.put(to, ticks);
+        let tick = (f64::from(ticks) + 2.0) / self.clock;
         self.tick.store(tick.to_bits(), Release); // Pairs with Acquire in `read`.
-        self.filter.put(to, filter(self.clock, f64::from(self.sample_frequency.get())));
+        let rate = divisor(self.clock, f64::from(self.sample_frequency.get()), 4095.0);
+        let skew = self.skew.map_or(0.0, |ns| f64::from(ns.get()) * self.clock * 1e-9);
+        self.filter.put(to, rate | whole(skew) << 16);
         if let Some(Timer(timer, register)) = &mut self.timer {
             register.put(to, super::timer(*timer));
         }
@@ -338,8 +399,14 @@ impl Writes for Counts {
     }
 }
 
-fn filter(clock: f64, rate: f64) -> u32 {
-    divisor(clock, rate, 4095.0)
+/// Returns a number of eight bits.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the conversion saturates"
+)]
+fn whole(x: f64) -> u32 {
+    (x as u32).min(255)
 }
 
 /// Returns the register of a rate: periods of the clock less two.
@@ -355,20 +422,31 @@ fn divisor(clock: f64, rate: f64, most: f64) -> u32 {
 
 /// Creates the pins of all counters.
 pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
-    let Some((module, used)) = m.module(Tag::Encoder) else { return Ok(()) };
+    KINDS.iter().try_for_each(|kind| make_kind(m, kind))
+}
+
+fn make_kind(m: &mut Making<'_, '_>, kind: &CounterKind) -> Result<(), Error> {
+    let Some((module, used)) = m.module(kind.tag) else { return Ok(()) };
     let (mut reads, mut writes) = (Vec::new(), Vec::new());
     for instance in 0..used {
-        let (read, write) = counter(m, &module, instance)?;
+        let (read, write) = counter(m, kind, &module, instance)?;
         reads.push(read);
         writes.push(write);
     }
-    let about = "Rate at which the inputs are sampled, in hertz; values out of range saturate";
-    let name = m.at("encoder.sample-frequency");
-    let sample_frequency = m.b.item(&name, about, 25_000_000)?;
-    let about = "TRUE for time stamps of about 10 MHz, FALSE for about 2 MHz";
+    let (pin, default, about) = kind.rate;
+    let name = m.at(&format!("encoder.{pin}"));
+    let sample_frequency = m.b.item(&name, about, default)?;
+    let about = "True for time stamps of about 10 MHz, false for about 2 MHz";
     let name = m.at("encoder.hires-timestamp");
     let hires = m.b.item(&name, about, false)?;
-    let timer = match m.timer(&module, registers::ENCODER_TIMER) {
+    let skew = if kind.tag == Tag::MuxedEncoder {
+        let about = "Delay of the samples behind the change of halves, in nanoseconds; 0 to 255 periods of the clock";
+        let name = m.at("encoder.muxed-skew");
+        Some(m.b.item(&name, about, 0)?)
+    } else {
+        None
+    };
+    let timer = match m.timer(&module, kind.timer) {
         Some(at) => {
             let name = m.at("encoder.timer-number");
             Some(Timer(m.b.item(&name, super::TIMER, -1)?, Kept::new(at)))
@@ -377,7 +455,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     };
     let clock = m.clock(&module)?;
     let (gives, takes) = m.b.shared(Tick::new(0));
-    let stamp = m.read(&module, registers::ENCODER_STAMP, 0)?;
+    let stamp = m.read(&module, kind.stamp, 0)?;
     m.reads.push(Box::new(Counters {
         counters: reads,
         stamp,
@@ -388,37 +466,48 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     m.writes.push(Box::new(Counts {
         counters: writes,
         sample_frequency,
+        skew,
         hires,
         tick: gives,
         timer,
         clock,
-        divisor: Kept::new(m.address(&module, registers::ENCODER_STAMP_DIVISOR, 0)?),
-        filter: Kept::new(m.address(&module, registers::ENCODER_FILTER_RATE, 0)?),
+        divisor: Kept::new(m.address(&module, kind.stamp_divisor, 0)?),
+        filter: Kept::new(m.address(&module, kind.filter_rate, 0)?),
     }));
     Ok(())
 }
 
 fn counter(
     m: &mut Making<'_, '_>,
+    kind: &CounterKind,
     module: &Module,
     instance: u8,
 ) -> Result<(Counter, Arming), Error> {
     let name = m.at(&format!("encoder.{instance:02}"));
     let feedback = Feedback::make(m.b, &name)?;
     let commands = Commands::make(m.b, &name)?;
+    let probe = if m.has_pin(kind.tag, instance, PROBE_PIN) {
+        Some(Probe::make(m.b, &name)?)
+    } else {
+        None
+    };
     let (gives, takes) = m.b.shared(Armed::default());
-    let count = m.read(module, registers::ENCODER_COUNT, instance)?;
-    let control = m.read(module, registers::ENCODER_CONTROL, instance)?;
+    let count = m.read(module, kind.count, instance)?;
+    let control = m.read(module, kind.control, instance)?;
     let read = Counter {
         count,
         control,
         feedback,
         commands: commands.clone(),
+        probe: probe.clone(),
         armed: takes,
         messages: m.b.messages(),
         number: [m.number, f64::from(instance)],
         state: Counting::default(),
     };
-    let control = Kept::new(m.address(module, registers::ENCODER_CONTROL, instance)?);
-    Ok((read, Arming { commands, armed: gives, control }))
+    let control = Kept::new(m.address(module, kind.control, instance)?);
+    Ok((read, Arming { commands, probe, armed: gives, control }))
 }
+
+/// Number of a counter's probe input among its I/O pins.
+const PROBE_PIN: u8 = 5;

@@ -197,6 +197,9 @@ fn form_name(m: &Making<'_, '_>, pin: Pin, taken: bool) -> Option<String> {
 /// Returns whether a used instance of a module has a pin.
 fn is_used(m: &Making<'_, '_>, pin: Pin) -> bool {
     let Some(tag) = pin.kind() else { return false };
+    if tag == Tag::MuxedEncoderSelect {
+        return m.module(Tag::MuxedEncoder).is_some();
+    }
     let Some((_, used)) = m.module(tag) else { return false };
     if tag == Tag::StepGenerator && pin.number > m.config.step_width.unwrap_or(2) {
         return false;

@@ -52,7 +52,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let mut instances = Vec::new();
     for instance in 0..used {
         let mut outputs = Vec::new();
-        for number in m.outputs(Tag::Outputs, instance) {
+        for number in m.outputs(Tag::Outputs, instance, 32) {
             let at = |what: &str| format!("outm.{instance:02}.{what}-{number:02}");
             let (on, invert) = (m.at(&at("out")), m.at(&at("invert")));
             outputs.push(Output {

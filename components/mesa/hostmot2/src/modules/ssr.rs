@@ -76,7 +76,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let mut instances = Vec::new();
     for instance in 0..used {
         let mut relays = Vec::new();
-        for number in m.outputs(Tag::Ssr, instance) {
+        for number in m.outputs(Tag::Ssr, instance, 31) {
             let name = m.at(&format!("ssr.{instance:02}.out-{number:02}"));
             let on = m.b.item(&name, "True to switch the relay on", false)?;
             let name = m.at(&format!("ssr.{instance:02}.invert-{number:02}"));

@@ -10,7 +10,7 @@ use core::sync::atomic::{
     AtomicBool,
     Ordering::{Acquire, Release},
 };
-use hal_component::{Error, Gives, Io, Messages, ParamRw, Takes, Touch};
+use hal_component::{Error, Gives, Hardware, Io, Messages, ParamRw, Takes, Touch};
 use hal_firmware::{Tag, registers};
 
 /// Value that lets the time begin anew.
@@ -26,8 +26,12 @@ struct Status {
     status: Place,
     has_bit: Io<bool>,
     messages: Messages,
+    /// The card's I/O pins: failed while they are inputs.
+    hardware: Hardware,
     /// True from the first write on: before that, what the status says is of an earlier program.
     runs: Takes<AtomicBool>,
+    #[state]
+    was_said: bool,
     #[state]
     number: f64,
 }
@@ -35,10 +39,13 @@ struct Status {
 impl Reads for Status {
     fn read(&mut self, answer: Answer<'_>, _: Cycle, _: bool) {
         let bitten = self.runs.load(Acquire) && answer.get(self.status) & 1 != 0; // Pairs with `write`.
-        if bitten && !self.has_bit.get() {
+        // Once it was said, a person may clear the pin; the card's status follows with the next write.
+        if bitten && !core::mem::replace(&mut self.was_said, bitten) {
             self.has_bit.set(true);
             self.messages.error(BITTEN, &[self.number]);
         }
+        self.was_said &= bitten;
+        self.hardware.note(bitten || self.has_bit.get());
     }
 }
 
@@ -111,7 +118,9 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
         status: m.read(&module, registers::WATCHDOG_STATUS, 0)?,
         has_bit,
         messages: m.b.messages(),
+        hardware: m.b.hardware(),
         runs: takes,
+        was_said: false,
         number: m.number,
     };
     let keep = Keep {

@@ -1,0 +1,164 @@
+//! Packets that are lost, late, doubled or cut; a card that is gone, and one that comes back.
+
+use super::Rig;
+
+#[test]
+fn one_lost_packet_in_a_hundred_moves_nothing_else() {
+    let rig = Rig::new("7i92");
+    rig.stepgen(1000.0, 500.0);
+    rig.set("sim.line.lost", 10_000_u32);
+    let mut lost = 0;
+    for n in 0..20_000_i32 {
+        // A ramp of 5 units a second up and down, with soft ends.
+        let phase = f64::from(n) * 0.001;
+        let goal = 2.0 * (1.0 - libm::cos(phase));
+        rig.set("stepgen.00.position-cmd", goal);
+        rig.cycle();
+        lost += u32::from(rig.bit("packet-error"));
+        let off = (rig.float("sim.stepgen.00.steps") / 1000.0 - goal).abs();
+        assert!(off < 0.02, "{n}: {off}");
+        assert!(!rig.bit("io_error"), "{n}: level {}", rig.int("packet-error-level"));
+    }
+    assert!((100..1000).contains(&lost), "{lost}");
+    let total: u32 = rig.bench.get(&rig.at("packet-error-total"));
+    assert_eq!(total, lost);
+}
+
+#[test]
+fn what_is_late_doubled_or_cut_changes_no_pin_wrongly() {
+    for fault in ["late", "doubled", "cut"] {
+        let rig = Rig::new("7i92");
+        rig.set(&format!("sim.line.{fault}"), 300_000_u32);
+        rig.set("packet-error-limit", 1_000_000);
+        let mut counts = 0;
+        for n in 0..5000 {
+            counts += 5;
+            rig.set("sim.encoder.00.counts", counts);
+            rig.cycle();
+            let seen = rig.int("encoder.00.count");
+            assert!((0..=counts).contains(&seen) && counts - seen < 100, "{fault} {n}: {seen}");
+        }
+        let errors: u32 = rig.bench.get(&rig.at("packet-error-total"));
+        assert_eq!(errors > 0, fault != "doubled", "{fault}: {errors}");
+    }
+}
+
+/// An order to latch that is lost must not look like an index that has come.
+#[test]
+fn an_index_counts_only_where_it_is_however_many_packets_are_lost() {
+    let rig = Rig::new("7i92");
+    rig.set("sim.encoder.00.counts-per-index", 4000_u32);
+    rig.set("packet-error-limit", 1_000_000);
+    rig.cycles(2);
+    rig.set("sim.line.lost", 200_000_u32);
+    let (mut counts, mut found) = (0_i32, 0);
+    let mut before = 0;
+    for n in 0..200_000 {
+        counts += 3;
+        rig.set("sim.encoder.00.counts", counts);
+        let armed = rig.bit("encoder.00.index-enable");
+        rig.cycle();
+        if armed && !rig.bit("encoder.00.index-enable") {
+            found += 1;
+            let zero = rig.int("encoder.00.rawcounts") - rig.int("encoder.00.count");
+            assert_eq!(zero.rem_euclid(4000), before, "{n}: zero at {zero}");
+        }
+        if n % 3000 == 0 {
+            if found == 0 && n > 0 {
+                panic!("no index in {n} cycles");
+            }
+            if n == 0 {
+                // The first one without losses tells where the index is.
+                rig.set("sim.line.lost", 0_u32);
+                rig.set("encoder.00.index-enable", true);
+                while rig.bit("encoder.00.index-enable") {
+                    counts += 3;
+                    rig.set("sim.encoder.00.counts", counts);
+                    rig.cycle();
+                }
+                let zero = rig.int("encoder.00.rawcounts") - rig.int("encoder.00.count");
+                before = zero.rem_euclid(4000);
+                found = 1;
+                rig.set("sim.line.lost", 200_000_u32);
+            }
+            rig.set("encoder.00.index-enable", true);
+        }
+    }
+    assert!(found > 40, "{found}");
+}
+
+#[test]
+fn a_card_without_an_answer_is_given_up_and_nothing_starts_by_itself() {
+    let rig = Rig::new("7i92");
+    rig.stepgen(1000.0, 0.0);
+    rig.set("stepgen.00.control-type", true);
+    rig.set("stepgen.00.velocity-cmd", 5.0);
+    rig.cycles(100);
+    assert_eq!(rig.bench.failed_hardware(), 0);
+    rig.set("sim.line.plugged", false);
+    // The limit of 10 with 2 for each error: five cycles.
+    rig.cycles(4);
+    assert_eq!((rig.bit("io_error"), rig.bench.failed_hardware()), (false, 0));
+    rig.cycle();
+    assert!(rig.bit("io_error") && rig.bit("packet-error-exceeded"));
+    assert_eq!(rig.bench.failed_hardware(), 1, "the motion controller must be off in this cycle");
+    rig.cycles(10);
+    assert!(rig.bit("sim.watchdog-bitten"), "5 ms without a packet");
+    let said = rig.bench.said();
+    assert!(said.iter().any(|text| text.contains("is given up")), "{said:?}");
+    // The cable comes back: still nothing moves.
+    let steps = rig.float("sim.stepgen.00.steps");
+    rig.set("sim.line.plugged", true);
+    rig.cycles(100);
+    assert!(rig.bit("io_error"));
+    // A person begins anew, and is told that the watchdog has bitten.
+    rig.set("io_error", false);
+    rig.cycles(3);
+    assert!(rig.bit("watchdog.has_bit") && rig.bit("sim.watchdog-bitten"));
+    assert_eq!(rig.bench.failed_hardware(), 1);
+    rig.set("watchdog.has_bit", false);
+    rig.cycles(3);
+    assert!(!rig.bit("sim.watchdog-bitten") && !rig.bit("watchdog.has_bit"));
+    assert_eq!(rig.bench.failed_hardware(), 0);
+    rig.cycles(1000);
+    assert!((rig.float("sim.stepgen.00.steps") - steps).abs() > 4000.0);
+}
+
+#[test]
+fn the_watchdog_bites_when_nothing_is_written() {
+    let rig = Rig::new("7i92");
+    rig.set("gpio.010.is_output", true);
+    rig.set("gpio.010.out", true);
+    rig.set("sim.in-010", false);
+    rig.cycles(10);
+    assert!(rig.bit("sim.out-010"));
+    for n in 0..10 {
+        rig.bench.pass(super::PERIOD);
+        rig.bench.run(&rig.at("read"), super::PERIOD);
+        // After 5,000,000 ns.
+        assert_eq!(rig.bit("sim.watchdog-bitten"), n >= 4, "{n}");
+    }
+    assert!(rig.bit("watchdog.has_bit") && !rig.bit("sim.out-010"));
+    assert_eq!(rig.bench.failed_hardware(), 1);
+    // Writing alone changes nothing: a person must look.
+    rig.cycles(100);
+    assert!(rig.bit("watchdog.has_bit") && !rig.bit("sim.out-010"));
+    rig.set("watchdog.has_bit", false);
+    rig.cycles(2);
+    assert!(rig.bit("sim.out-010") && !rig.bit("watchdog.has_bit"));
+    let said = rig.bench.said();
+    assert_eq!(said.len(), 1, "{said:?}");
+}
+
+#[test]
+fn a_stop_makes_all_outputs_inputs_at_once() {
+    let rig = Rig::new("7i92");
+    rig.set("gpio.010.is_output", true);
+    rig.set("gpio.010.out", true);
+    rig.set("sim.in-010", false);
+    rig.cycles(10);
+    rig.bench.stop();
+    rig.bench.pass(1000);
+    rig.bench.run(&rig.at("read"), super::PERIOD);
+    assert!(rig.bit("sim.watchdog-bitten") && !rig.bit("sim.out-010"));
+}
