@@ -24,7 +24,7 @@ use crate::{
     ask::Described,
     config::CardConfig,
     cycle::{Health, Read, ReadState, Request, Write},
-    link::{Link, Renewals},
+    link::{Link, Question, Renewals},
     making::Making,
     simulated::{SimulatedCard, SimulatedLine},
 };
@@ -131,6 +131,7 @@ fn create_card(
         name: &name,
         number,
         renewals: renewals.clone(),
+        raw_address: Arc::default(),
         device: &*device,
         card: &card,
         config: &config,
@@ -142,14 +143,21 @@ fn create_card(
     modules::make(&mut making)?;
     let world = simulated.as_ref().map(|card| world::make(&mut making, card)).transpose()?;
     let stop = stop(&making)?;
-    let (plan, mut reads, writes) = (making.plan, making.reads, making.writes);
+    let (plan, raw, mut reads, writes) =
+        (making.plan, making.raw_address, making.reads, making.writes);
+    let question = plan.packet()?;
     let mut answer = [0; MAX_PACKET];
-    let first = ask::ask(&*device, &plan.packet()?, &mut answer);
+    let first = ask::ask(&*device, &question, &mut answer);
     let first = first.map_err(|why| failed(&why))?;
     for part in &mut reads {
         part.read(plan::Answer(first), module::Cycle { period: 0.001 }, false);
     }
-    let link = Arc::new(Link::new(device, b.clock(), plan.packet()?, renewals.clone()));
+    let link = Arc::new(Link::new(
+        device,
+        b.clock(),
+        Question { packet: question, raw: plan.variable_at(&question), address: raw },
+        renewals.clone(),
+    ));
     let messages = b.messages();
     let request = Request { link: Arc::clone(&link), io_error: health.io_error };
     b.function(&format!("{name}.read-request"), "Sends the packet of reads early", request)?;

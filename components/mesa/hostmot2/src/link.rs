@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub(crate) struct Link {
     device: Box<dyn Exchange>,
     clock: Clock,
-    question: Packet,
+    question: Question,
     /// Sequence number of the last question; 0 before the first.
     asked: AtomicU16,
     /// True from a question until its answer was taken or given up.
@@ -55,6 +55,13 @@ impl core::fmt::Debug for Link {
     }
 }
 
+/// Packet that asks, with the place and the value of the address that the raw pins set.
+pub(crate) struct Question {
+    pub(crate) packet: Packet,
+    pub(crate) raw: Option<usize>,
+    pub(crate) address: Arc<AtomicU16>,
+}
+
 /// Times of a question in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Times {
@@ -76,10 +83,10 @@ pub(crate) enum Outcome<'a> {
 }
 
 impl Link {
-    pub(crate) const fn new(
+    pub(crate) fn new(
         device: Box<dyn Exchange>,
         clock: Clock,
-        question: Packet,
+        question: Question,
         renewals: Renewals,
     ) -> Self {
         Self {
@@ -102,8 +109,11 @@ impl Link {
         }
         self.device.advance(self.clock.now_ns());
         let number = after(self.asked.load(Relaxed));
-        let mut packet = self.question;
+        let mut packet = self.question.packet;
         packet.patch(NUMBER_AT, number);
+        if let Some(at) = self.question.raw {
+            packet.patch(at, self.question.address.load(Relaxed));
+        }
         self.asked.store(number, Relaxed); // Published with `waits`.
         self.asked_at.store(low(self.clock.now_ns()), Relaxed); // Published with `waits`.
         self.device.send(packet.bytes())?;
@@ -120,7 +130,7 @@ impl Link {
         self.waits.store(false, Release); // Pairs with Acquire in `ask`.
         let (number, asked_at) = (self.asked.load(Relaxed), self.asked_at.load(Relaxed));
         let begin = self.clock.now_ns();
-        let expected = self.question.answer_bytes();
+        let expected = self.question.packet.answer_bytes();
         let most = i64::try_from(within.as_nanos()).unwrap_or(i64::MAX);
         // A flood of strange packets must not hold the thread: each reading of the clock takes time, and on the virtual
         // clock, where it takes none, the number of packets is bounded.

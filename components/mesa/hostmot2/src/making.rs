@@ -10,6 +10,7 @@ use crate::{
 use hal_component::{Builder, Error};
 use hal_firmware::{Module, Register, Tag};
 use port::Exchange;
+use std::sync::{Arc, atomic::AtomicU16};
 
 /// Pins, registers to read, and parts of the functions of one card, so far.
 pub(crate) struct Making<'m, 'h> {
@@ -19,6 +20,8 @@ pub(crate) struct Making<'m, 'h> {
     /// Number of the card among all, for messages.
     pub(crate) number: f64,
     pub(crate) renewals: Renewals,
+    /// Address of the register that the raw pins read.
+    pub(crate) raw_address: Arc<AtomicU16>,
     pub(crate) device: &'m dyn Exchange,
     pub(crate) card: &'m Described,
     pub(crate) config: &'m CardConfig,

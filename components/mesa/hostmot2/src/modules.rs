@@ -31,9 +31,10 @@ const ALL: &[Make] = &[
     ssr::make,
     led::make,
     ioport::make,
-    raw::make,
-    // Last: a packet that lets its time begin anew has brought all the rest.
+    // Behind the rest: a packet that lets its time begin anew has brought all of it.
     watchdog::make,
+    // Last: its place in the question changes.
+    raw::make,
 ];
 
 /// Creates the pins of all modules.

@@ -10,7 +10,9 @@ pub(crate) const SCRATCH: u16 = 0x10;
 pub(crate) const NUMBER_AT: usize = 4;
 
 /// Most packets that one cycle writes.
-pub(crate) const MAX_WRITES: usize = 4;
+pub(crate) const MAX_WRITES: usize = WRITES as usize;
+
+const WRITES: u8 = 4;
 
 /// Bytes of the sequence numbers at the end of the answer: that of the question, then those of the packets that wrote.
 pub(crate) const NUMBERS: usize = 2 * (1 + MAX_WRITES);
@@ -25,6 +27,8 @@ pub(crate) struct ReadPlan {
     /// Address and number of registers of each command.
     commands: Vec<(u16, u8)>,
     len: u16,
+    /// True if the last register is one whose address changes.
+    has_variable: bool,
 }
 
 impl ReadPlan {
@@ -44,6 +48,21 @@ impl ReadPlan {
         place
     }
 
+    /// Adds a register behind all others whose address changes from cycle to cycle.
+    pub(crate) fn read_variable(&mut self) -> Place {
+        self.commands.push((0, 1));
+        self.has_variable = true;
+        let place = Place(self.len);
+        self.len = self.len.saturating_add(4);
+        place
+    }
+
+    /// Returns the place of the changing address in the packet.
+    pub(crate) fn variable_at(&self, packet: &Packet) -> Option<usize> {
+        // Behind it stands the command that reads the sequence numbers.
+        self.has_variable.then(|| packet.bytes().len().saturating_sub(6))
+    }
+
     /// Returns the packet that asks: it leaves a sequence number with the card, reads all registers, and reads the numbers
     /// that the card holds.
     pub(crate) fn packet(&self) -> Result<Packet, Error> {
@@ -53,7 +72,7 @@ impl ReadPlan {
             for (address, count) in &self.commands {
                 packet.read_registers(*address, *count)?;
             }
-            packet.read(Space::Timers, Size::Word, SCRATCH, 1 + MAX_WRITES as u8)?;
+            packet.read(Space::Timers, Size::Word, SCRATCH, 1 + WRITES)?;
             Ok(())
         };
         build().map_err(|_| {

@@ -67,24 +67,24 @@ impl Inside {
         answer.len = len;
         match self.line.carry(len) {
             Fate::Lost => {}
-            Fate::Cut(len) => self.come(OnTheWay { len, ..answer }),
+            Fate::Cut(len) => self.come(&OnTheWay { len, ..answer }),
             Fate::Doubled => {
-                self.come(answer);
-                self.come(answer);
+                self.come(&answer);
+                self.come(&answer);
             }
             Fate::Late => self.late = Some(answer),
             Fate::Delivered => {
-                self.come(answer);
+                self.come(&answer);
                 if let Some(late) = self.late.take() {
-                    self.come(late);
+                    self.come(&late);
                 }
             }
         }
     }
 
-    fn come(&mut self, answer: OnTheWay) {
+    fn come(&mut self, answer: &OnTheWay) {
         if let Some(slot) = self.answers.get_mut(self.waiting) {
-            *slot = answer;
+            *slot = *answer;
             self.waiting += 1;
         }
     }

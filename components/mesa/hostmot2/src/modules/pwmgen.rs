@@ -122,7 +122,7 @@ impl Instance {
             4 => 1 << 3,
             _ => 0,
         };
-        self.mode.put(to, bits - 9 | 1 << 5 | form);
+        self.mode.put(to, (bits - 9) | 1 << 5 | form);
     }
 
     /// Returns the duty from 0 to 1, and the direction.
@@ -135,18 +135,21 @@ impl Instance {
             1.0
         };
         let value = self.pins.value.get() / scale;
-        let value = if value.is_nan() { 0.0 } else { value };
-        let value = if value > 1.0 {
+        let size = value.abs();
+        // What is no number counts as 0.
+        let size = if size > 1.0 {
             1.0
-        } else if value < -1.0 {
-            -1.0
+        } else if size >= 0.0 {
+            size
         } else {
-            value
+            0.0
         };
+        let backward = value < 0.0;
         if self.pins.offset_mode.get() {
-            return ((value + 1.0) / 2.0, false);
+            let signed = if backward { -size } else { size };
+            return (f64::midpoint(signed, 1.0), false);
         }
-        (value.abs(), value < 0.0)
+        (size, backward)
     }
 }
 

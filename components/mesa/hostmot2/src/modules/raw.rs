@@ -3,9 +3,12 @@
 use crate::{
     link::Outgoing,
     making::Making,
-    module::{Cycle, Writes},
+    module::{Cycle, Reads, Writes},
+    plan::{Answer, Place},
 };
+use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 use hal_component::{Error, In, InSet, Io, Out, Touch, pins};
+use std::sync::Arc;
 
 pins! {
     /// The pins.
@@ -25,6 +28,27 @@ pins! {
     }
 }
 
+/// Function half that reads.
+#[derive(Touch)]
+struct Peek {
+    pins: Raw,
+    #[state]
+    value: Place,
+    #[state]
+    address: Arc<AtomicU16>,
+}
+
+impl Reads for Peek {
+    fn read(&mut self, answer: Answer<'_>, _: Cycle, _: bool) {
+        self.pins.read_data.set(answer.get(self.value));
+        self.pins.dump_state.set(false);
+        // The next question asks for it.
+        if let Some(address) = register(self.pins.read_address) {
+            self.address.store(address, Relaxed);
+        }
+    }
+}
+
 /// Function half that writes.
 #[derive(Touch)]
 struct Poke {
@@ -37,18 +61,23 @@ impl Writes for Poke {
             return;
         }
         self.pins.write_strobe.set(false);
-        if let Ok(address @ 0..=0xFFFC) = u16::try_from(self.pins.write_address.get()) {
-            if address.is_multiple_of(4) {
-                to.put(address, self.pins.write_data.get());
-            }
+        if let Some(address) = register(self.pins.write_address) {
+            to.put(address, self.pins.write_data.get());
         }
     }
+}
+
+/// Returns the address of a register, if the pin has one.
+fn register(pin: In<u32>) -> Option<u16> {
+    u16::try_from(pin.get()).ok().filter(|at| at.is_multiple_of(4))
 }
 
 /// Creates the pins, if `config=` asks for them.
 pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     if m.config.raw {
         let pins = Raw::make(m.b, m.name)?;
+        let (value, address) = (m.plan.read_variable(), Arc::clone(&m.raw_address));
+        m.reads.push(Box::new(Peek { pins: pins.clone(), value, address }));
         m.writes.push(Box::new(Poke { pins }));
     }
     Ok(())

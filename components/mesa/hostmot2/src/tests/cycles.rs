@@ -159,6 +159,24 @@ fn relays_scanned_inputs_filtered_inputs_and_lights() {
 }
 
 #[test]
+fn raw_pins_read_and_write_any_register() {
+    let rig = Rig { bench: super::card("7i92", "enable_raw"), name: "hm2_7i92.0".to_owned() };
+    rig.set("raw.read_address", 0x100_u32);
+    rig.cycles(2);
+    assert_eq!(rig.bench.get::<u32>(&rig.at("raw.read_data")), 0x55AA_CAFE);
+    // The lights, of which the second is lit.
+    rig.set("raw.write_address", 0x200_u32);
+    rig.set("raw.write_data", 0x0200_0000_u32);
+    rig.set("raw.write_strobe", true);
+    rig.cycle();
+    assert!(rig.bit("sim.led.CR02") && !rig.bit("raw.write_strobe"));
+    // No register: nothing happens.
+    rig.set("raw.read_address", 0x102_u32);
+    rig.cycles(2);
+    assert_eq!(rig.bench.get::<u32>(&rig.at("raw.read_data")), 0x55AA_CAFE);
+}
+
+#[test]
 fn pulse_width_has_the_duty_of_its_value() {
     let rig = Rig::new("7i96s");
     rig.set("pwmgen.00.scale", 24_000.0);
