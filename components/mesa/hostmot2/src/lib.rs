@@ -10,6 +10,7 @@ mod config;
 mod cycle;
 mod follow;
 mod link;
+mod listing;
 mod making;
 mod module;
 mod modules;
@@ -25,6 +26,7 @@ use crate::{
     config::CardConfig,
     cycle::{Health, Read, ReadState, Request, Write},
     link::{Link, Question, Renewals},
+    listing::Listing,
     making::Making,
     simulated::{SimulatedCard, SimulatedLine},
 };
@@ -94,6 +96,7 @@ impl Component for Hm2Eth {
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
         let mut names = names::Names::default();
+        let mut cards = Vec::new();
         for (index, address) in b.arg_texts("board_ip").into_iter().enumerate() {
             let address = address.trim_matches('"').trim();
             let address: Ipv4Addr = address.parse().map_err(|_| {
@@ -103,9 +106,9 @@ impl Component for Hm2Eth {
                     address.escape_debug()
                 ))
             })?;
-            create_card(b, index, address, &mut names)?;
+            cards.push(create_card(b, index, address, &mut names)?);
         }
-        Ok(())
+        listing::command(b, cards)
     }
 }
 
@@ -115,7 +118,7 @@ fn create_card(
     index: usize,
     address: Ipv4Addr,
     names: &mut names::Names,
-) -> Result<(), Error> {
+) -> Result<Listing, Error> {
     let (device, simulated) = device(b, index, address)?;
     let card = ask::describe(&*device).map_err(|why| Error::new(format!("{address}: {why}")))?;
     let name = names.next(&card.board);
@@ -138,10 +141,12 @@ fn create_card(
         plan: plan::ReadPlan::default(),
         reads: Vec::new(),
         writes: Vec::new(),
+        taken: Vec::new(),
         used,
     };
     modules::make(&mut making)?;
     let world = simulated.as_ref().map(|card| world::make(&mut making, card)).transpose()?;
+    let listing = listing::of(&name, &address.to_string(), &card, &making.used, &making.taken);
     let stop = stop(&making)?;
     let (plan, raw, mut reads, writes) =
         (making.plan, making.raw_address, making.reads, making.writes);
@@ -187,7 +192,8 @@ fn create_card(
         // A card that cannot be reached is stopped by its watchdog.
         let _ = link.stop(&stop);
         renewals.renew();
-    })
+    })?;
+    Ok(listing)
 }
 
 /// Way to a card; the card itself if it is simulated.

@@ -28,6 +28,8 @@ pub(crate) struct Making<'m, 'h> {
     pub(crate) plan: ReadPlan,
     pub(crate) reads: Vec<Box<dyn Reads>>,
     pub(crate) writes: Vec<Box<dyn Writes>>,
+    /// For each I/O pin, whether a module uses it.
+    pub(crate) taken: Vec<bool>,
     /// Number of used instances of each kind of module.
     pub(crate) used: Vec<(Tag, u8)>,
 }

@@ -1,6 +1,7 @@
 //! Tests of the driver on the bench, with simulated cards.
 
 mod cycles;
+mod listing;
 mod losses;
 mod names;
 

@@ -159,6 +159,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
             let bit = Bit(1 << at);
             let name = m.at(&format!("gpio.{:03}", usize::from(port) * width + at));
             let taken = is_used(m, *pin);
+            m.taken.push(taken);
             level.pins.push((bit, Level::make(m.b, &name)?));
             if !taken {
                 output.free.push((bit, Free::make(m.b, &name)?));
