@@ -37,11 +37,17 @@ pub(crate) fn position(actual: Actual, command: [f64; 2], bounds: Bounds, period
     let wanted = (now - before) / period;
     let error = actual.speed - wanted;
     let bounded = bounds.acceleration > 0.0;
-    let towards = if error > 0.0 { -bounds.acceleration } else { bounds.acceleration };
-    let to_match = if bounded { -error / towards } else { 0.0 };
-    // Both run on for this time: the pulses by their mean speed, the command by its own.
-    let mean = actual.speed + 0.5 * towards * to_match;
-    let at_match = actual.position + mean * to_match - (now + wanted * to_match);
+    // Without a limit the speeds are equal after one period.
+    let towards = match (bounded, error > 0.0) {
+        (true, true) => -bounds.acceleration,
+        (true, false) => bounds.acceleration,
+        (false, _) => -error / period,
+    };
+    let to_match = if towards == 0.0 { 0.0 } else { -error / towards };
+    // Both run on for this time: the pulses by their mean speed, the command by its own. The place of the pulses is that of
+    // the period before.
+    let mean = 0.5 * (actual.speed + wanted);
+    let at_match = actual.position + mean * (to_match + period) - (now + wanted * to_match);
     let speed = if to_match < period {
         let wish = wanted - 0.5 * at_match / period;
         let most = bounds.acceleration * period;
@@ -146,9 +152,12 @@ mod tests {
     #[test]
     fn without_a_limit_the_speed_is_the_commands() {
         let free = Bounds { speed: 1000.0, acceleration: 0.0 };
-        let at = Actual { position: 1.0, speed: 0.0 };
-        let chosen = position(at, [1.05, 1.0], free, PERIOD);
-        assert!((chosen.speed - 75.0).abs() < 1e-9, "{chosen:?}");
+        // The speeds are made equal first, then the places.
+        for (from, at, speed) in [(0.0, 1.0, 62.5), (62.5, 1.0, 62.5), (62.5, 0.9375, 93.75)] {
+            let actual = Actual { position: at, speed: from };
+            let chosen = position(actual, [1.0625, 1.0], free, PERIOD);
+            assert!((chosen.speed - speed).abs() < 1e-9, "{chosen:?}");
+        }
         assert_eq!(velocity(0.0, -20.0, free, PERIOD).to_bits(), (-20.0_f64).to_bits());
         assert_eq!(velocity(0.0, -2000.0, free, PERIOD).to_bits(), (-1000.0_f64).to_bits());
     }

@@ -298,12 +298,14 @@ impl Kept {
         Self { address, value: 0, renewal: 0 }
     }
 
-    /// Writes the value if the register may hold another.
-    pub(crate) fn put(&mut self, to: &mut Outgoing<'_>, value: u32) {
-        if self.value != value || self.renewal != to.renewal() {
+    /// Writes the value if the register may hold another. Returns whether it was written.
+    pub(crate) fn put(&mut self, to: &mut Outgoing<'_>, value: u32) -> bool {
+        let is_new = self.value != value || self.renewal != to.renewal();
+        if is_new {
             (self.value, self.renewal) = (value, to.renewal());
             to.put(self.address, value);
         }
+        is_new
     }
 
     /// Makes the next value be written even if it is the same.

@@ -28,6 +28,8 @@ struct Terminal {
     pin: usize,
     outside: Option<In<bool>>,
     level: Out<bool>,
+    /// True for an input that is active at a low level.
+    active_low: bool,
 }
 
 impl Touch for Terminal {
@@ -95,11 +97,12 @@ impl World {
     fn put_in(&self, card: &mut Card) {
         for terminal in &self.terminals {
             if let Some(outside) = terminal.outside {
-                card.set_input(terminal.pin, outside.get());
+                card.set_input(terminal.pin, outside.get() != terminal.active_low);
             }
         }
         for (input, level) in (0..).zip(&self.scanned) {
-            card.set_scanned_input(input, level.get());
+            // Active at a low level, as all of them.
+            card.set_scanned_input(input, !level.get());
         }
         for turning in &self.encoders {
             let (counts, turn) = (i64::from(turning.counts.get()), turning.turn.get());
@@ -133,8 +136,9 @@ impl World {
         for relay in &self.relays {
             relay.closed.set(card.relay(relay.relay));
         }
-        for (n, light) in (0..).zip(&self.lights) {
-            light.set(card.light(n));
+        for (n, light) in (0..8).zip(&self.lights) {
+            // The first light is the highest bit.
+            light.set(card.light(7 - n));
         }
         self.watchdog.set(card.watchdog_has_bitten());
     }
@@ -153,12 +157,19 @@ pub(crate) fn make(m: &mut Making<'_, '_>, card: &Arc<SimulatedCard>) -> Result<
         let is_turned = own.is_some_and(|own| {
             matches!(own.kind(), Some(Tag::Encoder | Tag::MuxedEncoder)) && own.number <= 3
         });
-        let about = "Level that is connected to the I/O pin from outside";
+        let active_low = own.is_some_and(|own| own.kind() == Some(Tag::Inputs));
+        let about = if active_low {
+            "True while the input is active"
+        } else {
+            "Level that is connected to the I/O pin from outside"
+        };
+        let level = level && !active_low;
         let name = m.at(&format!("sim.in-{pin:03}"));
         let outside = if is_turned { None } else { Some(hidden(m, &name, about, level)?) };
         let about = "Level that a meter reads at the I/O pin";
         let name = m.at(&format!("sim.out-{pin:03}"));
-        terminals.push(Terminal { pin, outside, level: hidden(m, &name, about, level)? });
+        let level = hidden(m, &name, about, level)?;
+        terminals.push(Terminal { pin, outside, level, active_low });
     }
     let world = World {
         card: Arc::clone(card),
@@ -202,7 +213,7 @@ fn hidden<F: Field>(
 fn scanned(m: &mut Making<'_, '_>) -> Result<Vec<In<bool>>, Error> {
     let Some((module, _)) = m.module(Tag::InputMux) else { return Ok(Vec::new()) };
     let width = (m.peek(&module, hal_firmware::registers::INMUX_CONTROL, 0)? & 0x1F) + 1;
-    let about = "Level that is connected to the scanned input";
+    let about = "True while the scanned input is active";
     let pins = (0..width).map(|n| {
         let name = m.at(&format!("sim.inmux.00.in-{n:02}"));
         hidden(m, &name, about, false)

@@ -12,6 +12,9 @@ use hal_firmware::{Tag, registers};
 /// Parts of a period in a timer's register.
 const PARTS: f64 = 65_536.0;
 
+/// Rate that the divisor of the clock approaches from below.
+const FINE: f64 = 1_073_741_824.0;
+
 /// Parts of a period in the phase register.
 const PHASE_PARTS: f64 = 4_294_967_296.0;
 
@@ -90,13 +93,16 @@ impl Writes for Following {
     fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
         let p = &self.pins;
         let khz = frequency(p.base_freq, cycle);
-        let prescale = p.prescale.get();
         let size = p.ddsize.get().clamp_to(1, 62);
         let span = libm::scalbn(1.0, i32::try_from(size).unwrap_or(42));
-        self.base_rate.put(to, saturated(span * khz * 1000.0 * f64::from(prescale) / self.hz));
+        let rate = span * khz * 1000.0 / self.hz;
+        // A divisor of the clock keeps the rate large and thereby fine.
+        let prescale = saturated(FINE / rate).clamp_to(1, 255);
+        p.prescale.set(prescale);
+        self.base_rate.put(to, saturated(rate * f64::from(prescale)));
         self.control_0.put(to, prescale << 24 | p.plimit.get().clamp_to(0, 0x00FF_FFFF));
         self.control_1.put(to, p.time_const.get().clamp_to(0, 0xFFFF) << 16);
-        let timer = |us: In<f64>| saturated_half(us.get() * khz / 1000.0 * PARTS);
+        let timer = |us: In<f64>| saturated_half(-us.get() * khz / 1000.0 * PARTS);
         self.timers_12.put(to, timer(p.timer_2) << 16 | timer(p.timer_1));
         self.timers_34.put(to, timer(p.timer_4) << 16 | timer(p.timer_3));
     }
@@ -126,7 +132,7 @@ const fn saturated(x: f64) -> u32 {
 /// Returns a signed number of 16 bits.
 #[expect(clippy::cast_possible_truncation, reason = "the conversion saturates")]
 fn saturated_half(x: f64) -> u32 {
-    u32::from((libm::floor(x + 0.5) as i16).cast_unsigned())
+    u32::from((x as i16).cast_unsigned())
 }
 
 /// Creates the pins of the clock.
@@ -137,7 +143,8 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
         base_freq: pins.base_freq,
         phase_error: pins.phase_error,
         ddsize: pins.ddsize,
-        phase: m.read(&module, registers::DPLL_PHASE_ERROR, 0)?,
+        // Reading this register is the moment that the clock follows.
+        phase: m.read(&module, registers::DPLL_SYNC, 0)?,
         control: m.read(&module, registers::DPLL_CONTROL_1, 0)?,
     };
     let kept = |register| m.address(&module, register, 0).map(Kept::new);

@@ -389,7 +389,7 @@ impl Writes for Counts {
         self.tick.store(tick.to_bits(), Release); // Pairs with Acquire in `read`.
         let rate = divisor(self.clock, f64::from(self.sample_frequency.get()), 4095.0);
         let skew = self.skew.map_or(0.0, |ns| f64::from(ns.get()) * self.clock * 1e-9);
-        self.filter.put(to, rate | whole(skew) << 16);
+        self.filter.put(to, rate | whole(skew) << 28);
         if let Some(Timer(timer, register)) = &mut self.timer {
             register.put(to, super::timer(*timer));
         }
@@ -399,14 +399,14 @@ impl Writes for Counts {
     }
 }
 
-/// Returns a number of eight bits.
+/// Returns a number of four bits.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "the conversion saturates"
 )]
 fn whole(x: f64) -> u32 {
-    (x as u32).min(255)
+    (x as u32).min(15)
 }
 
 /// Returns the register of a rate: periods of the clock less two.
@@ -440,7 +440,7 @@ fn make_kind(m: &mut Making<'_, '_>, kind: &CounterKind) -> Result<(), Error> {
     let name = m.at("encoder.hires-timestamp");
     let hires = m.b.item(&name, about, false)?;
     let skew = if kind.tag == Tag::MuxedEncoder {
-        let about = "Delay of the samples behind the change of halves, in nanoseconds; 0 to 255 periods of the clock";
+        let about = "Delay of the samples behind the change of halves, in nanoseconds; 0 to 15 periods of the clock";
         let name = m.at("encoder.muxed-skew");
         Some(m.b.item(&name, about, 0)?)
     } else {

@@ -12,6 +12,9 @@ use hal_firmware::{Module, Register, Tag, registers};
 /// Periods of the clock that one period of the samples' divisor counts.
 const PRESCALE: f64 = 4.0;
 
+/// Bit of the control register for inputs that are active at a low level, as those of all cards are.
+const ACTIVE_LOW: u32 = 1 << 5;
+
 /// Kind of module: its tag and registers, and how they are named.
 struct InputKind {
     tag: Tag,
@@ -185,10 +188,10 @@ impl Writes for Scans {
 impl Scan {
     fn write(&mut self, to: &mut Outgoing<'_>) {
         let rate = f64::from(self.rate.get().max(1)) * self.slow.len() as f64;
-        let divisor = whole(libm::floor(self.clock / PRESCALE / rate + 0.5) - 1.0, 1023);
+        let divisor = whole(libm::floor(self.clock / PRESCALE / rate) - 1.0, 1023);
         let fast = self.fast.get().min(63);
         let long = self.long.get().min(1023);
-        self.control.put(to, divisor << 6 | fast << 16 | long << 22);
+        self.control.put(to, ACTIVE_LOW | divisor << 6 | fast << 16 | long << 22);
         self.filter.put(to, bits(self.slow.iter().map(In::get)));
         let mut modes = [0; 4];
         for (mode, every_edge) in modes.iter_mut().zip(&self.every_edge) {

@@ -115,7 +115,7 @@ impl PortOutputs {
         to.put(self.data, data);
         self.invert.put(to, invert);
         self.open_drain.put(to, open_drain);
-        self.source.put(to, self.driven);
+        self.source.put(to, self.taken);
         self.direction.put(to, direction);
     }
 }

@@ -18,7 +18,7 @@ struct Lights {
 
 impl Writes for Lights {
     fn write(&mut self, to: &mut Outgoing<'_>, _: Cycle) {
-        let lit = |(bit, light): (u32, &In<bool>)| if light.get() { 0x0100_0000 << bit } else { 0 };
+        let lit = |(bit, light): (u32, &In<bool>)| if light.get() { 0x8000_0000 >> bit } else { 0 };
         let data = (0..8).zip(&self.lights).map(lit).fold(0, |all, bit| all | bit);
         self.data.put(to, data);
     }

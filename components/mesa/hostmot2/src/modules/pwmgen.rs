@@ -11,6 +11,9 @@ use hal_firmware::{Tag, registers};
 /// Rate register's steps for the clock: the accumulator of rates has 16 bits.
 const RATE_STEPS: f64 = 65_536.0;
 
+/// Form of pulse density in the mode register.
+const PDM: u32 = 3 << 3;
+
 /// Forms of the output: pulse width with direction, up and down, pulse density, pulse width with direction swapped.
 const FORMS: core::ops::RangeInclusive<i32> = 1..=4;
 
@@ -67,7 +70,7 @@ struct Width {
 fn width(clock: f64, frequency: u32) -> Width {
     for bits in (9..=12_u32).rev() {
         let rate =
-            libm::floor(f64::from(frequency) * RATE_STEPS * f64::from(1_u32 << bits) / clock + 0.5);
+            libm::floor(f64::from(frequency) * RATE_STEPS * f64::from(1_u32 << bits) / clock);
         if rate < RATE_STEPS {
             return Width { bits, rate: whole(if rate < 1.0 { 1.0 } else { rate }) };
         }
@@ -88,8 +91,7 @@ impl Writes for Generators {
     fn write(&mut self, to: &mut Outgoing<'_>, _: Cycle) {
         let width = width(self.clock, self.pwm_frequency.get());
         self.pwm_rate.put(to, width.rate);
-        let density =
-            libm::floor(f64::from(self.pdm_frequency.get()) * RATE_STEPS / self.clock + 0.5);
+        let density = libm::floor(f64::from(self.pdm_frequency.get()) * RATE_STEPS / self.clock);
         self.pdm_rate.put(to, whole(if density < 65_535.0 { density } else { 65_535.0 }));
         let mut enable = 0;
         for (n, instance) in self.instances.iter_mut().enumerate() {
@@ -111,22 +113,29 @@ impl Instance {
         };
         // Pulse density always has 12 bits.
         let bits = if form == 3 { 12 } else { bits };
-        let (duty, backward) = self.duty();
+        let (size, backward) = self.value();
         let most = f64::from((1_u32 << bits) - 1);
-        let value = whole(libm::floor(duty * most + 0.5));
+        let value = whole(if self.pins.offset_mode.get() {
+            let signed = if backward { -size } else { size };
+            libm::floor(f64::midpoint(signed, 1.0) * most + 0.5)
+        } else {
+            libm::floor(size * most)
+        });
         to.put(self.value, value << 16 | u32::from(backward) << 31);
         // Symmetrical pulses, double buffered.
         let form = match form {
             2 => 2 << 3,
-            3 => 3 << 3,
+            3 => PDM,
             4 => 1 << 3,
             _ => 0,
         };
-        self.mode.put(to, (bits - 9) | 1 << 5 | form);
+        // New values begin with a period of the pulse width; pulse density has none.
+        let with_period = if form == PDM { 0 } else { 1 << 5 };
+        self.mode.put(to, (bits - 9) | with_period | form);
     }
 
-    /// Returns the duty from 0 to 1, and the direction.
-    fn duty(&self) -> (f64, bool) {
+    /// Returns the value over the scale: its size from 0 to 1, and whether it is negative. A disabled generator has 0.
+    fn value(&self) -> (f64, bool) {
         let scale = self.pins.scale.get();
         let scale = if scale.is_finite() && scale != 0.0 {
             scale
@@ -134,7 +143,7 @@ impl Instance {
             self.pins.scale.set(1.0);
             1.0
         };
-        let value = self.pins.value.get() / scale;
+        let value = if self.pins.enable.get() { self.pins.value.get() / scale } else { 0.0 };
         let size = value.abs();
         // What is no number counts as 0.
         let size = if size > 1.0 {
@@ -144,12 +153,7 @@ impl Instance {
         } else {
             0.0
         };
-        let backward = value < 0.0;
-        if self.pins.offset_mode.get() {
-            let signed = if backward { -size } else { size };
-            return (f64::midpoint(signed, 1.0), false);
-        }
-        (size, backward)
+        (size, value < 0.0)
     }
 }
 

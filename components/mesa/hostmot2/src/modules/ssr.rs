@@ -8,9 +8,6 @@ use crate::{
 use hal_component::{Error, In, Touch};
 use hal_firmware::{Tag, registers};
 
-/// Rate of the chopper for a rate of 0 hertz in the register.
-const STEPS_PER_CLOCK: f64 = 4096.0;
-
 /// Bit of the rate register that lets the chopper run.
 const ENABLED: u32 = 1 << 12;
 
@@ -41,8 +38,9 @@ impl Touch for Relay {
 
 impl Relays {
     fn write(&mut self, to: &mut Outgoing<'_>) {
-        let rate = libm::floor(f64::from(self.rate.get()) * STEPS_PER_CLOCK / self.clock);
-        self.rate_register.put(to, whole(rate) | ENABLED);
+        // Half a period of the chopper, in periods of the clock less two.
+        let half = libm::floor(self.clock / (2.0 * f64::from(self.rate.get().max(1)))) - 2.0;
+        self.rate_register.put(to, whole(half) | ENABLED);
         let on = |(relay, invert): &(Relay, In<bool>)| {
             if relay.on.get() == invert.get() { 0 } else { relay.bit }
         };
@@ -51,9 +49,13 @@ impl Relays {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is within 12 bits")]
-fn whole(rate: f64) -> u32 {
-    if rate >= 1.0 { if rate < 4095.0 { rate as u32 } else { 4095 } } else { 1 }
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the conversion saturates"
+)]
+fn whole(x: f64) -> u32 {
+    (x as u32).min(4095)
 }
 
 /// Function half that writes.

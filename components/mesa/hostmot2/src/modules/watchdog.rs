@@ -8,7 +8,7 @@ use crate::{
 };
 use core::sync::atomic::{
     AtomicBool,
-    Ordering::{Acquire, Release},
+    Ordering::{AcqRel, Acquire, Release},
 };
 use hal_component::{Error, Gives, Hardware, Io, Messages, ParamRw, Takes, Touch};
 use hal_firmware::{Tag, registers};
@@ -19,6 +19,15 @@ pub(crate) const RESET: u32 = 0x5A00_0000;
 /// Longest time that the register holds: bit 31 switches the watchdog off.
 const MOST: f64 = 2_147_483_647.0;
 
+/// What the writing half has done.
+#[derive(Debug, Default)]
+struct Keeper {
+    /// True from the first write on.
+    runs: AtomicBool,
+    /// True when the status has been written to 0.
+    released: AtomicBool,
+}
+
 /// Function half that reads.
 #[derive(Touch)]
 struct Status {
@@ -28,8 +37,7 @@ struct Status {
     messages: Messages,
     /// The card's I/O pins: failed while they are inputs.
     hardware: Hardware,
-    /// True from the first write on: before that, what the status says is of an earlier program.
-    runs: Takes<AtomicBool>,
+    keeper: Takes<Keeper>,
     #[state]
     was_said: bool,
     #[state]
@@ -37,14 +45,17 @@ struct Status {
 }
 
 impl Reads for Status {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, _: bool) {
-        let bitten = self.runs.load(Acquire) && answer.get(self.status) & 1 != 0; // Pairs with `write`.
-        // Once it was said, a person may clear the pin; the card's status follows with the next write.
+    fn read(&mut self, answer: Answer<'_>, _: Cycle, fresh: bool) {
+        // Before the first write, what the status says is of an earlier program. Pairs with `write`.
+        let bitten = self.keeper.runs.load(Acquire) && answer.get(self.status) & 1 != 0;
+        // Once it was said, a person may clear the pin; the card's status follows with the write of that cycle.
+        if fresh && self.keeper.released.swap(false, AcqRel) {
+            self.was_said = false;
+        }
         if bitten && !core::mem::replace(&mut self.was_said, bitten) {
             self.has_bit.set(true);
             self.messages.error(BITTEN, &[self.number]);
         }
-        self.was_said &= bitten;
         self.hardware.note(bitten || self.has_bit.get());
     }
 }
@@ -58,7 +69,7 @@ const BITTEN: &str = "card {}: its watchdog has bitten, because no packet of the
 struct Keep {
     has_bit: Io<bool>,
     timeout: ParamRw<u32>,
-    runs: Gives<AtomicBool>,
+    keeper: Gives<Keeper>,
     #[state]
     renewals: Renewals,
     #[state]
@@ -88,9 +99,11 @@ impl Writes for Keep {
         }
         let ticks = libm::floor(f64::from(self.timeout.get()) * 1e-9 * self.clock) - 1.0;
         self.period.put(to, whole(if ticks < 1.0 { 1.0 } else { ticks }));
-        self.status.put(to, 0);
+        if self.status.put(to, 0) {
+            self.keeper.released.store(true, Release); // Pairs with `read`.
+        }
         to.put(self.reset, RESET);
-        self.runs.store(true, Release); // Pairs with `read`.
+        self.keeper.runs.store(true, Release); // Pairs with `read`.
     }
 }
 
@@ -113,20 +126,20 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let about =
         "Longest time between two runs of the write function, in nanoseconds; 0 to 2^32 - 1";
     let timeout: ParamRw<u32> = m.b.item(&timeout, about, 5_000_000)?;
-    let (gives, takes) = m.b.shared(AtomicBool::new(false));
+    let (gives, takes) = m.b.shared(Keeper::default());
     let status = Status {
         status: m.read(&module, registers::WATCHDOG_STATUS, 0)?,
         has_bit,
         messages: m.b.messages(),
         hardware: m.b.hardware(),
-        runs: takes,
+        keeper: takes,
         was_said: false,
         number: m.number,
     };
     let keep = Keep {
         has_bit,
         timeout,
-        runs: gives,
+        keeper: gives,
         renewals: m.renewals.clone(),
         clock: m.clock(&module)?,
         period: Kept::new(m.address(&module, registers::WATCHDOG_TIMEOUT, 0)?),

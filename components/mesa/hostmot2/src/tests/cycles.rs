@@ -166,7 +166,7 @@ fn raw_pins_read_and_write_any_register() {
     assert_eq!(rig.bench.get::<u32>(&rig.at("raw.read_data")), 0x55AA_CAFE);
     // The lights, of which the second is lit.
     rig.set("raw.write_address", 0x200_u32);
-    rig.set("raw.write_data", 0x0200_0000_u32);
+    rig.set("raw.write_data", 0x4000_0000_u32);
     rig.set("raw.write_strobe", true);
     rig.cycle();
     assert!(rig.bit("sim.led.CR02") && !rig.bit("raw.write_strobe"));

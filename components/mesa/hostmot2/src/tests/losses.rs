@@ -150,6 +150,22 @@ fn the_watchdog_bites_when_nothing_is_written() {
     assert_eq!(said.len(), 1, "{said:?}");
 }
 
+/// A watchdog with less time than a period bites in each cycle, and each time it is said.
+#[test]
+fn a_watchdog_that_bites_again_is_seen_again() {
+    let rig = Rig::new("7i92");
+    rig.set("watchdog.timeout_ns", 800_000_u32);
+    rig.cycles(3);
+    for n in 0..5 {
+        assert!(rig.bit("watchdog.has_bit"), "{n}");
+        rig.set("watchdog.has_bit", false);
+        rig.cycle();
+        assert_eq!(rig.bench.failed_hardware(), 1, "{n}");
+        rig.cycle();
+    }
+    assert!(rig.bench.said().len() >= 5);
+}
+
 #[test]
 fn a_stop_makes_all_outputs_inputs_at_once() {
     let rig = Rig::new("7i92");
