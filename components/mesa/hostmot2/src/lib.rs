@@ -57,14 +57,17 @@ without effect: `hm2_eth` logs what it finds in a card.
 
 ```hal
 loadrt hostmot2
+loadrt hm2_eth
+getp hm2_7i92.0.watchdog.timeout_ns # -> 5000000
 ```";
     const FLAGS: u32 = component_flags::ONCE;
     const ARGS: &'static [&'static ArgSpec] = &[
-        &Arg::int("debug_idrom", "Without effect"),
-        &Arg::int("debug_module_descriptors", "Without effect"),
-        &Arg::int("debug_pin_descriptors", "Without effect"),
-        &Arg::int("debug_modules", "Without effect"),
-        &Arg::int("use_serial_numbers", "Without effect"),
+        &Arg::int("debug_idrom", "Without effect").within(0.0, 1.0),
+        &Arg::int("debug_module_descriptors", "Without effect").within(0.0, 1.0),
+        &Arg::int("debug_pin_descriptors", "Without effect").within(0.0, 1.0),
+        &Arg::int("debug_modules", "Without effect").within(0.0, 1.0),
+        &Arg::int("use_serial_numbers", "0: names with the serial numbers of remotes are not made")
+            .within(0.0, 0.0),
     ];
 
     fn create(_: &mut Builder<'_>) -> Result<(), Error> {
@@ -88,10 +91,11 @@ impl Component for Hm2Eth {
         ),
         &Arg::texts(
             "card",
-            "For each card, its kind, such as 7i96s: needed where no card can be asked, which is in \
-             simulation and in `check`",
-        ),
-        &Arg::int("debug", "Without effect"),
+            "For each card, its kind, such as 7i96s: used where no card can be asked, which is in \
+             simulation and in `check`; a card without one is like the last that has one",
+        )
+        .or("7i92"),
+        &Arg::int("debug", "Without effect").within(0.0, 1.0),
     ];
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
@@ -207,17 +211,13 @@ fn device(b: &Builder<'_>, index: usize, address: Ipv4Addr) -> Result<Device, Er
         return Ok((Box::new(line), None));
     }
     let kinds = || hal_card::boards().collect::<Vec<_>>().join(", ");
-    let Some(kind) = b.arg_text_at("card", index) else {
-        return Err(Error::new(format!(
-            "{address}: no card can be asked here, so its kind is needed: card=KIND, one of {}",
-            kinds()
-        )));
-    };
+    let named = b.arg_texts("card");
+    let kind = named.get(index).or(named.last()).cloned().unwrap_or_default();
     let kind = kind.trim_matches('"').trim();
     // Scripts name some cards by the name that cards of one family share.
     let of_family = || hal_card::boards().find(|board| names::kind(board) == kind);
     let board = Board::named(kind).or_else(|| Board::named(of_family()?)).ok_or_else(|| {
-        Error::new(format!("card: '{}' is not known: {}", kind.escape_debug(), kinds()))
+        Error::new(format!("card: '{}' is none of {}", kind.escape_debug(), kinds()))
     })?;
     let card = Arc::new(SimulatedCard::new(&board));
     Ok((Box::new(SimulatedLine(Arc::clone(&card))), Some(card)))

@@ -29,7 +29,7 @@ pins! {
         timer_3: In<f64> = "03.timer-us", 100.0;
         /// Time of timer 4 from the read, in microseconds: negative before it.
         timer_4: In<f64> = "04.timer-us", 100.0;
-        /// Frequency of the clock, in kilohertz; 0 and below for that of the thread.
+        /// Frequency of the clock, in thousands of hertz; 0 and below for that of the thread.
         base_freq: In<f64> = "base-freq-khz", -1.0;
         /// Phase of the last read, in microseconds.
         phase_error: Out<f64> = "phase-error-us", 0.0;
