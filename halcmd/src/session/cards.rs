@@ -80,23 +80,48 @@ fn look(
 
 /// Adds the cards that a line names: their kind and their number among those of the kind.
 fn add(line: &str, ini: Option<&Ini>, cards: &mut Vec<(String, u32)>) {
-    let code = line.split('#').next().unwrap_or_default();
+    let code = expanded(line.split('#').next().unwrap_or_default(), ini);
     for rest in code.split("hm2_").skip(1) {
-        let Some(card) = card(rest, ini) else { continue };
+        let Some(card) = card(rest) else { continue };
         if !cards.contains(&card) && cards.len() < MAX_CARDS {
             cards.push(card);
         }
     }
 }
 
-/// Reads `KIND.NUMBER.`, where the kind may be an entry of the INI file: `[HOSTMOT2](BOARD)` or `[HOSTMOT2]BOARD`.
-fn card(rest: &str, ini: Option<&Ini>) -> Option<(String, u32)> {
+/// Returns a line with the entries of the INI file in place of `[SECTION](NAME)` and `[SECTION]NAME`.
+fn expanded(line: &str, ini: Option<&Ini>) -> String {
+    let mut parts = line.split('[');
+    let mut whole = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let found = part.split_once(']').and_then(|(section, rest)| {
+            let (name, rest) = match rest.strip_prefix('(') {
+                Some(rest) => rest.split_once(')')?,
+                None => {
+                    let end = |c: char| !(c.is_ascii_alphanumeric() || c == '_');
+                    rest.split_at(rest.find(end).unwrap_or(rest.len()))
+                }
+            };
+            Some((ini?.get(section, name)?, rest))
+        });
+        match found {
+            Some((value, rest)) => {
+                whole.push_str(value);
+                whole.push_str(rest);
+            }
+            None => {
+                whole.push('[');
+                whole.push_str(part);
+            }
+        }
+    }
+    whole
+}
+
+/// Reads `KIND.NUMBER.`.
+fn card(rest: &str) -> Option<(String, u32)> {
     let (kind, rest) = rest.split_once('.')?;
     let number = rest.split_once('.')?.0.parse().ok()?;
-    let kind = match kind.strip_prefix('[').and_then(|entry| entry.split_once(']')) {
-        Some((section, name)) => ini?.get(section, name.trim_matches(['(', ')']))?,
-        None => kind,
-    };
     let is_kind = !kind.is_empty() && kind.chars().all(|c| c.is_ascii_alphanumeric());
     is_kind.then(|| (kind.to_ascii_lowercase(), number))
 }
@@ -107,7 +132,8 @@ mod tests {
 
     #[test]
     fn lines_name_cards() {
-        let ini = Ini::parse("a.ini", b"[HOSTMOT2]\nBOARD = 7i96s\nX = a b\n").unwrap();
+        let ini = Ini::parse("a.ini", b"[HOSTMOT2]\nBOARD = 7i96s\nX = a b\nCARD = hm2_7i95.1\n")
+            .unwrap();
         // (line, cards)
         let rows: &[(&str, &[(&str, u32)])] = &[
             ("net x hm2_7i92.0.gpio.000.in hm2_7I92.1.gpio.000.in", &[("7i92", 0), ("7i92", 1)]),
@@ -115,6 +141,9 @@ mod tests {
             ("setp hm2_[HOSTMOT2]BOARD.2.watchdog.timeout_ns 5", &[("7i96s", 2)]),
             ("setp hm2_[HOSTMOT2](X).0.a 5", &[]),
             ("setp hm2_[HOSTMOT2](Y).0.a 5", &[]),
+            ("addf [HOSTMOT2](CARD).read servo", &[("7i95", 1)]),
+            ("addf [HOSTMOT2]CARD.read servo # [", &[("7i95", 1)]),
+            ("[HOSTMOT2 [HOSTMOT2] [](", &[]),
             ("# hm2_7i76e.0.read", &[]),
             ("loadrt hm2_eth board_ip=10.10.10.10", &[]),
             ("addf hm2_5i25.0.read servo", &[("5i25", 0)]),

@@ -59,8 +59,43 @@ const LINES: [(u8, &str, u8, bool); 17] = [
 /// Signals that pins without one have got; `None` while lines may still link those.
 type Made = Option<BTreeMap<String, String>>;
 
-/// Returns the simulated bit of a parallel port's input, and whether it is the opposite of the pin.
+/// Returns the simulated bit of an input of a parallel port or of a card, and whether it is the opposite of the pin.
 fn line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
+    port_line(wires, pin).or_else(|| card_line(wires, pin))
+}
+
+/// Component that drives Mesa's cards.
+const CARDS: &str = "hm2_eth";
+
+/// Returns the simulated input of a Mesa card, and whether it is the opposite of the pin: `hm2_7i92.0.gpio.010.in_not` shows
+/// the opposite of `hm2_7i92.0.sim.in-010`, `hm2_7i96s.0.inm.00.input-03` shows `hm2_7i96s.0.sim.inm.00.in-03`.
+fn card_line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
+    let wired = wires.pins.get(pin).filter(|wired| wired.owner == CARDS)?;
+    let mut parts = pin.splitn(3, '.');
+    let (card, number, rest) = (parts.next()?, parts.next()?, parts.next()?);
+    let (sim, not) = match rest.strip_prefix("gpio.") {
+        Some(gpio) => {
+            let (io, end) = gpio.split_once('.')?;
+            (format!("in-{io}"), end == "in_not")
+        }
+        None => {
+            let (bank, input) = rest.rsplit_once('.')?;
+            let input = input.strip_prefix("raw-").unwrap_or(input).strip_prefix("input-")?;
+            let (input, not) = input.strip_suffix("-not").map_or((input, false), |n| (n, true));
+            (format!("{bank}.in-{input}"), not)
+        }
+    };
+    let sim = format!("{card}.{number}.sim.{sim}");
+    // Free I/O pins are pulled up.
+    let at_rest = rest.starts_with("gpio.");
+    let is_free = wires.pins.get(&sim).is_some_and(|pin| {
+        pin.direction == Direction::In && pin.signal.is_none() && pin.value == Value::Bit(at_rest)
+    });
+    (wired.direction == Direction::Out && is_free).then_some((sim, not))
+}
+
+/// Returns the simulated bit of a parallel port's input, and whether it is the opposite of the pin.
+fn port_line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
     let wired = wires.pins.get(pin).filter(|wired| wired.owner == "hal_parport")?;
     let (port, end) = pin.rsplit_once(".pin-")?;
     let (number, not) = match end.strip_suffix("-in-not") {
@@ -82,8 +117,8 @@ fn line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
 }
 
 impl StandIns {
-    /// Sets the values of a machine at rest: of the stand-ins, and if wanted of the inputs of simulated parallel ports that
-    /// nobody has set. Only with `last` real pins get new signals, since lines may still link them. Returns the joints that no
+    /// Sets the values of a machine at rest: of the stand-ins, and if wanted of the inputs of simulated ports and cards
+    /// that nobody has set. Only with `last` real pins get new signals, since lines may still link them. Returns the joints that no
     /// switch can home.
     ///
     /// # Errors

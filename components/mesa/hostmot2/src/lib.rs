@@ -30,7 +30,6 @@ use crate::{
     making::Making,
     simulated::{SimulatedCard, SimulatedLine},
 };
-use hal_card::Board;
 use hal_component::{
     Arg, Builder, Component, Error,
     abi::{ArgSpec, component_flags},
@@ -123,12 +122,12 @@ fn create_card(
     address: Ipv4Addr,
     names: &mut names::Names,
 ) -> Result<Listing, Error> {
-    let (device, simulated) = device(b, index, address)?;
+    let text = b.arg_text_at("config", index).unwrap_or_default();
+    let config = CardConfig::parse(&text).map_err(|why| Error::new(format!("{address}: {why}")))?;
+    let (device, simulated) = device(b, index, address, &config)?;
     let card = ask::describe(&*device).map_err(|why| Error::new(format!("{address}: {why}")))?;
     let name = names.next(&card.board);
-    let text = b.arg_text_at("config", index).unwrap_or_default();
     let failed = |why: &dyn core::fmt::Display| Error::new(format!("{name}: {why}"));
-    let config = CardConfig::parse(&text).map_err(|why| failed(&why))?;
     let number = u32::try_from(index).map_or(0.0, f64::from);
     let renewals = Renewals::new();
     let used = used(&card, &config, &name)?;
@@ -204,7 +203,12 @@ fn create_card(
 type Device = (Box<dyn Exchange>, Option<Arc<SimulatedCard>>);
 
 /// Returns the way to a card.
-fn device(b: &Builder<'_>, index: usize, address: Ipv4Addr) -> Result<Device, Error> {
+fn device(
+    b: &Builder<'_>,
+    index: usize,
+    address: Ipv4Addr,
+    config: &CardConfig,
+) -> Result<Device, Error> {
     if !b.is_simulated() && !b.is_trial() {
         let line = hal_udp::Line::open(address, hal_lbp16::PORT);
         let line = line.map_err(|why| Error::new(format!("{address}: no way to a card: {why}")))?;
@@ -214,9 +218,7 @@ fn device(b: &Builder<'_>, index: usize, address: Ipv4Addr) -> Result<Device, Er
     let named = b.arg_texts("card");
     let kind = named.get(index).or(named.last()).cloned().unwrap_or_default();
     let kind = kind.trim_matches('"').trim();
-    // Scripts name some cards by the name that cards of one family share.
-    let of_family = || hal_card::boards().find(|board| names::kind(board) == kind);
-    let board = Board::named(kind).or_else(|| Board::named(of_family()?)).ok_or_else(|| {
+    let board = simulated::board(kind, config).ok_or_else(|| {
         Error::new(format!("card: '{}' is none of {}", kind.escape_debug(), kinds()))
     })?;
     let card = Arc::new(SimulatedCard::new(&board));

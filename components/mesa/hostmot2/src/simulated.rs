@@ -1,8 +1,10 @@
 //! Realtime. A card that is simulated in the process, behind a line that may lose packets.
 
+use crate::{config::CardConfig, names};
 use core::time::Duration;
 use crossbeam::atomic::AtomicCell;
 use hal_card::{Board, Card, Fate, FaultyLine, Rates};
+use hal_firmware::{Module, Tag};
 use hal_lbp16::MAX_PACKET;
 use port::{Exchange, Lost};
 use std::sync::Arc;
@@ -133,6 +135,51 @@ impl SimulatedCard {
 
 /// Error of a card that another thread has (EBUSY).
 const BUSY: Lost = Lost(16);
+
+/// Returns the card of a kind, or of a family by the name that its cards share, with a firmware that has what is asked of it:
+/// one of the usual firmwares if one has, else the first of them with further modules, whose I/O pins nobody sees.
+pub(crate) fn board(kind: &str, config: &CardConfig) -> Option<Board> {
+    let is_kind =
+        |name: &&str| *name == kind || names::kind(name.split('-').next().unwrap_or(name)) == kind;
+    let exact = hal_card::boards().filter(|name| *name == kind);
+    let of_kind = || exact.chain(hal_card::boards().filter(is_kind)).filter_map(Board::named);
+    let boards: Vec<Board> = of_kind().collect();
+    let has_all = |board: &&Board| {
+        CardConfig::entries().all(|entry| {
+            let asked = config.limit(entry.name).unwrap_or(0);
+            entry.tags.contains(&Tag::Led)
+                || entry.tags.iter().any(|tag| instances(board, *tag) >= asked)
+                || asked == 0
+        })
+    };
+    let mut board = boards.iter().find(has_all).or(boards.first())?.clone();
+    for entry in CardConfig::entries() {
+        let (Some(asked), [tag, ..]) = (config.limit(entry.name), entry.tags) else { continue };
+        let has = entry.tags.iter().any(|tag| instances(&board, *tag) >= asked);
+        if has || *tag == Tag::Led {
+            continue;
+        }
+        let there = board
+            .modules
+            .iter()
+            .position(|module| module.kind().is_some_and(|kind| entry.tags.contains(&kind)));
+        match there.and_then(|at| board.modules.get_mut(at)) {
+            Some(module) => module.instances = asked,
+            None => {
+                let any =
+                    hal_card::boards().filter_map(Board::named).flat_map(|board| board.modules);
+                let module = any.into_iter().find(|module| module.kind() == Some(*tag));
+                board.modules.extend(module.map(|module| Module { instances: asked, ..module }));
+            }
+        }
+    }
+    Some(board)
+}
+
+fn instances(board: &Board, tag: Tag) -> u8 {
+    let of = board.modules.iter().filter(|module| module.kind() == Some(tag));
+    of.map(|module| module.instances).max().unwrap_or(0)
+}
 
 /// Way to a simulated card that the world around it shares.
 pub(crate) struct SimulatedLine(pub(crate) Arc<SimulatedCard>);

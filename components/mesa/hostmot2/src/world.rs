@@ -164,7 +164,13 @@ pub(crate) fn make(m: &mut Making<'_, '_>, card: &Arc<SimulatedCard>) -> Result<
             "Level that is connected to the I/O pin from outside"
         };
         let level = level && !active_low;
-        let name = m.at(&format!("sim.in-{pin:03}"));
+        let name = match own.filter(|_| active_low) {
+            Some(own) => {
+                let input = own.number.saturating_sub(1);
+                m.at(&format!("sim.inm.{:02}.in-{input:02}", own.instance))
+            }
+            None => m.at(&format!("sim.in-{pin:03}")),
+        };
         let outside = if is_turned { None } else { Some(hidden(m, &name, about, level)?) };
         let about = "Level that a meter reads at the I/O pin";
         let name = m.at(&format!("sim.out-{pin:03}"));

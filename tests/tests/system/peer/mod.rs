@@ -10,6 +10,7 @@ mod interpreter;
 mod kinematics;
 mod known;
 mod language;
+mod mesa;
 mod modules;
 mod motion;
 mod nc_files;

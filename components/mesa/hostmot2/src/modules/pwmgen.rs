@@ -11,6 +11,9 @@ use hal_firmware::{Tag, registers};
 /// Rate register's steps for the clock: the accumulator of rates has 16 bits.
 const RATE_STEPS: f64 = 65_536.0;
 
+/// Parts of a step of the duty with dither.
+const FRACTION: f64 = 16.0;
+
 /// Form of pulse density in the mode register.
 const PDM: u32 = 3 << 3;
 
@@ -30,6 +33,8 @@ pins! {
         output_type: ParamRw<i32> = "output-type", 1;
         /// TRUE for half a duty at a value of 0, and none at minus one scale.
         offset_mode: ParamRw<bool> = "offset-mode", false;
+        /// TRUE to alternate between two widths, which makes the mean finer than a step of the duty.
+        dither: ParamRw<bool> = "dither", false;
     }
 }
 
@@ -114,14 +119,18 @@ impl Instance {
         // Pulse density always has 12 bits.
         let bits = if form == 3 { 12 } else { bits };
         let (size, backward) = self.value();
-        let most = f64::from((1_u32 << bits) - 1);
+        let dithers = self.pins.dither.get() && form != 3;
+        let fraction = if dithers { FRACTION } else { 1.0 };
+        let most = f64::from((1_u32 << bits) - 1) * fraction;
         let value = whole(if self.pins.offset_mode.get() {
             let signed = if backward { -size } else { size };
             libm::floor(f64::midpoint(signed, 1.0) * most + 0.5)
         } else {
             libm::floor(size * most)
         });
-        to.put(self.value, value << 16 | u32::from(backward) << 31);
+        // Sixteenths of a step stand below the steps.
+        let value = if dithers { value << 12 } else { value << 16 };
+        to.put(self.value, value | u32::from(backward) << 31);
         // Symmetrical pulses, double buffered.
         let form = match form {
             2 => 2 << 3,
@@ -131,7 +140,7 @@ impl Instance {
         };
         // New values begin with a period of the pulse width; pulse density has none.
         let with_period = if form == PDM { 0 } else { 1 << 5 };
-        self.mode.put(to, (bits - 9) | with_period | form);
+        self.mode.put(to, (bits - 9) | with_period | form | u32::from(dithers) << 6);
     }
 
     /// Returns the value over the scale: its size from 0 to 1, and whether it is negative. A disabled generator has 0.

@@ -194,6 +194,15 @@ fn pulse_width_has_the_duty_of_its_value() {
         let out = rig.float("sim.pwmgen.00.duty");
         assert!((out - duty).abs() < 0.001, "{value}: {out}");
     }
+    // Half a step above 1365 of 4096: only with dither it is seen.
+    rig.set("pwmgen.00.value", 1365.5 / 4095.0 * 24_000.0);
+    for (dither, steps) in [(false, 1365.0), (true, 1365.5)] {
+        rig.set("pwmgen.00.dither", dither);
+        rig.cycles(2);
+        let out = rig.float("sim.pwmgen.00.duty") * 4096.0;
+        assert!((out - steps).abs() < 1.0 / 16.0, "{dither}: {out}");
+    }
+    rig.set("pwmgen.00.dither", false);
     rig.set("pwmgen.00.value", 12_000.0);
     rig.set("pwmgen.00.enable", false);
     rig.cycles(2);

@@ -2,6 +2,20 @@
 
 use super::card;
 
+/// Files name modules that only some firmwares of a card have: the simulated card has what is asked of it.
+#[test]
+fn a_simulated_card_has_the_modules_that_its_file_counts() {
+    for (kind, config, pin) in [
+        ("7i92", "num_pwmgens=1 num_stepgens=4", "hm2_7i92.0.pwmgen.00.value float IN"),
+        ("7i96s", "num_encoders=4", "hm2_7i96s.0.encoder.03.count s32 OUT"),
+        ("7i80", "num_stepgens=10", "hm2_7i80.0.stepgen.09.counts s32 OUT"),
+        ("7i76", "num_leds=4", "hm2_7i76.0.led.CR04 bit IN"),
+    ] {
+        let names = card(kind, config).names();
+        assert!(names.iter().any(|name| name == pin), "{kind} {config}: {pin}");
+    }
+}
+
 #[test]
 fn a_card_tells_its_firmware_modules_and_pins() {
     let bench = card("7i92", "num_stepgens=3 num_encoders=1");

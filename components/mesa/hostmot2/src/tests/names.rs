@@ -46,7 +46,7 @@ fn item(ty: &str, dir: &str, value: &str) -> String {
 }
 
 /// Pins that LinuxCNC's driver does not have.
-const OWN: [&str; 2] = ["packet-round-trip", "packet-wait"];
+const OWN: [&str; 3] = ["packet-round-trip", "packet-wait", ".dither"];
 
 fn ours(bench: &Bench) -> Items {
     let value = |name: &str, ty: &str| match ty {

@@ -1,0 +1,220 @@
+//! The driver of Mesa's cards beside LinuxCNC's: what both write to a simulated card, cycle by cycle.
+//!
+//! `tests/mesa/*.hal` are machines, `tests/mesa/writes` has what LinuxCNC's driver wrote for each, `tests/mesa/values` the pins that it
+//! sampled (`tests/mesa/oracle` records both). Here ours runs the same machines with the same card over UDP. The card's time goes on by
+//! one period with each packet that reads, so that the computer's own time changes nothing.
+
+use hal_tests::{
+    programs::{programs, root},
+    scratch::Scratch,
+};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::PathBuf,
+    process::Command,
+    sync::atomic::{AtomicU8, Ordering::Relaxed},
+};
+
+/// First cycle that is compared: until then both prepare the card, each in its order.
+const BEGIN: usize = 5;
+
+/// Difference from LinuxCNC's driver.
+struct Known {
+    machine: &'static str,
+    /// Beginning of the names of registers.
+    register: &'static str,
+    /// Largest number of cycles that differ, and largest difference of a value.
+    cycles: usize,
+    most: u32,
+    why: &'static str,
+}
+
+const ANY: u32 = u32::MAX;
+
+const KNOWN: &[Known] = &[
+    Known {
+        machine: "",
+        register: "DPLL_PHASE_ERROR",
+        cycles: 0,
+        most: 0,
+        why: "theirs writes it once; the card only reads it",
+    },
+    Known {
+        machine: "",
+        register: "0000",
+        cycles: 0,
+        most: 0,
+        why: "theirs writes to an address that no module has",
+    },
+    Known {
+        machine: "",
+        register: "SERIAL_",
+        cycles: usize::MAX,
+        most: ANY,
+        why: "orders to the ports come in another order",
+    },
+    Known {
+        machine: "servo",
+        register: "MUXED_CONTROL",
+        cycles: 2,
+        most: 0x50,
+        why: "ours disarms in the cycle in which the index is seen, theirs in the next one",
+    },
+    Known {
+        machine: "motion",
+        register: "STEP_RATE[1]",
+        cycles: usize::MAX,
+        most: 0x0030_0000,
+        why: "without a limit of the acceleration, rounding decides whether a correction comes in this cycle or the next",
+    },
+    Known {
+        machine: "mill",
+        register: "STEP_RATE[1]",
+        cycles: usize::MAX,
+        most: 2,
+        why: "other order of sums: one unit in the last place of the rate",
+    },
+];
+
+/// Value of each register by cycle.
+type Writes = BTreeMap<String, BTreeMap<usize, u32>>;
+
+fn folder() -> PathBuf {
+    root().join("tests/mesa")
+}
+
+fn names() -> Vec<String> {
+    let files = fs::read_dir(folder()).unwrap().filter_map(|entry| {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        name.strip_suffix(".hal").map(str::to_owned)
+    });
+    let mut names: Vec<_> = files.collect();
+    names.sort();
+    names
+}
+
+/// Reads a list that `writes.awk` made.
+fn writes(text: &str) -> Writes {
+    let mut writes = Writes::new();
+    let mut cycle = 0;
+    for line in text.lines() {
+        if let Some(number) = line.strip_prefix("cycle ") {
+            cycle = number.parse().unwrap();
+        }
+        let line = line.strip_prefix("start write").unwrap_or(line).trim_start();
+        let Some((register, value)) = line.split_once(" = ") else { continue };
+        let value = u32::from_str_radix(value, 16).unwrap();
+        writes.entry(register.to_owned()).or_default().insert(cycle, value);
+    }
+    writes
+}
+
+/// Returns a comment of a machine's file, such as `# cycles: 100`.
+fn comment<'t>(text: &'t str, name: &str) -> &'t str {
+    let start = format!("# {name}: ");
+    text.lines().find_map(|line| line.strip_prefix(&start)).unwrap()
+}
+
+/// Runs a machine of ours with a card. Returns what it wrote, and the sampled pins.
+fn ours(name: &str) -> (Writes, String) {
+    static CARDS: AtomicU8 = AtomicU8::new(1);
+    let [low, high, ..] = std::process::id().to_le_bytes();
+    let address = format!("127.{}.{high}.{}", CARDS.fetch_add(1, Relaxed), low | 1);
+    let scratch = Scratch::copy_of(&folder());
+    let text = scratch.read(&format!("{name}.hal"));
+    let cycles = comment(&text, "cycles");
+    let mut machine = text.replace("board_ip=192.168.1.121", &format!("board_ip={address}"));
+    machine.push_str(&format!("loadusr -w halsampler -n {cycles} values.own\n"));
+    scratch.write("machine.hal", machine);
+    let mut card = scratch.command(&[], programs().join("hm2card").to_str().unwrap());
+    card.args(["--address", &address, "--record", "record"]);
+    let card = scratch.start(card.args(comment(&text, "card").split(' ')));
+    // A busy computer is late; the card waits.
+    let output = scratch.halrun(&["--stuck-time", "60s", "-f", "machine.hal"]);
+    assert_eq!(output.status, Some(0), "{name}: {}", output.stderr);
+    drop(card);
+    let cycles = format!("cycles={cycles}");
+    let mut awk = Command::new("awk");
+    let awk = awk.args(["-v", &cycles, "-f", "writes.awk", "record"]).current_dir(scratch.path());
+    let listed = awk.output().unwrap();
+    assert!(listed.status.success(), "{}", String::from_utf8_lossy(&listed.stderr));
+    (writes(&String::from_utf8_lossy(&listed.stdout)), scratch.read("values.own"))
+}
+
+/// Returns the values of a register from the first cycle that is compared to the last.
+fn series(written: Option<&BTreeMap<usize, u32>>, last: usize) -> Vec<u32> {
+    let mut value = 0;
+    let mut values = Vec::new();
+    for cycle in 0..=last {
+        value = written.and_then(|written| written.get(&cycle)).copied().unwrap_or(value);
+        if cycle >= BEGIN {
+            values.push(value);
+        }
+    }
+    values
+}
+
+#[test]
+fn registers_have_the_values_that_linuxcncs_driver_writes() {
+    let mut wrong = Vec::new();
+    let mut used = BTreeSet::new();
+    let (mut compared, mut equal) = (0, 0);
+    for name in names() {
+        let theirs = fs::read_to_string(folder().join(format!("writes/{name}.txt"))).unwrap();
+        let theirs = writes(&theirs);
+        let (own, values) = ours(&name);
+        let last = *theirs.values().flat_map(BTreeMap::keys).max().unwrap();
+        let registers: BTreeSet<_> = theirs.keys().chain(own.keys()).collect();
+        for register in registers {
+            let pair = [theirs.get(register), own.get(register)].map(|w| series(w, last));
+            let differs = pair[0].iter().zip(&pair[1]).map(|(a, b)| {
+                // Rates are signed.
+                a.cast_signed().wrapping_sub(b.cast_signed()).unsigned_abs()
+            });
+            let differs: Vec<u32> = differs.collect();
+            let cycles = differs.iter().filter(|d| **d > 0).count();
+            compared += differs.len();
+            equal += differs.len() - cycles;
+            if cycles == 0 {
+                continue;
+            }
+            let most = differs.iter().max().copied().unwrap_or(0);
+            let at = differs.iter().position(|d| *d > 0).unwrap_or(0);
+            let known = KNOWN.iter().position(|known| {
+                (known.machine.is_empty() || known.machine == name)
+                    && register.starts_with(known.register)
+                    && cycles <= known.cycles
+                    && most <= known.most
+            });
+            if let Some(known) = known {
+                used.insert(known);
+            } else {
+                wrong.push(format!(
+                    "{name}: {register}: {cycles} cycles, at most {most}; first in cycle {}: {:08X} and ours {:08X}",
+                    at + BEGIN,
+                    pair[0][at],
+                    pair[1][at]
+                ));
+            }
+        }
+        if name == "loss" {
+            let theirs = fs::read_to_string(folder().join("values/loss.txt")).unwrap();
+            let plain = |text: &str| text.replace("-0.000000", "0.000000");
+            assert_eq!(plain(&values), plain(&theirs), "sampled pins with lost packets");
+        }
+    }
+    println!("{equal} of {compared} values are equal");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(compared > 20_000, "{compared}");
+    for (n, known) in KNOWN.iter().enumerate() {
+        let is_order = known.cycles == 0;
+        assert!(
+            is_order || used.contains(&n),
+            "{} {}: {}",
+            known.machine,
+            known.register,
+            known.why
+        );
+    }
+}
