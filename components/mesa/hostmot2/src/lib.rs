@@ -30,6 +30,7 @@ use crate::{
     making::Making,
     simulated::{SimulatedCard, SimulatedLine},
 };
+use hal_card::Remote;
 use hal_component::{
     Arg, Builder, Component, Error,
     abi::{ArgSpec, component_flags},
@@ -145,6 +146,8 @@ fn create_card(
         reads: Vec::new(),
         writes: Vec::new(),
         taken: Vec::new(),
+        channels: Vec::new(),
+        remotes: Vec::new(),
         used,
     };
     modules::make(&mut making)?;
@@ -216,13 +219,46 @@ fn device(
     }
     let kinds = || hal_card::boards().collect::<Vec<_>>().join(", ");
     let named = b.arg_texts("card");
-    let kind = named.get(index).or(named.last()).cloned().unwrap_or_default();
-    let kind = kind.trim_matches('"').trim();
+    let text = named.get(index).or(named.last()).cloned().unwrap_or_default();
+    let mut words = text.trim_matches('"').split_whitespace();
+    let kind = words.next().unwrap_or_default();
     let board = simulated::board(kind, config).ok_or_else(|| {
         Error::new(format!("card: '{}' is none of {}", kind.escape_debug(), kinds()))
     })?;
     let card = Arc::new(SimulatedCard::new(&board));
+    plug(&card, kind, &words.collect::<Vec<_>>())?;
     Ok((Box::new(SimulatedLine(Arc::clone(&card))), Some(card)))
+}
+
+/// Remotes that are parts of a board: its kind, the smart-serial channel, and the remote.
+const OWN_REMOTES: &[(&str, &str)] = &[("7i76e", "0.0=7i76"), ("7i76eu", "0.0=7i76")];
+
+/// Plugs remotes into a simulated card: those of its board, unless others are named.
+fn plug(card: &SimulatedCard, kind: &str, named: &[&str]) -> Result<(), Error> {
+    let own = OWN_REMOTES.iter().filter(|row| row.0 == kind).map(|row| row.1);
+    let all: Vec<&str> = match named {
+        ["alone"] => Vec::new(),
+        [] => own.collect(),
+        named => named.to_vec(),
+    };
+    for word in all {
+        let plugged = || {
+            let (place, name) = word.split_once('=')?;
+            let (port, channel) = place.split_once('.')?;
+            let remote = Remote::named(name)?;
+            let (port, channel) = (port.parse().ok()?, channel.parse().ok()?);
+            card.with(|inside| inside.card.plug(port, channel, remote)).ok()?.then_some(())
+        };
+        plugged().ok_or_else(|| {
+            Error::new(format!(
+                "card: '{}': PORT.CHANNEL=REMOTE is needed behind the kind of the card, with a channel \
+                 that the card has and a remote, one of {}; or 'alone' for a card without remotes",
+                word.escape_debug(),
+                hal_card::remotes().collect::<Vec<_>>().join(", ")
+            ))
+        })?;
+    }
+    Ok(())
 }
 
 /// Lights of a board that has any.

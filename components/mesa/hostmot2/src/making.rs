@@ -5,6 +5,7 @@ use crate::{
     config::CardConfig,
     link::Renewals,
     module::{Reads, Writes},
+    modules::UsedRemote,
     plan::{Place, ReadPlan},
 };
 use hal_component::{Builder, Error};
@@ -30,6 +31,10 @@ pub(crate) struct Making<'m, 'h> {
     pub(crate) writes: Vec<Box<dyn Writes>>,
     /// For each I/O pin, whether a module uses it.
     pub(crate) taken: Vec<bool>,
+    /// Channels of each smart-serial port that are used, one bit each.
+    pub(crate) channels: Vec<u8>,
+    /// Remotes of smart serial.
+    pub(crate) remotes: Vec<UsedRemote>,
     /// Number of used instances of each kind of module.
     pub(crate) used: Vec<(Tag, u8)>,
 }

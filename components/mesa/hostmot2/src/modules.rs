@@ -8,10 +8,12 @@ mod led;
 mod outm;
 mod pwmgen;
 mod raw;
+mod sserial;
 mod ssr;
 mod stepgen;
 mod watchdog;
 
+pub(crate) use sserial::{Element, Flow, Form, UsedRemote};
 pub(crate) use watchdog::RESET;
 
 use crate::making::Making;
@@ -30,6 +32,8 @@ const ALL: &[Make] = &[
     outm::make,
     ssr::make,
     led::make,
+    // Before the I/O pins, which the used channels take.
+    sserial::make,
     ioport::make,
     // Behind the rest: a packet that lets its time begin anew has brought all of it.
     watchdog::make,

@@ -32,6 +32,11 @@ pub(crate) struct ReadPlan {
 }
 
 impl ReadPlan {
+    /// Returns a place behind all registers, whose value is 0.
+    pub(crate) const fn none() -> Place {
+        Place(u16::MAX)
+    }
+
     /// Adds a register. Returns where its value stands in the answer.
     pub(crate) fn read(&mut self, address: u16) -> Place {
         let place = Place(self.len);

@@ -1,5 +1,8 @@
 //! Realtime. The world around a simulated card as pins: what is connected to its terminals, and what a meter would read there.
 
+mod remotes;
+
+use self::remotes::RemoteWorld;
 use crate::{making::Making, simulated::SimulatedCard};
 use hal_card::{Card, Rates};
 use hal_component::{Decl, Error, Field, In, Out, Touch, Uses};
@@ -18,6 +21,7 @@ pub(crate) struct World {
     duties: Vec<Out<f64>>,
     relays: Vec<Closed>,
     lights: Vec<Out<bool>>,
+    remotes: Vec<RemoteWorld>,
     watchdog: Out<bool>,
     line: LinePins,
 }
@@ -104,6 +108,9 @@ impl World {
             // Active at a low level, as all of them.
             card.set_scanned_input(input, !level.get());
         }
+        for remote in &self.remotes {
+            remote.put_in(card);
+        }
         for turning in &self.encoders {
             let (counts, turn) = (i64::from(turning.counts.get()), turning.turn.get());
             if turning.is_muxed {
@@ -139,6 +146,9 @@ impl World {
         for (n, light) in (0..8).zip(&self.lights) {
             // The first light is the highest bit.
             light.set(card.light(7 - n));
+        }
+        for remote in &self.remotes {
+            remote.put_out(card);
         }
         self.watchdog.set(card.watchdog_has_bitten());
     }
@@ -198,6 +208,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>, card: &Arc<SimulatedCard>) -> Result<
         )?,
         relays: relays(m)?,
         lights: lights(m)?,
+        remotes: remotes::make(m)?,
         watchdog: {
             let name = m.at("sim.watchdog-bitten");
             hidden(m, &name, "True once the watchdog has bitten", false)?

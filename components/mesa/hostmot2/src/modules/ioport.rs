@@ -1,5 +1,6 @@
 //! Realtime. I/O pins: free ones, and the levels of those that modules use.
 
+use super::sserial;
 use crate::{
     link::{Kept, Outgoing},
     making::Making,
@@ -182,6 +183,10 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
 /// Returns the name under which the form of a module's output is set: that of the module's pin, where it has one.
 fn form_name(m: &Making<'_, '_>, pin: Pin, taken: bool) -> Option<String> {
     let tag = pin.kind().filter(|_| taken)?;
+    if tag == Tag::SmartSerial {
+        let (channel, sort) = sserial::channel(pin.number)?;
+        return Some(m.at(&format!("sserial.{:02}.{sort}{channel}", pin.instance)));
+    }
     let output = match (tag, pin.number) {
         (Tag::StepGenerator, 1) => "step",
         (Tag::StepGenerator, 2) => "direction",
@@ -200,6 +205,11 @@ fn is_used(m: &Making<'_, '_>, pin: Pin) -> bool {
     let Some(tag) = pin.kind() else { return false };
     if tag == Tag::MuxedEncoderSelect {
         return m.module(Tag::MuxedEncoder).is_some();
+    }
+    if tag == Tag::SmartSerial {
+        let channels = m.channels.get(usize::from(pin.instance)).copied().unwrap_or(0);
+        return sserial::channel(pin.number)
+            .is_some_and(|(channel, _)| channel < 8 && channels >> channel & 1 == 1);
     }
     let Some((_, used)) = m.module(tag) else { return false };
     if tag == Tag::StepGenerator && pin.number > m.config.step_width.unwrap_or(2) {

@@ -29,11 +29,17 @@ fn theirs(text: &str) -> Items {
         }
         let value = match value.strip_prefix("0x") {
             Some(hex) => u32::from_str_radix(hex, 16).unwrap().to_string(),
+            None if ty == "float" => digits(value.parse().unwrap()),
             None => value.to_owned(),
         };
         items.insert(name.to_owned(), item(ty, dir, &value));
     }
     items
+}
+
+/// Returns a number with the seven digits that the lists have.
+fn digits(x: f64) -> String {
+    format!("{x:.6e}")
 }
 
 /// Returns type, direction and initial value. The initial value of an output is what the card shows: LinuxCNC's driver reads
@@ -46,12 +52,12 @@ fn item(ty: &str, dir: &str, value: &str) -> String {
 }
 
 /// Pins that LinuxCNC's driver does not have.
-const OWN: [&str; 3] = ["packet-round-trip", "packet-wait", ".dither"];
+const OWN: [&str; 4] = ["packet-round-trip", "packet-wait", ".fault", ".dither"];
 
 fn ours(bench: &Bench) -> Items {
     let value = |name: &str, ty: &str| match ty {
         "bit" => bench.get::<bool>(name).to_string().to_uppercase(),
-        "float" => bench.get::<f64>(name).to_string(),
+        "float" => digits(bench.get(name)),
         "s32" => bench.get::<i32>(name).to_string(),
         "u32" => bench.get::<u32>(name).to_string(),
         _ => panic!("{name}: {ty}"),
@@ -72,7 +78,7 @@ fn every_card_has_linuxcncs_pins() {
     let mut cards = 0;
     for line in fs::read_to_string(folder().join("boards")).unwrap().lines() {
         let words: Vec<_> = line.split_whitespace().collect();
-        let [name, config, "--board", kind, ..] = words[..] else { continue };
+        let [name, config, "--board", kind, ref rest @ ..] = words[..] else { continue };
         let text = fs::read_to_string(folder().join(format!("pins/{name}.txt"))).unwrap();
         let theirs = theirs(&text);
         if theirs.is_empty() {
@@ -80,7 +86,12 @@ fn every_card_has_linuxcncs_pins() {
             continue;
         }
         cards += 1;
-        let bench = card(kind, &config.trim_matches('-').replace(',', " "));
+        let mut remotes: Vec<_> = rest.iter().copied().filter(|word| *word != "--remote").collect();
+        if remotes.is_empty() {
+            remotes.push("alone");
+        }
+        let simulated = format!("{kind} {}", remotes.join(" "));
+        let bench = card(&simulated, &config.trim_matches('-').replace(',', " "));
         let ours = ours(&bench);
         let names: BTreeSet<_> = theirs.keys().chain(ours.keys()).collect();
         // That release does not know the lights of these boards.

@@ -1,0 +1,360 @@
+//! Realtime. A running port: one step a cycle.
+//!
+//! ```text
+//!            run                                      faults
+//!   off ───────────▶ stops ──▶ (parameters) ──▶ starts ──▶ runs ──────▶ stops ──▶ failed
+//!    ▲                                                      │ run is FALSE          │
+//!    └──────────────────────────────────────────────────────┴───────────────────────┘
+//! ```
+
+use super::{
+    data::Word,
+    parts::{Exchanged, PortPins, Remote, Seen},
+    settings::RemoteSetting,
+    talk::{Addresses, CHANNELS, EXCHANGE, START, START_SETUP, STOP_ALL},
+};
+use crate::{link::Outgoing, module::Cycle};
+use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
+use hal_component::{Gives, Hardware, Messages, Out, Takes, Touch};
+
+/// Longest time that a command may take, in seconds: remotes that have just got power answer late.
+const LONGEST: f64 = 2.0;
+
+/// Status of a channel: the remote's watchdog has bitten, and its outputs are off.
+const BITTEN: u32 = 1 << 24;
+/// Status of a channel: no remote answers, or not in time.
+const SILENT: u32 = 0x4000 | 0x08;
+
+/// Command under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Stop,
+    /// Stop after a fault.
+    GiveUp,
+    Start,
+    Setup(usize),
+    Order(usize, u8),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Off,
+    Does(Step),
+    Runs,
+    Failed,
+}
+
+/// News since the last cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum News {
+    /// No answer came.
+    None,
+    /// The card had not received the last packet of writes.
+    Missed,
+    /// The processor's command and data registers.
+    Came { command: u32, faults: u32 },
+}
+
+/// Half of a port that writes.
+#[derive(Touch)]
+pub(crate) struct Port {
+    pub(crate) pins: PortPins,
+    pub(crate) remotes: Vec<Remote>,
+    pub(crate) settings: Vec<RemoteSetting>,
+    pub(crate) seen: Takes<Seen>,
+    pub(crate) exchanged: Gives<Exchanged>,
+    /// Failed while the port was stopped by faults.
+    pub(crate) hardware: Hardware,
+    pub(crate) messages: Messages,
+    pub(crate) exchanges: Out<i32>,
+    #[state]
+    pub(crate) at: Addresses,
+    #[state]
+    pub(crate) number: [f64; 2],
+    #[state]
+    pub(crate) state: PortState,
+}
+
+/// Memory of a port.
+pub(crate) struct PortState {
+    phase: Phase,
+    answers: u32,
+    missed: u32,
+    /// Time that the command under way has taken.
+    waited: f64,
+    /// Number of the present start.
+    start: u32,
+    /// True if the last cycle had an exchange.
+    exchanged: bool,
+    level: u32,
+    exchanges: i32,
+}
+
+impl PortState {
+    pub(crate) const fn new() -> Self {
+        Self {
+            phase: Phase::Off,
+            answers: 0,
+            missed: 0,
+            waited: 0.0,
+            start: 0,
+            exchanged: false,
+            level: 0,
+            exchanges: 0,
+        }
+    }
+}
+
+const UNFINISHED: &str = "card {}: smart-serial port {} does not finish command {}: the port is stopped; when the \
+cause is known, set its pin run to 0 and 1 to begin again";
+
+impl Port {
+    /// Runs one cycle.
+    pub(crate) fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
+        let news = self.news();
+        let before = core::mem::take(&mut self.state.exchanged);
+        match self.state.phase {
+            Phase::Off if self.pins.run.get() => self.begin(Step::Stop, to),
+            Phase::Failed if !self.pins.run.get() => {
+                self.hardware.note(false);
+                self.begin(Step::Stop, to);
+            }
+            Phase::Off | Phase::Failed => {}
+            Phase::Does(step) => self.follow(step, news, to, cycle),
+            Phase::Runs if !self.pins.run.get() => self.begin(Step::Stop, to),
+            Phase::Runs => self.exchange(news, before, to),
+        }
+        let start = if self.state.exchanged { self.state.start } else { 0 };
+        self.exchanged.store(start, Release); // Pairs with Acquire in the half that reads.
+        self.show();
+    }
+
+    fn show(&self) {
+        self.pins.state.set(match self.state.phase {
+            Phase::Off => 0,
+            Phase::Does(Step::Stop | Step::GiveUp) => 1,
+            Phase::Does(Step::Start) => 2,
+            Phase::Runs => 3,
+            Phase::Failed => 4,
+            Phase::Does(Step::Setup(_) | Step::Order(..)) => 7,
+        });
+        self.pins.level.set(self.state.level);
+        self.exchanges.set(self.state.exchanges);
+    }
+
+    fn news(&mut self) -> News {
+        let answers = self.seen.answers.load(Acquire); // Pairs with Release in the half that reads.
+        let missed = self.seen.missed.load(Relaxed); // Published with `answers`.
+        let was_missed = core::mem::replace(&mut self.state.missed, missed) != missed;
+        if core::mem::replace(&mut self.state.answers, answers) == answers {
+            return News::None;
+        }
+        if was_missed {
+            return News::Missed;
+        }
+        let command = self.seen.command.load(Relaxed); // Published with `answers`.
+        self.pins.command.set(command);
+        News::Came { command, faults: self.seen.data.load(Relaxed) } // Published with `answers`.
+    }
+
+    /// Returns the channels of all remotes, one bit each.
+    fn mask(&self) -> u32 {
+        self.remotes.iter().fold(0, |mask, remote| mask | 1 << remote.channel)
+    }
+
+    fn begin(&mut self, step: Step, to: &mut Outgoing<'_>) {
+        self.state.phase = Phase::Does(step);
+        self.state.waited = 0.0;
+        self.send(step, to);
+    }
+
+    /// Writes the registers of a step.
+    fn send(&mut self, step: Step, to: &mut Outgoing<'_>) {
+        let at = self.at;
+        let command = match step {
+            Step::Stop | Step::GiveUp => STOP_ALL,
+            Step::Start => {
+                for remote in &self.remotes {
+                    put(to, &at.status, remote.channel, u32::from(remote.mode) << 24);
+                }
+                START | self.mask()
+            }
+            Step::Setup(nth) => {
+                let channel = self.settings.get(nth).map_or(0, |setting| setting.channel);
+                let remote = self.remotes.iter().find(|remote| remote.channel == channel);
+                let mode = remote.map_or(0, |remote| remote.mode);
+                put(to, &at.status, channel, u32::from(mode) << 24);
+                START_SETUP | 1 << channel
+            }
+            Step::Order(nth, number) => {
+                let Some(setting) = self.settings.get_mut(nth) else { return };
+                let Some((order, argument)) = setting.order(number) else { return };
+                let [user, ..] = &at.user;
+                put(to, &at.status, setting.channel, order);
+                put(to, user, setting.channel, argument);
+                EXCHANGE | 1 << setting.channel
+            }
+        };
+        to.put(at.command, command);
+    }
+
+    /// Waits for the end of a step, and goes on to the next one.
+    fn follow(&mut self, step: Step, news: News, to: &mut Outgoing<'_>, cycle: Cycle) {
+        self.state.waited += cycle.period;
+        match news {
+            News::Missed => self.send(step, to),
+            News::Came { command: 0, faults } => self.finish(step, faults, to),
+            News::Came { command, .. } if self.state.waited > LONGEST => {
+                let [card, port] = self.number;
+                self.messages.error(UNFINISHED, &[card, port, f64::from(command)]);
+                if step == Step::GiveUp {
+                    self.state.phase = Phase::Failed;
+                } else {
+                    self.fail(to);
+                }
+            }
+            News::None | News::Came { .. } => {}
+        }
+    }
+
+    fn finish(&mut self, step: Step, faults: u32, to: &mut Outgoing<'_>) {
+        match step {
+            Step::GiveUp => self.state.phase = Phase::Failed,
+            Step::Stop => match self.settings.iter().position(RemoteSetting::is_new) {
+                Some(nth) => self.begin(Step::Setup(nth), to),
+                None if self.pins.run.get() => self.begin(Step::Start, to),
+                None => self.state.phase = Phase::Off,
+            },
+            Step::Start if faults & self.mask() != 0 => {
+                self.report(faults);
+                self.fail(to);
+            }
+            Step::Start => {
+                self.state.start = self.state.start.wrapping_add(1).max(1);
+                self.state.level = 0;
+                self.report(0);
+                self.state.phase = Phase::Runs;
+                self.put_data(to, true);
+            }
+            Step::Setup(nth) => self.next_order(nth, None, faults, to),
+            Step::Order(nth, number) => self.next_order(nth, Some(number), faults, to),
+        }
+    }
+
+    /// Sends the next command for a parameter; after the last one, and if the remote takes none, the port is stopped again.
+    fn next_order(&mut self, nth: usize, done: Option<u8>, faults: u32, to: &mut Outgoing<'_>) {
+        let Some(setting) = self.settings.get_mut(nth) else { return self.begin(Step::Stop, to) };
+        let (channel, next) = (setting.channel, done.map_or(0, |number| number + 1));
+        let refused = faults >> channel & 1 == 1;
+        if !refused && setting.order(next).is_some() {
+            return self.begin(Step::Order(nth, next), to);
+        }
+        setting.done();
+        let remote = self.remotes.iter().find(|remote| remote.channel == channel);
+        if let Some(remote) = remote.filter(|_| refused) {
+            self.messages.warn(remote.texts.setting, &[]);
+        }
+        self.begin(Step::Stop, to);
+    }
+
+    /// Judges the last exchange, and begins the next one.
+    fn exchange(&mut self, news: News, before: bool, to: &mut Outgoing<'_>) {
+        match news {
+            // The last exchange may not be finished, and a command must not disturb it.
+            News::None => self.put_data(to, false),
+            News::Missed => self.put_data(to, true),
+            News::Came { command: 0, faults } => {
+                let faults = if before { faults & self.mask() } else { 0 };
+                self.report(faults);
+                if self.count(faults != 0) {
+                    self.fail(to);
+                } else {
+                    self.put_data(to, true);
+                }
+            }
+            News::Came { command, .. } => {
+                if self.count(true) {
+                    let [card, port] = self.number;
+                    self.messages.error(UNFINISHED, &[card, port, f64::from(command)]);
+                    self.fail(to);
+                } else {
+                    self.put_data(to, false);
+                }
+            }
+        }
+    }
+
+    /// Counts a cycle with or without faults. Returns whether there are too many.
+    fn count(&mut self, failed: bool) -> bool {
+        let level = self.state.level;
+        self.state.level = if failed {
+            level.saturating_add(self.pins.increment.get())
+        } else {
+            level.saturating_sub(self.pins.decrement.get())
+        };
+        failed && self.pins.increment.get() > 0 && self.state.level >= self.pins.limit.get()
+    }
+
+    /// Shows and reports which remotes failed in the last exchange.
+    fn report(&mut self, faults: u32) {
+        self.pins.failing.set(faults);
+        for remote in &mut self.remotes {
+            let failed = faults >> remote.channel & 1 == 1;
+            remote.fault.set(failed);
+            if failed && !core::mem::replace(&mut remote.reported, true) {
+                let status = self.seen.status.get(remote.channel);
+                let status = status.map_or(0, |status| status.load(Relaxed)); // Published with `answers`.
+                let text = if status & BITTEN != 0 {
+                    remote.texts.bitten
+                } else if status & SILENT != 0 {
+                    remote.texts.silent
+                } else {
+                    remote.texts.fault
+                };
+                self.messages.warn(text, &[f64::from(status)]);
+            }
+            remote.reported &= failed;
+        }
+    }
+
+    /// Stops the port because of faults, and notes that hardware has failed.
+    fn fail(&mut self, to: &mut Outgoing<'_>) {
+        self.hardware.note(true);
+        let failing = self.pins.failing.get();
+        for remote in self.remotes.iter().filter(|remote| failing >> remote.channel & 1 == 1) {
+            self.messages.error(remote.texts.stopped, &[]);
+        }
+        self.begin(Step::GiveUp, to);
+    }
+
+    /// Writes the process data, and begins an exchange.
+    fn put_data(&mut self, to: &mut Outgoing<'_>, exchanges: bool) {
+        // Neighbouring registers go into one command.
+        for (n, user) in self.at.user.iter().enumerate() {
+            for remote in self.remotes.iter().filter(|remote| n < remote.registers) {
+                let mut word: Word = 0;
+                for given in &remote.given {
+                    given.give(&mut word);
+                }
+                put(to, user, remote.channel, low(word >> (n * 32)));
+            }
+        }
+        if exchanges {
+            to.put(self.at.command, EXCHANGE | self.mask());
+            self.state.exchanged = true;
+            self.state.exchanges = self.state.exchanges.wrapping_add(1);
+        }
+    }
+}
+
+/// Writes the register of a channel.
+fn put(to: &mut Outgoing<'_>, at: &[u16; CHANNELS], channel: usize, value: u32) {
+    if let Some(address) = at.get(channel) {
+        to.put(*address, value);
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the low half")]
+const fn low(word: Word) -> u32 {
+    word as u32
+}

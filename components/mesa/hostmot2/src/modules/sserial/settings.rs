@@ -1,0 +1,122 @@
+//! Realtime. Parameters of remotes: their values reach a remote while its port does not run.
+
+use super::{
+    describe::{Form, Setting},
+    talk::{SELECT, WRITE, size},
+};
+use crate::making::Making;
+use hal_component::{Error, ParamRw, Touch, Uses};
+
+/// Parameter of the remote at a channel.
+pub(crate) struct RemoteSetting {
+    pub(crate) channel: usize,
+    at: u16,
+    bytes: u8,
+    lasts: bool,
+    pin: SettingPin,
+    /// Value that the remote has.
+    known: u32,
+    /// Value of the last command.
+    sent: u32,
+}
+
+enum SettingPin {
+    Unsigned(ParamRw<u32>),
+    Signed(ParamRw<i32>),
+    Float(ParamRw<f64>),
+}
+
+impl Touch for RemoteSetting {
+    fn touch(&self, uses: &mut Uses) {
+        match &self.pin {
+            SettingPin::Unsigned(pin) => pin.touch(uses),
+            SettingPin::Signed(pin) => pin.touch(uses),
+            SettingPin::Float(pin) => pin.touch(uses),
+        }
+    }
+}
+
+impl RemoteSetting {
+    /// Creates the parameter with the value that the remote has.
+    pub(crate) fn make(
+        m: &mut Making<'_, '_>,
+        name: &str,
+        channel: usize,
+        setting: &Setting,
+        value: u32,
+    ) -> Result<Self, Error> {
+        let unit = setting.unit.as_str();
+        let mut about =
+            "Value in the remote, which takes another one while `run` is FALSE".to_owned();
+        if !unit.is_empty() && !unit.eq_ignore_ascii_case("none") {
+            about = format!("{about}, in {unit}");
+        }
+        if setting.lasts {
+            about =
+                format!("{about}; it outlasts power, and has effect when the remote gets power");
+        }
+        let name = format!("{name}.{}", setting.name);
+        let unused = 32 - u32::from(setting.bits.min(32));
+        let value = value << unused >> unused;
+        let signed = (value << unused).cast_signed() >> unused;
+        let pin = match setting.form {
+            Form::Signed => SettingPin::Signed(m.b.item(&name, &about, signed)?),
+            Form::Float => {
+                let value = f64::from(f32::from_bits(value));
+                SettingPin::Float(m.b.item(&name, &about, value)?)
+            }
+            _ => SettingPin::Unsigned(m.b.item(&name, &about, value)?),
+        };
+        let bytes = bytes(setting.bits);
+        let mut made =
+            Self { channel, at: setting.at, bytes, lasts: setting.lasts, pin, known: 0, sent: 0 };
+        made.known = made.value();
+        Ok(made)
+    }
+
+    fn value(&self) -> u32 {
+        match &self.pin {
+            SettingPin::Unsigned(pin) => pin.get(),
+            SettingPin::Signed(pin) => pin.get().cast_unsigned(),
+            SettingPin::Float(pin) => single(pin.get()).to_bits(),
+        }
+    }
+
+    /// Returns whether the remote has another value than the pin.
+    pub(crate) fn is_new(&self) -> bool {
+        self.known != self.value()
+    }
+
+    /// Notes that the remote has taken or refused the value of the last command.
+    pub(crate) const fn done(&mut self) {
+        self.known = self.sent;
+    }
+
+    /// Returns the command with this number, from 0, that gives the remote the value, and its argument; `None` behind the last.
+    pub(crate) fn order(&mut self, number: u8) -> Option<(u32, u32)> {
+        if number == 0 {
+            self.sent = self.value();
+        }
+        let write = (WRITE | size(self.bytes) | u32::from(self.at), self.sent);
+        match (number, self.lasts) {
+            (0, false) | (1, true) => Some(write),
+            (0, true) => Some((SELECT, 1)),
+            (2, true) => Some((SELECT, 0)),
+            _ => None,
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the remote has single precision")]
+const fn single(x: f64) -> f32 {
+    x as f32
+}
+
+/// Returns the bytes of a value with so many bits.
+pub(crate) const fn bytes(bits: u8) -> u8 {
+    match bits {
+        ..=8 => 1,
+        9..=16 => 2,
+        _ => 4,
+    }
+}
