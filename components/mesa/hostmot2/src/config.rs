@@ -165,6 +165,11 @@ impl CardConfig {
         self.limits.iter().rev().find(|row| row.0 == name).map(|row| row.1)
     }
 
+    /// Returns the smart-serial ports for which there are choices.
+    pub(crate) fn ports(&self) -> impl Iterator<Item = u8> {
+        self.ports.iter().map(|row| row.0)
+    }
+
     /// Returns the choices for the channels of a smart-serial port; `None` if all are used in mode 0.
     pub(crate) fn port(&self, port: u8) -> Option<&[Channel]> {
         self.ports.iter().rev().find(|row| row.0 == port).map(|row| row.1.as_slice())

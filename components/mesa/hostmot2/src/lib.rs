@@ -91,8 +91,9 @@ impl Component for Hm2Eth {
         ),
         &Arg::texts(
             "card",
-            "For each card, its kind, such as 7i96s: used where no card can be asked, which is in \
-             simulation and in `check`; a card without one is like the last that has one",
+            "For each card, its kind, such as 7i96s, and its remotes, such as 0.0=7i84: used where no \
+             card can be asked, which is in simulation and in `check`; a card without one is like the last \
+             that has one",
         )
         .or("7i92"),
         &Arg::int("debug", "Without effect").within(0.0, 1.0),
@@ -226,6 +227,8 @@ fn device(
         Error::new(format!("card: '{}' is none of {}", kind.escape_debug(), kinds()))
     })?;
     let card = Arc::new(SimulatedCard::new(&board));
+    #[cfg(test)]
+    tests::keep_card(&card);
     plug(&card, kind, &words.collect::<Vec<_>>())?;
     Ok((Box::new(SimulatedLine(Arc::clone(&card))), Some(card)))
 }

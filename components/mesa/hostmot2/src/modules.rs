@@ -8,7 +8,7 @@ mod led;
 mod outm;
 mod pwmgen;
 mod raw;
-mod sserial;
+pub(crate) mod sserial;
 mod ssr;
 mod stepgen;
 mod watchdog;

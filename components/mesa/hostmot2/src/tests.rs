@@ -4,12 +4,28 @@ mod cycles;
 mod listing;
 mod losses;
 mod names;
+mod serial;
 
-use crate::Hm2Eth;
+use crate::{Hm2Eth, simulated::SimulatedCard};
 use hal_bench::Bench;
+use std::{cell::RefCell, sync::Arc};
 
 /// Period of the servo thread in nanoseconds.
 const PERIOD: i64 = 1_000_000;
+
+thread_local! {
+    static LAST_CARD: RefCell<Option<Arc<SimulatedCard>>> = const { RefCell::new(None) };
+}
+
+/// Keeps the card that was simulated last in this thread.
+pub(crate) fn keep_card(card: &Arc<SimulatedCard>) {
+    LAST_CARD.set(Some(Arc::clone(card)));
+}
+
+/// Returns the card that was simulated last in this thread.
+fn last_card() -> Arc<SimulatedCard> {
+    LAST_CARD.with_borrow(|card| card.clone()).unwrap()
+}
 
 /// Returns a bench with a simulated card.
 fn card(kind: &str, config: &str) -> Bench {
@@ -27,7 +43,11 @@ struct Rig {
 
 impl Rig {
     fn new(kind: &str) -> Self {
-        let bench = card(kind, "");
+        Self::with(kind, "")
+    }
+
+    fn with(kind: &str, config: &str) -> Self {
+        let bench = card(kind, config);
         let name = bench.names().into_iter().find(|name| name.contains(".io_error")).unwrap();
         let name = name.split(".io_error").next().unwrap().to_owned();
         Self { bench, name }
@@ -62,6 +82,10 @@ impl Rig {
     }
 
     fn int(&self, pin: &str) -> i32 {
+        self.bench.get(&self.at(pin))
+    }
+
+    fn word(&self, pin: &str) -> u32 {
         self.bench.get(&self.at(pin))
     }
 

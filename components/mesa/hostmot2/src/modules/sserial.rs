@@ -10,15 +10,18 @@ mod port;
 mod settings;
 mod talk;
 
-pub(crate) use self::describe::{Element, Flow, Form};
+pub(crate) use self::{
+    describe::{Description, Element, Flow, Form},
+    talk::{Addresses, RemoteMemory, Talk},
+};
 
 use self::{
     data::{Taken, Word},
-    describe::{BadRemote, Description},
+    describe::BadRemote,
     parts::{Exchanged, PortPins, Remote, Seen, Texts},
     port::{Port, PortState},
     settings::RemoteSetting,
-    talk::{Addresses, Answered, BadPort, CHANNELS, RemoteMemory, Talk},
+    talk::{Answered, BadPort, CHANNELS},
 };
 use crate::{
     config::Channel,
@@ -154,6 +157,15 @@ struct Found {
 /// Finds the remotes of all ports, and creates their pins.
 pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let module = m.card.modules.iter().find(|module| module.kind() == Some(Tag::SmartSerial));
+    let there = module.map_or(0, |module| module.instances);
+    for port in m.config.ports().filter(|port| *port >= there) {
+        let text = format!(
+            "{}: config: 'sserial_port_{port}': the card's firmware has {there} of them; the entry has no \
+             effect",
+            m.name
+        );
+        m.b.messages().warn(said(text), &[]);
+    }
     let Some(module) = module.copied() else { return Ok(()) };
     let (mut inputs, mut ports) = (Vec::new(), Vec::new());
     for port in 0..module.instances {
@@ -183,7 +195,7 @@ fn addresses(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Addresses,
 fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<Found>, Error> {
     let talk = Talk { device: m.device, at: addresses(m, module, port)? };
     let bad = |why: BadPort| Error::new(format!("{}: smart-serial port {port}: {why}", m.name));
-    let mut found = Vec::new();
+    let (mut found, mut any_chosen) = (Vec::new(), false);
     for channel in 0..CHANNELS {
         let chosen = m.config.port(port).and_then(|port| port.get(channel));
         let channel = u8::try_from(channel).unwrap_or(u8::MAX);
@@ -195,6 +207,7 @@ fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<Found>, Err
         if !m.has_pin(Tag::SmartSerial, port, channel + 1) {
             continue;
         }
+        any_chosen |= was_chosen;
         talk.stop().map_err(bad)?;
         let Some(answered) = talk.start(channel, mode).map_err(bad)? else { continue };
         let name = kind(answered.name);
@@ -207,6 +220,12 @@ fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<Found>, Err
         }
         match account(&talk, &answered).map_err(bad)? {
             Ok((description, values)) => {
+                let text = format!(
+                    "{}: smart-serial port {port}, channel {channel}: the remote {name} has answered (unit \
+                     {:08x}, mode {mode})",
+                    m.name, answered.unit
+                );
+                m.b.messages().info(said(text), &[]);
                 found.push(Found { answered, mode, description, values });
             }
             Err(why) => m.b.messages().warn(
@@ -219,6 +238,14 @@ fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<Found>, Err
         }
     }
     talk.stop().map_err(bad)?;
+    if found.is_empty() && any_chosen {
+        let text = format!(
+            "{}: smart-serial port {port}: no remote answers, and its pins are not there: check its cable and \
+             its power, and load the driver again",
+            m.name
+        );
+        m.b.messages().warn(said(text), &[]);
+    }
     Ok(found)
 }
 
