@@ -24,7 +24,7 @@ pub(crate) fn keep_card(card: &Arc<SimulatedCard>) {
 
 /// Returns the card that was simulated last in this thread.
 fn last_card() -> Arc<SimulatedCard> {
-    LAST_CARD.with_borrow(|card| card.clone()).unwrap()
+    LAST_CARD.with_borrow(Clone::clone).unwrap()
 }
 
 /// Returns a bench with a simulated card.

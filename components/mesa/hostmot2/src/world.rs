@@ -1,5 +1,6 @@
 //! Realtime. The world around a simulated card as pins: what is connected to its terminals, and what a meter would read there.
 
+mod plugged;
 mod remotes;
 
 use self::remotes::RemoteWorld;
@@ -208,7 +209,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>, card: &Arc<SimulatedCard>) -> Result<
         )?,
         relays: relays(m)?,
         lights: lights(m)?,
-        remotes: remotes::make(m)?,
+        remotes: plugged::make(m)?,
         watchdog: {
             let name = m.at("sim.watchdog-bitten");
             hidden(m, &name, "True once the watchdog has bitten", false)?

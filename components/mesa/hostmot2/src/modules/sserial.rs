@@ -1,10 +1,12 @@
-//! Realtime. Smart serial: remotes with I/O of their own, and the ports that exchange data with them.
+//! Smart serial: remotes with I/O of their own, and the ports that exchange data with them.
 //!
 //! At first a port's remotes are asked what they are (`talk`, `describe`), and their pins are created from that (`data`,
-//! `settings`). Then each cycle has one exchange with all remotes of a port (`port`).
+//! `settings`). Then each cycle has one exchange with all remotes of a port (`halves`, `port`).
 
 mod data;
 mod describe;
+mod elements;
+mod halves;
 mod parts;
 mod port;
 mod settings;
@@ -16,22 +18,14 @@ pub(crate) use self::{
 };
 
 use self::{
-    data::{Taken, Word},
     describe::BadRemote,
+    halves::{Incoming, Incomings, Inputs, Ports},
     parts::{Exchanged, PortPins, Remote, Seen, Texts},
     port::{Port, PortState},
-    settings::RemoteSetting,
     talk::{Answered, BadPort, CHANNELS},
 };
-use crate::{
-    config::Channel,
-    link::Outgoing,
-    making::Making,
-    module::{Cycle, Reads, Writes},
-    plan::{Answer, Place, ReadPlan},
-};
-use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
-use hal_component::{Error, Gives, Takes, Touch};
+use crate::{config::Channel, making::Making, plan::ReadPlan};
+use hal_component::Error;
 use hal_firmware::{Module, Tag};
 
 /// Number of the first I/O pin of each sort, and the name of its form: the pins of a sort are numbered by channel.
@@ -48,94 +42,6 @@ pub(crate) fn channel(number: u8) -> Option<(u8, &'static str)> {
     })
 }
 
-/// A remote's data in an answer.
-#[derive(Touch)]
-struct Incoming {
-    #[state]
-    channel: usize,
-    #[state]
-    status: Place,
-    #[state]
-    words: Vec<Place>,
-    taken: Vec<Taken>,
-}
-
-/// Half of a port that reads.
-#[derive(Touch)]
-struct Inputs {
-    #[state]
-    command: Place,
-    #[state]
-    data: Place,
-    remotes: Vec<Incoming>,
-    seen: Gives<Seen>,
-    exchanged: Takes<Exchanged>,
-    /// Number of the start to which the data of the pins belong.
-    #[state]
-    start: u32,
-}
-
-impl Inputs {
-    fn read(&mut self, answer: Answer<'_>, fresh: bool) {
-        let (command, faults) = (answer.get(self.command), answer.get(self.data));
-        self.seen.command.store(command, Relaxed); // Published with `answers`.
-        self.seen.data.store(faults, Relaxed); // Published with `answers`.
-        for remote in &self.remotes {
-            if let Some(status) = self.seen.status.get(remote.channel) {
-                status.store(answer.get(remote.status), Relaxed); // Published with `answers`.
-            }
-        }
-        if !fresh {
-            self.seen.missed.fetch_add(1, Relaxed); // Published with `answers`.
-        }
-        self.seen.answers.fetch_add(1, Release); // Pairs with Acquire in `Port::news`.
-        let start = self.exchanged.load(Acquire); // Pairs with Release in `Port::write`.
-        if start == 0 || !fresh || command != 0 {
-            return;
-        }
-        let begins = core::mem::replace(&mut self.start, start) != start;
-        for remote in &mut self.remotes {
-            if faults >> remote.channel & 1 == 1 {
-                continue;
-            }
-            let words = remote.words.iter().enumerate();
-            let word = words
-                .fold(0, |all: Word, (n, place)| all | Word::from(answer.get(*place)) << (n * 32));
-            for taken in &mut remote.taken {
-                taken.take(word, begins);
-            }
-        }
-    }
-}
-
-/// Function half that reads.
-#[derive(Touch)]
-struct Incomings {
-    ports: Vec<Inputs>,
-}
-
-impl Reads for Incomings {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, fresh: bool) {
-        for port in &mut self.ports {
-            port.read(answer, fresh);
-        }
-    }
-}
-
-/// Function half that writes.
-#[derive(Touch)]
-struct Ports {
-    ports: Vec<Port>,
-}
-
-impl Writes for Ports {
-    fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
-        for port in &mut self.ports {
-            port.write(to, cycle);
-        }
-    }
-}
-
 /// Remote whose pins were created.
 #[derive(Clone, Debug)]
 pub(crate) struct UsedRemote {
@@ -146,7 +52,7 @@ pub(crate) struct UsedRemote {
 }
 
 /// Remote with its account.
-struct Found {
+struct FoundRemote {
     answered: Answered,
     mode: u8,
     description: Description,
@@ -192,7 +98,7 @@ fn addresses(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Addresses,
 }
 
 /// Asks the channels of a port for their remotes.
-fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<Found>, Error> {
+fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<FoundRemote>, Error> {
     let talk = Talk { device: m.device, at: addresses(m, module, port)? };
     let bad = |why: BadPort| Error::new(format!("{}: smart-serial port {port}: {why}", m.name));
     let (mut found, mut any_chosen) = (Vec::new(), false);
@@ -226,7 +132,7 @@ fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<Found>, Err
                     m.name, answered.unit
                 );
                 m.b.messages().info(said(text), &[]);
-                found.push(Found { answered, mode, description, values });
+                found.push(FoundRemote { answered, mode, description, values });
             }
             Err(why) => m.b.messages().warn(
                 said(format!(
@@ -293,7 +199,7 @@ fn make_port(
     m: &mut Making<'_, '_>,
     module: &Module,
     port: u8,
-    found: &[Found],
+    found: &[FoundRemote],
 ) -> Result<(Inputs, Port), Error> {
     let at = addresses(m, module, port)?;
     let name = m.at(&format!("sserial.port-{port}"));
@@ -304,9 +210,9 @@ fn make_port(
     for found in found {
         let channel = usize::from(found.answered.channel);
         let remote = m.at(&format!("{}.{port}.{channel}", kind(found.answered.name)));
-        let (taken, given) = data::make(m, &remote, &found.description.elements)?;
+        let (taken, given) = elements::make(m, &remote, &found.description.elements)?;
         for (setting, value) in found.description.settings.iter().zip(&found.values) {
-            settings.push(RemoteSetting::make(m, &remote, channel, setting, *value)?);
+            settings.push(elements::make_setting(m, &remote, channel, setting, *value)?);
         }
         m.remotes.push(UsedRemote {
             port,

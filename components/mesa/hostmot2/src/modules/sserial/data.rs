@@ -1,20 +1,18 @@
 //! Realtime. Process data of a remote as pins.
 
-use super::describe::{Element, Flow, Form};
-use crate::making::Making;
-use hal_component::{Error, In, Io, Out, ParamRw, Touch, Uses};
+use hal_component::{In, Io, Out, ParamRw, Touch, Uses};
 
 /// Process data of one direction, the first bit lowest.
 pub(crate) type Word = u128;
 
 /// Datum that comes from a remote.
 pub(crate) struct Taken {
-    at: u32,
-    bits: u32,
-    pins: TakenPins,
+    pub(super) at: u32,
+    pub(super) bits: u32,
+    pub(super) pins: TakenPins,
 }
 
-enum TakenPins {
+pub(super) enum TakenPins {
     Bits(Vec<(Out<bool>, Out<bool>)>),
     Boolean(Out<bool>, Out<bool>),
     Number { value: Out<f64>, scale: ParamRw<f64>, signed: bool },
@@ -24,27 +22,27 @@ enum TakenPins {
 }
 
 /// Encoder of a remote.
-struct Wheel {
-    count: Out<i32>,
-    position: Out<f64>,
-    raw: Out<i32>,
-    reset: Io<bool>,
-    index: Io<bool>,
-    scale: ParamRw<f64>,
-    per_turn: ParamRw<u32>,
-    last: Option<u32>,
-    counts: i32,
-    zero: i32,
+pub(super) struct Wheel {
+    pub(super) count: Out<i32>,
+    pub(super) position: Out<f64>,
+    pub(super) raw: Out<i32>,
+    pub(super) reset: Io<bool>,
+    pub(super) index: Io<bool>,
+    pub(super) scale: ParamRw<f64>,
+    pub(super) per_turn: ParamRw<u32>,
+    pub(super) last: Option<u32>,
+    pub(super) counts: i32,
+    pub(super) zero: i32,
 }
 
 /// Datum that goes to a remote.
 pub(crate) struct Given {
-    at: u32,
-    bits: u32,
-    pins: GivenPins,
+    pub(super) at: u32,
+    pub(super) bits: u32,
+    pub(super) pins: GivenPins,
 }
 
-enum GivenPins {
+pub(super) enum GivenPins {
     Bits(Vec<(In<bool>, ParamRw<bool>)>),
     /// Bits that the remote can read and write: it gets those of the pins.
     Both(Vec<Io<bool>>),
@@ -205,7 +203,7 @@ fn row(bits: impl Iterator<Item = bool>) -> Word {
 }
 
 /// Returns a number of bits that are 1, at most 32.
-const fn mask(bits: u32) -> u32 {
+pub(super) const fn mask(bits: u32) -> u32 {
     if bits >= 32 { u32::MAX } else { (1 << bits) - 1 }
 }
 
@@ -252,143 +250,6 @@ fn part(x: f64, bits: u32, signed: bool) -> u32 {
 #[expect(clippy::cast_possible_truncation, reason = "the remote has single precision")]
 const fn single(x: f64) -> f32 {
     x as f32
-}
-
-/// Creates the pins of a remote's process data, under a name such as `hm2_7i76e.0.7i76.0.0`.
-pub(crate) fn make(
-    m: &mut Making<'_, '_>,
-    name: &str,
-    elements: &[Element],
-) -> Result<(Vec<Taken>, Vec<Given>), Error> {
-    let (mut taken, mut given) = (Vec::new(), Vec::new());
-    let (mut from, mut to) = (0, 0);
-    for element in elements {
-        let bits = u32::from(element.bits);
-        let base = format!("{name}.{}", element.name);
-        if element.form != Form::Padding {
-            if element.flow == Flow::In {
-                taken.push(Taken { at: from, bits, pins: taken_pins(m, &base, element)? });
-            } else if let Some(pins) = given_pins(m, &base, element)? {
-                given.push(Given { at: to, bits, pins });
-            }
-        }
-        from += if element.flow == Flow::Out { 0 } else { bits };
-        to += if element.flow == Flow::In { 0 } else { bits };
-    }
-    Ok((taken, given))
-}
-
-/// Returns a meaning with the remote's unit.
-fn about(what: &str, element: &Element) -> String {
-    let unit = element.unit.as_str();
-    if unit.is_empty() || unit.eq_ignore_ascii_case("none") {
-        what.to_owned()
-    } else {
-        format!("{what}, in {unit}")
-    }
-}
-
-const LEVEL: &str = "Level of the input";
-const NOT: &str = "Opposite of the level of the input";
-const OUTPUT: &str = "Level of the output";
-const INVERT: &str = "True if the output is inverted";
-
-fn taken_pins(m: &mut Making<'_, '_>, base: &str, element: &Element) -> Result<TakenPins, Error> {
-    let max = f64::from(element.max);
-    Ok(match element.form {
-        Form::Bits | Form::Padding => {
-            let mut pins = Vec::new();
-            for n in 0..element.bits {
-                let level = m.b.item(&format!("{base}-{n:02}"), LEVEL, false)?;
-                pins.push((level, m.b.item(&format!("{base}-{n:02}-not"), NOT, false)?));
-            }
-            TakenPins::Bits(pins)
-        }
-        Form::Boolean => TakenPins::Boolean(
-            m.b.item(base, LEVEL, false)?,
-            m.b.item(&format!("{base}-not"), NOT, false)?,
-        ),
-        Form::Unsigned | Form::Signed => TakenPins::Number {
-            value: m.b.item(base, &about("Value of the input", element), 0.0)?,
-            scale: m.b.item(&format!("{base}-scalemax"), "Value at the end of the range", max)?,
-            signed: element.form == Form::Signed,
-        },
-        Form::Float => {
-            TakenPins::Float(m.b.item(base, &about("Value of the input", element), 0.0)?)
-        }
-        Form::Stream => TakenPins::Stream(m.b.item(base, "Value of the input", 0)?),
-        Form::Encoder => TakenPins::Encoder(Box::new(wheel(m, base, element)?)),
-    })
-}
-
-fn wheel(m: &mut Making<'_, '_>, base: &str, element: &Element) -> Result<Wheel, Error> {
-    // A remote with a range says how many units all counts are.
-    let range = f64::from(element.max) - f64::from(element.min);
-    let scale = f64::from(mask(u32::from(element.bits))) / range;
-    let scale = if range > 0.0 && scale.is_finite() { scale } else { 1.0 };
-    let at = |pin: &str| format!("{base}.{pin}");
-    Ok(Wheel {
-        count: m.b.item(&at("count"), "Counts since the reset", 0)?,
-        position: m.b.item(&at("position"), "Position: counts by scale", 0.0)?,
-        raw: m.b.item(&at("rawcounts"), "Counts, which no reset changes", 0)?,
-        reset: m.b.item(&at("reset"), "True to hold the count at 0", false)?,
-        index: m.b.item(
-            &at("index-enable"),
-            "Without effect: remotes tell nothing of an index",
-            false,
-        )?,
-        scale: m.b.item(&at("scale"), "Counts per unit; 0 counts as 1", scale)?,
-        per_turn: m.b.item(
-            &at("counts-per-rev"),
-            "Without effect: remotes tell nothing of an index",
-            256,
-        )?,
-        last: None,
-        counts: 0,
-        zero: 0,
-    })
-}
-
-/// Creates the pins of a datum that goes to a remote; `None` for an encoder, which takes nothing.
-fn given_pins(
-    m: &mut Making<'_, '_>,
-    base: &str,
-    element: &Element,
-) -> Result<Option<GivenPins>, Error> {
-    let (min, max) = (f64::from(element.min), f64::from(element.max));
-    Ok(Some(match element.form {
-        Form::Bits | Form::Padding if element.flow == Flow::Both => {
-            let pins = (0..element.bits).map(|n| {
-                let about = "Level that the remote gets";
-                m.b.item(&format!("{base}-{n:02}"), about, false)
-            });
-            GivenPins::Both(pins.collect::<Result<_, _>>()?)
-        }
-        Form::Bits | Form::Padding => {
-            let mut pins = Vec::new();
-            for n in 0..element.bits {
-                let level = m.b.item(&format!("{base}-{n:02}"), OUTPUT, false)?;
-                pins.push((level, m.b.item(&format!("{base}-{n:02}-invert"), INVERT, false)?));
-            }
-            GivenPins::Bits(pins)
-        }
-        Form::Boolean => GivenPins::Boolean(
-            m.b.item(base, OUTPUT, false)?,
-            m.b.item(&format!("{base}-invert"), INVERT, false)?,
-        ),
-        Form::Unsigned | Form::Signed => GivenPins::Number {
-            value: m.b.item(base, &about("Value of the output; NaN counts as 0", element), 0.0)?,
-            low: m.b.item(&format!("{base}-minlim"), "Smallest value", min)?,
-            high: m.b.item(&format!("{base}-maxlim"), "Largest value", max)?,
-            scale: m.b.item(&format!("{base}-scalemax"), "Value at the end of the range", max)?,
-            signed: element.form == Form::Signed,
-        },
-        Form::Float => {
-            GivenPins::Float(m.b.item(base, &about("Value of the output", element), 0.0)?)
-        }
-        Form::Stream => GivenPins::Stream(m.b.item(base, "Value of the output", 0)?),
-        Form::Encoder => return Ok(None),
-    }))
 }
 
 #[cfg(test)]

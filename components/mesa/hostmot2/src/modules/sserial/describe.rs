@@ -113,7 +113,7 @@ pub(crate) struct Description {
 pub(crate) enum BadRemote {
     /// The remote does not answer a question about its memory.
     Silent(u16),
-    /// It has no account.
+    /// The remote has no account.
     Nothing,
     /// A list has no end.
     Endless(u16),

@@ -27,7 +27,7 @@ const SILENT: u32 = 0x4000 | 0x08;
 
 /// Command under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
+enum PortStep {
     Stop,
     /// Stop after a fault.
     GiveUp,
@@ -37,9 +37,9 @@ enum Step {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
+enum PortPhase {
     Off,
-    Does(Step),
+    Does(PortStep),
     Runs,
     Failed,
 }
@@ -77,7 +77,7 @@ pub(crate) struct Port {
 
 /// Memory of a port.
 pub(crate) struct PortState {
-    phase: Phase,
+    phase: PortPhase,
     answers: u32,
     missed: u32,
     /// Time that the command under way has taken.
@@ -93,7 +93,7 @@ pub(crate) struct PortState {
 impl PortState {
     pub(crate) const fn new() -> Self {
         Self {
-            phase: Phase::Off,
+            phase: PortPhase::Off,
             answers: 0,
             missed: 0,
             waited: 0.0,
@@ -114,15 +114,15 @@ impl Port {
         let news = self.news();
         let before = core::mem::take(&mut self.state.exchanged);
         match self.state.phase {
-            Phase::Off if self.pins.run.get() => self.begin(Step::Stop, to),
-            Phase::Failed if !self.pins.run.get() => {
+            PortPhase::Off if self.pins.run.get() => self.begin(PortStep::Stop, to),
+            PortPhase::Failed if !self.pins.run.get() => {
                 self.hardware.note(false);
-                self.begin(Step::Stop, to);
+                self.begin(PortStep::Stop, to);
             }
-            Phase::Off | Phase::Failed => {}
-            Phase::Does(step) => self.follow(step, news, to, cycle),
-            Phase::Runs if !self.pins.run.get() => self.begin(Step::Stop, to),
-            Phase::Runs => self.exchange(news, before, to),
+            PortPhase::Off | PortPhase::Failed => {}
+            PortPhase::Does(step) => self.follow(step, news, to, cycle),
+            PortPhase::Runs if !self.pins.run.get() => self.begin(PortStep::Stop, to),
+            PortPhase::Runs => self.exchange(news, before, to),
         }
         let start = if self.state.exchanged { self.state.start } else { 0 };
         self.exchanged.store(start, Release); // Pairs with Acquire in the half that reads.
@@ -131,12 +131,12 @@ impl Port {
 
     fn show(&self) {
         self.pins.state.set(match self.state.phase {
-            Phase::Off => 0,
-            Phase::Does(Step::Stop | Step::GiveUp) => 1,
-            Phase::Does(Step::Start) => 2,
-            Phase::Runs => 3,
-            Phase::Failed => 4,
-            Phase::Does(Step::Setup(_) | Step::Order(..)) => 7,
+            PortPhase::Off => 0,
+            PortPhase::Does(PortStep::Stop | PortStep::GiveUp) => 1,
+            PortPhase::Does(PortStep::Start) => 2,
+            PortPhase::Runs => 3,
+            PortPhase::Failed => 4,
+            PortPhase::Does(PortStep::Setup(_) | PortStep::Order(..)) => 7,
         });
         self.pins.level.set(self.state.level);
         self.exchanges.set(self.state.exchanges);
@@ -162,31 +162,31 @@ impl Port {
         self.remotes.iter().fold(0, |mask, remote| mask | 1 << remote.channel)
     }
 
-    fn begin(&mut self, step: Step, to: &mut Outgoing<'_>) {
-        self.state.phase = Phase::Does(step);
+    fn begin(&mut self, step: PortStep, to: &mut Outgoing<'_>) {
+        self.state.phase = PortPhase::Does(step);
         self.state.waited = 0.0;
         self.send(step, to);
     }
 
     /// Writes the registers of a step.
-    fn send(&mut self, step: Step, to: &mut Outgoing<'_>) {
+    fn send(&mut self, step: PortStep, to: &mut Outgoing<'_>) {
         let at = self.at;
         let command = match step {
-            Step::Stop | Step::GiveUp => STOP_ALL,
-            Step::Start => {
+            PortStep::Stop | PortStep::GiveUp => STOP_ALL,
+            PortStep::Start => {
                 for remote in &self.remotes {
                     put(to, &at.status, remote.channel, u32::from(remote.mode) << 24);
                 }
                 START | self.mask()
             }
-            Step::Setup(nth) => {
+            PortStep::Setup(nth) => {
                 let channel = self.settings.get(nth).map_or(0, |setting| setting.channel);
                 let remote = self.remotes.iter().find(|remote| remote.channel == channel);
                 let mode = remote.map_or(0, |remote| remote.mode);
                 put(to, &at.status, channel, u32::from(mode) << 24);
                 START_SETUP | 1 << channel
             }
-            Step::Order(nth, number) => {
+            PortStep::Order(nth, number) => {
                 let Some(setting) = self.settings.get_mut(nth) else { return };
                 let Some((order, argument)) = setting.order(number) else { return };
                 let [user, ..] = &at.user;
@@ -199,7 +199,7 @@ impl Port {
     }
 
     /// Waits for the end of a step, and goes on to the next one.
-    fn follow(&mut self, step: Step, news: News, to: &mut Outgoing<'_>, cycle: Cycle) {
+    fn follow(&mut self, step: PortStep, news: News, to: &mut Outgoing<'_>, cycle: Cycle) {
         self.state.waited += cycle.period;
         match news {
             News::Missed => self.send(step, to),
@@ -207,8 +207,8 @@ impl Port {
             News::Came { command, .. } if self.state.waited > LONGEST => {
                 let [card, port] = self.number;
                 self.messages.error(UNFINISHED, &[card, port, f64::from(command)]);
-                if step == Step::GiveUp {
-                    self.state.phase = Phase::Failed;
+                if step == PortStep::GiveUp {
+                    self.state.phase = PortPhase::Failed;
                 } else {
                     self.fail(to);
                 }
@@ -217,44 +217,46 @@ impl Port {
         }
     }
 
-    fn finish(&mut self, step: Step, faults: u32, to: &mut Outgoing<'_>) {
+    fn finish(&mut self, step: PortStep, faults: u32, to: &mut Outgoing<'_>) {
         match step {
-            Step::GiveUp => self.state.phase = Phase::Failed,
-            Step::Stop => match self.settings.iter().position(RemoteSetting::is_new) {
-                Some(nth) => self.begin(Step::Setup(nth), to),
-                None if self.pins.run.get() => self.begin(Step::Start, to),
-                None => self.state.phase = Phase::Off,
+            PortStep::GiveUp => self.state.phase = PortPhase::Failed,
+            PortStep::Stop => match self.settings.iter().position(RemoteSetting::is_new) {
+                Some(nth) => self.begin(PortStep::Setup(nth), to),
+                None if self.pins.run.get() => self.begin(PortStep::Start, to),
+                None => self.state.phase = PortPhase::Off,
             },
-            Step::Start if faults & self.mask() != 0 => {
+            PortStep::Start if faults & self.mask() != 0 => {
                 self.report(faults);
                 self.fail(to);
             }
-            Step::Start => {
+            PortStep::Start => {
                 self.state.start = self.state.start.wrapping_add(1).max(1);
                 self.state.level = 0;
                 self.report(0);
-                self.state.phase = Phase::Runs;
+                self.state.phase = PortPhase::Runs;
                 self.put_data(to, true);
             }
-            Step::Setup(nth) => self.next_order(nth, None, faults, to),
-            Step::Order(nth, number) => self.next_order(nth, Some(number), faults, to),
+            PortStep::Setup(nth) => self.next_order(nth, None, faults, to),
+            PortStep::Order(nth, number) => self.next_order(nth, Some(number), faults, to),
         }
     }
 
     /// Sends the next command for a parameter; after the last one, and if the remote takes none, the port is stopped again.
     fn next_order(&mut self, nth: usize, done: Option<u8>, faults: u32, to: &mut Outgoing<'_>) {
-        let Some(setting) = self.settings.get_mut(nth) else { return self.begin(Step::Stop, to) };
+        let Some(setting) = self.settings.get_mut(nth) else {
+            return self.begin(PortStep::Stop, to);
+        };
         let (channel, next) = (setting.channel, done.map_or(0, |number| number + 1));
         let refused = faults >> channel & 1 == 1;
         if !refused && setting.order(next).is_some() {
-            return self.begin(Step::Order(nth, next), to);
+            return self.begin(PortStep::Order(nth, next), to);
         }
         setting.done();
         let remote = self.remotes.iter().find(|remote| remote.channel == channel);
         if let Some(remote) = remote.filter(|_| refused) {
             self.messages.warn(remote.texts.setting, &[]);
         }
-        self.begin(Step::Stop, to);
+        self.begin(PortStep::Stop, to);
     }
 
     /// Judges the last exchange, and begins the next one.
@@ -324,7 +326,7 @@ impl Port {
         for remote in self.remotes.iter().filter(|remote| failing >> remote.channel & 1 == 1) {
             self.messages.error(remote.texts.stopped, &[]);
         }
-        self.begin(Step::GiveUp, to);
+        self.begin(PortStep::GiveUp, to);
     }
 
     /// Writes the process data, and begins an exchange.

@@ -1,11 +1,10 @@
 //! Realtime. Parameters of remotes: their values reach a remote while its port does not run.
 
 use super::{
-    describe::{Form, Setting},
+    describe::Setting,
     talk::{SELECT, WRITE, size},
 };
-use crate::making::Making;
-use hal_component::{Error, ParamRw, Touch, Uses};
+use hal_component::{ParamRw, Touch, Uses};
 
 /// Parameter of the remote at a channel.
 pub(crate) struct RemoteSetting {
@@ -20,7 +19,7 @@ pub(crate) struct RemoteSetting {
     sent: u32,
 }
 
-enum SettingPin {
+pub(super) enum SettingPin {
     Unsigned(ParamRw<u32>),
     Signed(ParamRw<i32>),
     Float(ParamRw<f64>),
@@ -37,41 +36,12 @@ impl Touch for RemoteSetting {
 }
 
 impl RemoteSetting {
-    /// Creates the parameter with the value that the remote has.
-    pub(crate) fn make(
-        m: &mut Making<'_, '_>,
-        name: &str,
-        channel: usize,
-        setting: &Setting,
-        value: u32,
-    ) -> Result<Self, Error> {
-        let unit = setting.unit.as_str();
-        let mut about =
-            "Value in the remote, which takes another one while `run` is FALSE".to_owned();
-        if !unit.is_empty() && !unit.eq_ignore_ascii_case("none") {
-            about = format!("{about}, in {unit}");
-        }
-        if setting.lasts {
-            about =
-                format!("{about}; it outlasts power, and has effect when the remote gets power");
-        }
-        let name = format!("{name}.{}", setting.name);
-        let unused = 32 - u32::from(setting.bits.min(32));
-        let value = value << unused >> unused;
-        let signed = (value << unused).cast_signed() >> unused;
-        let pin = match setting.form {
-            Form::Signed => SettingPin::Signed(m.b.item(&name, &about, signed)?),
-            Form::Float => {
-                let value = f64::from(f32::from_bits(value));
-                SettingPin::Float(m.b.item(&name, &about, value)?)
-            }
-            _ => SettingPin::Unsigned(m.b.item(&name, &about, value)?),
-        };
-        let bytes = bytes(setting.bits);
-        let mut made =
-            Self { channel, at: setting.at, bytes, lasts: setting.lasts, pin, known: 0, sent: 0 };
+    /// Returns the parameter, whose pin has the value of the remote.
+    pub(super) fn new(channel: usize, setting: &Setting, pin: SettingPin) -> Self {
+        let (at, bytes, lasts) = (setting.at, bytes(setting.bits), setting.lasts);
+        let mut made = Self { channel, at, bytes, lasts, pin, known: 0, sent: 0 };
         made.known = made.value();
-        Ok(made)
+        made
     }
 
     fn value(&self) -> u32 {
