@@ -127,8 +127,10 @@ impl Taken {
         let raw = low(bits) & mask(self.bits);
         match &mut self.pins {
             TakenPins::Bits(pins) => {
-                for (n, (level, not)) in pins.iter().enumerate() {
-                    let bit = bits >> n & 1 == 1;
+                let mut rest = bits;
+                for (level, not) in pins {
+                    let bit = rest & 1 == 1;
+                    rest >>= 1;
                     level.set(bit);
                     not.set(!bit);
                 }

@@ -331,13 +331,18 @@ impl Port {
 
     /// Writes the process data, and begins an exchange.
     fn put_data(&mut self, to: &mut Outgoing<'_>, exchanges: bool) {
+        let mut words: [Word; CHANNELS] = [0; CHANNELS];
+        for remote in &self.remotes {
+            if let Some(word) = words.get_mut(remote.channel) {
+                for given in &remote.given {
+                    given.give(word);
+                }
+            }
+        }
         // Neighbouring registers go into one command.
         for (n, user) in self.at.user.iter().enumerate() {
             for remote in self.remotes.iter().filter(|remote| n < remote.registers) {
-                let mut word: Word = 0;
-                for given in &remote.given {
-                    given.give(&mut word);
-                }
+                let word = words.get(remote.channel).copied().unwrap_or(0);
                 put(to, user, remote.channel, low(word >> (n * 32)));
             }
         }

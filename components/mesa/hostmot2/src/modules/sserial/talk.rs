@@ -237,3 +237,87 @@ impl Memory for RemoteMemory<'_, '_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::modules::sserial::describe::Description;
+    use core::time::Duration;
+    use hal_bench::Random;
+    use hal_lbp16::commands;
+    use port::Lost;
+    use std::sync::Mutex;
+
+    type Values = Box<dyn FnMut() -> u32 + Send>;
+
+    /// A card whose registers read as values in a row; the answer that waits stands behind them.
+    struct Row(Mutex<(Values, Vec<u8>)>);
+
+    impl Row {
+        fn new(values: impl FnMut() -> u32 + Send + 'static) -> Self {
+            Self(Mutex::new((Box::new(values), Vec::new())))
+        }
+    }
+
+    impl Exchange for Row {
+        fn send(&self, packet: &[u8]) -> Result<(), Lost> {
+            let (values, answer) = &mut *self.0.lock().unwrap();
+            let reads = commands(packet).flatten().filter(|request| !request.command.writes);
+            let count = reads.map(|request| usize::from(request.command.count)).sum();
+            *answer = (0..count).flat_map(|_| values().to_le_bytes()).collect();
+            Ok(())
+        }
+
+        fn receive(&self, into: &mut [u8], _: Duration) -> Result<usize, Lost> {
+            let answer = core::mem::take(&mut self.0.lock().unwrap().1);
+            into[..answer.len()].copy_from_slice(&answer);
+            Ok(answer.len())
+        }
+    }
+
+    const AT: Addresses = Addresses {
+        command: 4,
+        data: 8,
+        status: [12; CHANNELS],
+        user: [[16; CHANNELS], [20; CHANNELS], [24; CHANNELS]],
+    };
+
+    #[test]
+    fn a_port_of_chance_ends_every_question() {
+        let mut random = Random::new(11);
+        // Small numbers, so that commands end, lists have ends, and records have kinds.
+        let device = Row::new(move || {
+            let [kind, byte, a, b, c, d, ..] = random.word().to_le_bytes();
+            match kind % 16 {
+                0..=9 => 0,
+                10..=12 => u32::from(byte),
+                13 => 0xA0,
+                _ => u32::from_le_bytes([a, b, c, d]),
+            }
+        });
+        let talk = Talk { device: &device, at: AT };
+        let (mut good, mut bad) = (0, 0);
+        for round in 0..20_000_u16 {
+            let channel = u8::try_from(round % 8).unwrap();
+            let Ok(Some(answered)) = talk.start(channel, 0) else { continue };
+            let mut memory = RemoteMemory { talk: &talk, channel, fault: None };
+            match Description::read(&mut memory, answered.data | 1, answered.parameters) {
+                Ok(_) => good += 1,
+                Err(_) => bad += 1,
+            }
+        }
+        assert!(good > 100 && bad > 100, "{good} {bad}");
+    }
+
+    #[test]
+    fn a_command_without_an_end_is_an_error() {
+        let device = Row::new(|| 1);
+        let talk = Talk { device: &device, at: AT };
+        assert_eq!(talk.stop(), Err(BadPort::Busy(STOP_ALL)));
+        assert_eq!(talk.start(3, 0), Err(BadPort::Busy(START_SETUP | 8)));
+        let silent = Row::new(|| 0);
+        let talk = Talk { device: &silent, at: AT };
+        assert_eq!(talk.stop(), Ok(()));
+        assert_eq!(talk.start(3, 0), Ok(None));
+    }
+}
