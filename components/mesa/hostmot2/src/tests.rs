@@ -4,6 +4,7 @@ mod cycles;
 mod listing;
 mod losses;
 mod names;
+mod remotes;
 mod serial;
 
 use crate::{Hm2Eth, simulated::SimulatedCard};

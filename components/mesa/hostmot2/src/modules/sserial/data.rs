@@ -205,7 +205,7 @@ fn row(bits: impl Iterator<Item = bool>) -> Word {
 }
 
 /// Returns a number of bits that are 1, at most 32.
-pub(super) const fn mask(bits: u32) -> u32 {
+const fn mask(bits: u32) -> u32 {
     if bits >= 32 { u32::MAX } else { (1 << bits) - 1 }
 }
 

@@ -1,7 +1,7 @@
 //! Pins of a remote's process data and parameters, from its account.
 
 use super::{
-    data::{Given, GivenPins, Taken, TakenPins, Wheel, mask},
+    data::{Given, GivenPins, Taken, TakenPins, Wheel},
     describe::{Element, Flow, Form, Setting},
     settings::{RemoteSetting, SettingPin},
 };
@@ -76,10 +76,8 @@ fn taken_pins(m: &mut Making<'_, '_>, base: &str, element: &Element) -> Result<T
 }
 
 fn wheel(m: &mut Making<'_, '_>, base: &str, element: &Element) -> Result<Wheel, Error> {
-    // A remote with a range says how many units all counts are.
-    let range = f64::from(element.max) - f64::from(element.min);
-    let scale = f64::from(mask(u32::from(element.bits))) / range;
-    let scale = if range > 0.0 && scale.is_finite() { scale } else { 1.0 };
+    let max = f64::from(element.max);
+    let scale = if max > 0.0 && max.is_finite() { max } else { 1.0 };
     let at = |pin: &str| format!("{base}.{pin}");
     Ok(Wheel {
         count: m.b.item(&at("count"), "Counts since the reset", 0)?,
