@@ -130,7 +130,7 @@ pub struct CallHost {
     /// to, because the process or the computer stood still, or threads were stopped and started.
     pub gaps: Option<unsafe extern "C" fn(*const c_void) -> u32>,
     /// Since minor 12: realtime. Tells that a part of the component's hardware has failed (1) or works again (0). Each
-    /// part that has failed is told once, and once more when it works again.
+    /// part that has failed is reported once, and once more when it works again.
     pub hardware: Option<unsafe extern "C" fn(*const c_void, failed: u32)>,
     /// Since minor 12: realtime. Returns the number of parts of hardware, of all components, that have failed now.
     pub failed_hardware: Option<unsafe extern "C" fn(*const c_void) -> u32>,

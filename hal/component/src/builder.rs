@@ -53,8 +53,7 @@ impl<'h> Builder<'h> {
         self.host.flags & host_flags::SIMULATED != 0
     }
 
-    /// Returns whether the instance is only checked: nothing that it creates will run, and nothing outside is there. A driver
-    /// that asks its hardware for its pins then assumes the hardware that its arguments name.
+    /// Returns whether the instance is only checked. A driver that asks its hardware for its pins then assumes some.
     #[must_use]
     pub const fn is_trial(&self) -> bool {
         self.host.flags & host_flags::TRIAL != 0

@@ -4,7 +4,7 @@ use crate::{Command, Session, ini::Ini, programs::halrun::folders::Folders};
 use hal_ini::file::whole;
 use hal_protocol::Request;
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
@@ -26,15 +26,15 @@ impl Session<'_> {
         if module == DRIVER && !args.iter().any(|arg| arg.starts_with("card=")) {
             let kinds = self.card_kinds();
             if !kinds.is_empty() {
-                args.push(format!("card={}", kinds.join(",")));
+                args.push(format!("card=\"{}\"", kinds.join(",")));
             }
         }
         Command::Send(Request::Load { module, args }, note)
     }
 
-    /// Returns the kinds in the order in which the files name the cards.
+    /// Returns the kinds in the order in which the files name the cards, each with its remotes.
     fn card_kinds(&self) -> Vec<String> {
-        let mut cards = Vec::new();
+        let mut cards = Cards::default();
         let mut seen = BTreeSet::new();
         let mut files: Vec<PathBuf> = vec![self.place().0.into()];
         if let Some(ini) = self.ini {
@@ -44,13 +44,13 @@ impl Session<'_> {
                 Some(folders.find(entry.value.split_whitespace().next()?)?.1)
             }));
             for entry in ini.all("HAL", "HALCMD") {
-                add(&entry.value, self.ini, &mut cards);
+                cards.add(&entry.value, self.ini);
             }
         }
         for file in files {
             look(&file, self.ini, &mut seen, &mut cards);
         }
-        let kinds: Vec<String> = cards.into_iter().map(|(kind, _)| kind).collect();
+        let kinds: Vec<String> = cards.0.iter().map(NamedCard::words).collect();
         match self.ini.and_then(|ini| ini.get("HOSTMOT2", "BOARD")) {
             Some(board) if kinds.is_empty() => vec![board.to_ascii_lowercase()],
             _ => kinds,
@@ -58,35 +58,81 @@ impl Session<'_> {
     }
 }
 
+/// Cards that lines name, in the order of the lines.
+#[derive(Debug, Default)]
+struct Cards(Vec<NamedCard>);
+
+/// Card that lines name.
+#[derive(Debug, PartialEq, Eq)]
+struct NamedCard {
+    kind: String,
+    /// Number among the cards of the kind.
+    number: u32,
+    /// Remotes by port and channel.
+    remotes: BTreeMap<(u8, u8), String>,
+}
+
+impl NamedCard {
+    /// Returns the kind and the remotes as the driver reads them: `7i92 0.0=7i77`.
+    fn words(&self) -> String {
+        let mut words = self.kind.clone();
+        for ((port, channel), remote) in &self.remotes {
+            words.push_str(&format!(" {port}.{channel}={remote}"));
+        }
+        words
+    }
+}
+
+impl Cards {
+    /// Adds the cards that a line names.
+    fn add(&mut self, line: &str, ini: Option<&Ini>) {
+        let code = expanded(line.split('#').next().unwrap_or_default(), ini);
+        for text in code.split("hm2_").skip(1) {
+            let Some((kind, number, rest)) = card(text) else { continue };
+            let is_it = |card: &&mut NamedCard| card.kind == kind && card.number == number;
+            let card = match self.0.iter_mut().find(is_it) {
+                Some(card) => card,
+                None if self.0.len() == MAX_CARDS => continue,
+                None => {
+                    self.0.push(NamedCard { kind, number, remotes: BTreeMap::new() });
+                    let Some(card) = self.0.last_mut() else { continue };
+                    card
+                }
+            };
+            if let Some((port, channel, remote)) = remote(rest) {
+                card.remotes.insert((port, channel), remote);
+            }
+        }
+    }
+}
+
 /// Adds the cards of a file and of those that it sources.
-fn look(
-    path: &Path,
-    ini: Option<&Ini>,
-    seen: &mut BTreeSet<PathBuf>,
-    cards: &mut Vec<(String, u32)>,
-) {
+fn look(path: &Path, ini: Option<&Ini>, seen: &mut BTreeSet<PathBuf>, cards: &mut Cards) {
     if seen.len() >= MAX_FILES || !path.is_file() || !seen.insert(path.to_owned()) {
         return;
     }
     let Ok(text) = whole(path) else { return };
     let here = path.parent().unwrap_or_else(|| Path::new(""));
     for line in String::from_utf8_lossy(&text).lines() {
-        add(line, ini, cards);
+        cards.add(line, ini);
         if let Some(file) = line.trim().strip_prefix("source ") {
             look(&hal_ini::beside(here, file.trim()), ini, seen, cards);
         }
     }
 }
 
-/// Adds the cards that a line names: their kind and their number among those of the kind.
-fn add(line: &str, ini: Option<&Ini>, cards: &mut Vec<(String, u32)>) {
-    let code = expanded(line.split('#').next().unwrap_or_default(), ini);
-    for rest in code.split("hm2_").skip(1) {
-        let Some(card) = card(rest) else { continue };
-        if !cards.contains(&card) && cards.len() < MAX_CARDS {
-            cards.push(card);
-        }
-    }
+/// Reads `REMOTE.PORT.CHANNEL.PIN`, such as `7i77.0.1.analogout0`: port, channel, and the kind of the remote.
+fn remote(rest: &str) -> Option<(u8, u8, String)> {
+    let mut parts = rest.split(|c: char| c.is_whitespace() || c == '.');
+    let (kind, port, channel) = (parts.next()?, parts.next()?, parts.next()?);
+    let is_kind = kind
+        .strip_prefix("7i")
+        .is_some_and(|n| n.len() == 2 && n.chars().all(|c| c.is_ascii_digit()));
+    let (port, channel) = (port.parse().ok()?, channel.parse().ok()?);
+    // A 7I77 has its analogue outputs on a channel of their own.
+    let is_analogue = kind == "7i77" && parts.next()?.starts_with("analog");
+    let kind = if is_analogue { "7i77-analog" } else { kind };
+    (is_kind && port < 8 && channel < 8).then(|| (port, channel, kind.to_owned()))
 }
 
 /// Returns a line with the entries of the INI file in place of `[SECTION](NAME)` and `[SECTION]NAME`.
@@ -118,12 +164,13 @@ fn expanded(line: &str, ini: Option<&Ini>) -> String {
     whole
 }
 
-/// Reads `KIND.NUMBER.`.
-fn card(rest: &str) -> Option<(String, u32)> {
-    let (kind, rest) = rest.split_once('.')?;
-    let number = rest.split_once('.')?.0.parse().ok()?;
+/// Reads `KIND.NUMBER.` and returns both, and what follows.
+fn card(text: &str) -> Option<(String, u32, &str)> {
+    let (kind, rest) = text.split_once('.')?;
+    let (number, rest) = rest.split_once('.')?;
+    let number = number.parse().ok()?;
     let is_kind = !kind.is_empty() && kind.chars().all(|c| c.is_ascii_alphanumeric());
-    is_kind.then(|| (kind.to_ascii_lowercase(), number))
+    is_kind.then(|| (kind.to_ascii_lowercase(), number, rest))
 }
 
 #[cfg(test)]
@@ -134,7 +181,7 @@ mod tests {
     fn lines_name_cards() {
         let ini = Ini::parse("a.ini", b"[HOSTMOT2]\nBOARD = 7i96s\nX = a b\nCARD = hm2_7i95.1\n")
             .unwrap();
-        // (line, cards)
+        // (line, cards: kind with remotes, number)
         let rows: &[(&str, &[(&str, u32)])] = &[
             ("net x hm2_7i92.0.gpio.000.in hm2_7I92.1.gpio.000.in", &[("7i92", 0), ("7i92", 1)]),
             ("setp hm2_[HOSTMOT2](BOARD).0.watchdog.timeout_ns 5", &[("7i96s", 0)]),
@@ -148,12 +195,19 @@ mod tests {
             ("loadrt hm2_eth board_ip=10.10.10.10", &[]),
             ("addf hm2_5i25.0.read servo", &[("5i25", 0)]),
             ("hm2_.0.a hm2_7i92.x.a hm2_7i92.0", &[]),
+            (
+                "net x hm2_7i92.0.7i77.0.1.analogout0 hm2_7i92.0.7i77.0.0.input-00",
+                &[("7i92 0.0=7i77 0.1=7i77-analog", 0)],
+            ),
+            ("net x hm2_7i76e.0.7i76.0.0.input-01-not", &[("7i76e 0.0=7i76", 0)]),
+            ("net x hm2_7i76e.0.7i84.0.9.input-01", &[("7i76e", 0)]),
         ];
         for (line, expected) in rows {
-            let mut cards = Vec::new();
-            add(line, Some(&ini), &mut cards);
+            let mut cards = Cards::default();
+            cards.add(line, Some(&ini));
+            let found: Vec<_> = cards.0.iter().map(|card| (card.words(), card.number)).collect();
             let expected: Vec<_> = expected.iter().map(|(k, n)| ((*k).to_owned(), *n)).collect();
-            assert_eq!(cards, expected, "{line}");
+            assert_eq!(found, expected, "{line}");
         }
     }
 }

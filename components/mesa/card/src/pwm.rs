@@ -58,7 +58,9 @@ impl PulseWidths {
     /// Returns the duty of a generator, negative for the other direction.
     pub(crate) fn duty(&self, instance: usize) -> Option<f64> {
         let one = self.all.get(instance)?;
-        let duty = f64::from(one.width().min(one.full())) / f64::from(one.full());
+        let parts = if one.has_fraction() { one.value >> 12 & 0xFFFF } else { one.width() << 4 };
+        let full = one.full() << 4;
+        let duty = f64::from(parts.min(full)) / f64::from(full);
         Some(if one.is_backward() { -duty } else { duty })
     }
 
@@ -96,6 +98,11 @@ impl Width {
 
     const fn width(&self) -> u32 {
         self.value >> 16 & 0x0FFF
+    }
+
+    /// Returns whether the width has sixteenths, which the card makes by turns of two widths.
+    const fn has_fraction(&self) -> bool {
+        self.mode & 0x40 != 0
     }
 
     const fn is_backward(&self) -> bool {

@@ -11,14 +11,14 @@ pub(crate) struct CardConfig {
     /// I/O pins of each step generator.
     pub(crate) step_width: Option<u8>,
     /// Modes of the smart-serial channels by port; absent for all in mode 0.
-    ports: Vec<(u8, Vec<Channel>)>,
+    ports: Vec<(u8, Vec<ChannelUse>)>,
     /// True for pins that read and write any register.
     pub(crate) raw: bool,
 }
 
 /// Choice for a channel of smart serial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Channel {
+pub(crate) enum ChannelUse {
     /// Used, in this mode.
     Mode(u8),
     /// Not used: its I/O pins are free.
@@ -171,7 +171,7 @@ impl CardConfig {
     }
 
     /// Returns the choices for the channels of a smart-serial port; `None` if all are used in mode 0.
-    pub(crate) fn port(&self, port: u8) -> Option<&[Channel]> {
+    pub(crate) fn port(&self, port: u8) -> Option<&[ChannelUse]> {
         self.ports.iter().rev().find(|row| row.0 == port).map(|row| row.1.as_slice())
     }
 }
@@ -189,13 +189,13 @@ fn number(text: &str, most: u8) -> Result<Option<u8>, Wrong> {
     }
 }
 
-fn channels(text: &str) -> Result<Vec<Channel>, Wrong> {
+fn channels(text: &str) -> Result<Vec<ChannelUse>, Wrong> {
     if text.is_empty() || text.len() > 8 {
         return Err(Wrong::Port);
     }
     let channel = |byte| match byte {
-        b'0'..=b'9' => Ok(Channel::Mode(byte - b'0')),
-        b'x' | b'X' => Ok(Channel::Off),
+        b'0'..=b'9' => Ok(ChannelUse::Mode(byte - b'0')),
+        b'x' | b'X' => Ok(ChannelUse::Off),
         _ => Err(Wrong::Port),
     };
     text.bytes().map(channel).collect()
@@ -211,7 +211,7 @@ mod tests {
         let config = CardConfig::parse(text).unwrap();
         let limits = ["num_encoders", "num_stepgens", "num_pwmgens"].map(|name| config.limit(name));
         assert_eq!(limits, [Some(1), None, Some(0)]);
-        let port = [Channel::Mode(2), Channel::Mode(0), Channel::Off, Channel::Off];
+        let port = [ChannelUse::Mode(2), ChannelUse::Mode(0), ChannelUse::Off, ChannelUse::Off];
         assert_eq!(config.port(0), Some(&port[..]));
         assert_eq!(config.port(1), None);
         assert!(config.raw);

@@ -21,7 +21,7 @@ pins! {
         error: Out<bool> = "packet-error", false;
         /// Level of errors: each adds `packet-error-increment`, each good cycle takes `packet-error-decrement`.
         level: Out<i32> = "packet-error-level", 0;
-        /// TRUE once the level has reached `packet-error-limit`: the card is given up until `io_error` is set to FALSE.
+        /// TRUE once the level has reached `packet-error-limit`: the card is abandoned until `io_error` is set to FALSE.
         exceeded: Out<bool> = "packet-error-exceeded", false;
         /// Packets without a good answer so far.
         total: Io<u32> = "packet-error-total", 0;
@@ -33,11 +33,11 @@ pins! {
         increment: ParamRw<i32> = "packet-error-increment", 2;
         /// Taken from the level by a good cycle.
         decrement: ParamRo<i32> = "packet-error-decrement", 1;
-        /// Level at which the card is given up.
+        /// Level at which the card is abandoned.
         limit: ParamRw<i32> = "packet-error-limit", 10;
         /// Longest wait for an answer: up to 0 for 80 % of the period, below 100 in percent of it, else in nanoseconds.
         timeout: ParamRw<i32> = "packet-read-timeout", 80;
-        /// TRUE once the card was given up. Setting it to FALSE begins anew.
+        /// TRUE once the card was abandoned. Setting it to FALSE begins again.
         io_error: ParamRw<bool> = "io_error", false;
     }
 }
@@ -54,7 +54,7 @@ pub(crate) struct Read {
     #[state]
     pub(crate) renewals: Renewals,
     pub(crate) messages: Messages,
-    /// The card: failed while it is given up.
+    /// The card: failed while it is abandoned.
     pub(crate) hardware: Hardware,
     #[state]
     pub(crate) number: f64,
@@ -62,13 +62,13 @@ pub(crate) struct Read {
     pub(crate) state: ReadState,
 }
 
-/// What the function `read` remembers.
+/// State of the function `read` between cycles.
 #[derive(Debug, Default)]
 pub(crate) struct ReadState {
     level: i32,
     /// True from the first answer on.
     began: bool,
-    was_given_up: bool,
+    was_abandoned: bool,
     /// True while errors of this row have been reported.
     reported: bool,
 }
@@ -78,9 +78,9 @@ const LATE: &str =
 const MISSED: &str =
     "card {}: it had missed the last packet of writes (sending): all is written again";
 const FAILED: &str = "card {}: the network does not take the packet of reads (error {}): the inputs keep their values";
-const GIVEN_UP: &str = "card {}: packet-error-level has reached packet-error-limit: the card is given up \
+const GIVEN_UP: &str = "card {}: packet-error-level has reached packet-error-limit: the card is abandoned \
 (io_error), and its watchdog makes all its outputs inputs; when the cause is known, set io_error to 0 \
-to begin anew";
+to begin again";
 
 impl Update for Read {
     fn update(&mut self, period: Period) {
@@ -98,12 +98,12 @@ impl Read {
     fn cycle(&mut self, period: Period) {
         if self.health.io_error.get() {
             self.hardware.note(true);
-            self.state.was_given_up = true;
+            self.state.was_abandoned = true;
             return;
         }
         self.hardware.note(false);
-        if core::mem::take(&mut self.state.was_given_up) {
-            self.begin_anew();
+        if core::mem::take(&mut self.state.was_abandoned) {
+            self.begin_again();
         }
         let cycle = Cycle { period: period.secs() };
         let within = self.timeout(period);
@@ -169,7 +169,7 @@ impl Read {
         }
     }
 
-    fn begin_anew(&mut self) {
+    fn begin_again(&mut self) {
         self.renewals.renew();
         self.state = ReadState::default();
         self.health.exceeded.set(false);
@@ -180,13 +180,13 @@ impl Read {
 
 /// Function `read-request`.
 #[derive(Touch)]
-pub(crate) struct Request {
+pub(crate) struct EarlyQuestion {
     #[state]
     pub(crate) link: Arc<Link>,
     pub(crate) io_error: ParamRw<bool>,
 }
 
-impl Update for Request {
+impl Update for EarlyQuestion {
     fn update(&mut self, _: Period) {
         if !self.io_error.get() {
             // A way that fails is reported by `read`, which tries again.

@@ -24,7 +24,7 @@ mod world;
 use crate::{
     ask::Described,
     config::CardConfig,
-    cycle::{Health, Read, ReadState, Request, Write},
+    cycle::{EarlyQuestion, Health, Read, ReadState, Write},
     link::{Link, Question, Renewals},
     listing::Listing,
     making::Making,
@@ -162,7 +162,7 @@ fn create_card(
     let first = ask::ask(&*device, &question, &mut answer);
     let first = first.map_err(|why| failed(&why))?;
     for part in &mut reads {
-        part.read(plan::Answer(first), module::Cycle { period: 0.001 }, false);
+        part.read(plan::ReadAnswer(first), module::Cycle { period: 0.001 }, false);
     }
     let link = Arc::new(Link::new(
         device,
@@ -171,7 +171,7 @@ fn create_card(
         renewals.clone(),
     ));
     let messages = b.messages();
-    let request = Request { link: Arc::clone(&link), io_error: health.io_error };
+    let request = EarlyQuestion { link: Arc::clone(&link), io_error: health.io_error };
     b.function(&format!("{name}.read-request"), "Sends the packet of reads early", request)?;
     let write = Write {
         link: Arc::clone(&link),
@@ -214,7 +214,7 @@ fn device(
     config: &CardConfig,
 ) -> Result<Device, Error> {
     if !b.is_simulated() && !b.is_trial() {
-        let line = hal_udp::Line::open(address, hal_lbp16::PORT);
+        let line = hal_udp::UdpLine::open(address, hal_lbp16::PORT);
         let line = line.map_err(|why| Error::new(format!("{address}: no way to a card: {why}")))?;
         return Ok((Box::new(line), None));
     }

@@ -1,6 +1,6 @@
 //! Realtime. The way to a card: packets of a cycle, their sequence numbers, and whether they arrived.
 
-use crate::plan::{Answer, MAX_WRITES, NUMBER_AT, SCRATCH};
+use crate::plan::{MAX_WRITES, NUMBER_AT, ReadAnswer, SCRATCH};
 use core::{
     sync::atomic::{
         AtomicBool, AtomicU16, AtomicU32,
@@ -20,7 +20,7 @@ pub(crate) struct Link {
     question: Question,
     /// Sequence number of the last question; 0 before the first.
     asked: AtomicU16,
-    /// True from a question until its answer was taken or given up.
+    /// True from a question until its answer was taken or abandoned.
     waits: AtomicBool,
     /// Machine time at which the last question was sent, low half.
     asked_at: AtomicU32,
@@ -71,11 +71,11 @@ pub(crate) struct Times {
     pub(crate) waited: u32,
 }
 
-/// What became of a question.
+/// Result of a question.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Outcome<'a> {
     /// The answer came. `written` is true if the card had received all that the last cycle wrote.
-    Answered { answer: Answer<'a>, written: bool, times: Times },
+    Answered { answer: ReadAnswer<'a>, written: bool, times: Times },
     /// No answer came in time.
     Late,
     /// The way to the card failed.
@@ -142,7 +142,7 @@ impl Link {
                 Ok(length) => length,
                 Err(lost) => return Outcome::Lost(lost),
             };
-            let numbers = into.get(..length).and_then(|bytes| Answer(bytes).numbers());
+            let numbers = into.get(..length).and_then(|bytes| ReadAnswer(bytes).numbers());
             let Some((question, writes)) = numbers.filter(|_| length == expected) else { continue };
             if question != number {
                 continue;
@@ -156,7 +156,7 @@ impl Link {
             let packets = usize::from(self.packets.load(Relaxed));
             let written = writes.iter().take(packets).all(|got| *got == wrote);
             return Outcome::Answered {
-                answer: Answer(into.get(..length).unwrap_or_default()),
+                answer: ReadAnswer(into.get(..length).unwrap_or_default()),
                 written,
                 times,
             };

@@ -1,6 +1,6 @@
 //! Realtime. Parts of the driver: each drives the instances of one kind of module.
 
-use crate::{link::Outgoing, plan::Answer};
+use crate::{link::Outgoing, plan::ReadAnswer};
 use hal_component::{Touch, Uses};
 
 /// Moment of a cycle.
@@ -14,7 +14,7 @@ pub(crate) struct Cycle {
 pub(crate) trait Reads: Touch + Send + 'static {
     /// Takes the values of an answer. `fresh` is false if the card may have missed what was written before it: then
     /// nothing that was armed counts as done.
-    fn read(&mut self, answer: Answer<'_>, cycle: Cycle, fresh: bool);
+    fn read(&mut self, answer: ReadAnswer<'_>, cycle: Cycle, fresh: bool);
 }
 
 /// Half of a module that the function `write` runs.

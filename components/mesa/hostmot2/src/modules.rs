@@ -35,7 +35,7 @@ const ALL: &[Make] = &[
     // Before the I/O pins, which the used channels take.
     sserial::make,
     ioport::make,
-    // Behind the rest: a packet that lets its time begin anew has brought all of it.
+    // Behind the rest: a packet that lets its time begin again has brought all of it.
     watchdog::make,
     // Last: its place in the question changes.
     raw::make,

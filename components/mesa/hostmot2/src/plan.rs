@@ -90,11 +90,11 @@ impl ReadPlan {
     }
 }
 
-/// Answer of a card to the packet of a [`ReadPlan`].
+/// ReadAnswer of a card to the packet of a [`ReadPlan`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Answer<'a>(pub(crate) &'a [u8]);
+pub(crate) struct ReadAnswer<'a>(pub(crate) &'a [u8]);
 
-impl Answer<'_> {
+impl ReadAnswer<'_> {
     /// Returns the value of a register; 0 for a place of another plan.
     pub(crate) fn get(&self, place: Place) -> u32 {
         let rest = self.0.get(usize::from(place.0)..).unwrap_or_default();
@@ -129,11 +129,11 @@ mod tests {
         for (n, byte) in answer.iter_mut().enumerate() {
             *byte = u8::try_from(n).unwrap();
         }
-        let answer = Answer(&answer);
+        let answer = ReadAnswer(&answer);
         assert_eq!(places.map(|place| answer.get(place) & 0xFF), [0, 4, 8, 12, 16, 20]);
         assert_eq!(answer.numbers(), Some((0x1918, [0x1B1A, 0x1D1C, 0x1F1E, 0x2120])));
-        assert_eq!(Answer(&[1, 2]).numbers(), None);
-        assert_eq!(Answer(&[1, 2]).get(places[0]), 0);
+        assert_eq!(ReadAnswer(&[1, 2]).numbers(), None);
+        assert_eq!(ReadAnswer(&[1, 2]).get(places[0]), 0);
     }
 
     #[test]

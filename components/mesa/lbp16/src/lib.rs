@@ -110,7 +110,7 @@ impl Size {
 /// First word of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a bit of the word")]
-pub struct Command {
+pub struct CommandWord {
     /// Space of the command.
     pub space: Space,
     /// True for the space's information area in place of its contents.
@@ -127,7 +127,7 @@ pub struct Command {
     pub count: u8,
 }
 
-impl Command {
+impl CommandWord {
     /// Returns a command that reads `count` items from a stated address, which moves on.
     #[must_use]
     pub const fn read(space: Space, size: Size, count: u8) -> Self {
@@ -189,19 +189,19 @@ mod tests {
     #[test]
     fn every_word_is_one_command() {
         for bits in 0..=u16::MAX {
-            assert_eq!(Command::from_bits(bits).to_bits(), bits);
+            assert_eq!(CommandWord::from_bits(bits).to_bits(), bits);
         }
     }
 
     /// Words from Mesa's manuals.
     #[test]
     fn commands_have_the_manuals_words() {
-        let one = Command::read(Space::Registers, Size::Double, 1);
+        let one = CommandWord::read(Space::Registers, Size::Double, 1);
         assert_eq!(one.to_bits(), 0x4281);
-        assert_eq!(Command { increments: false, ..one }.to_bits(), 0x4201);
-        assert_eq!(Command::write(Space::Registers, Size::Double, 4).to_bits(), 0xC284);
-        assert_eq!(Command::read(Space::Settings, Size::Word, 3).to_bits(), 0x4983);
-        assert_eq!(Command::write(Space::Communication, Size::Word, 1).to_bits(), 0xD981);
-        assert_eq!(Command::read(Space::Board, Size::Word, 8).to_bits(), 0x5D88);
+        assert_eq!(CommandWord { increments: false, ..one }.to_bits(), 0x4201);
+        assert_eq!(CommandWord::write(Space::Registers, Size::Double, 4).to_bits(), 0xC284);
+        assert_eq!(CommandWord::read(Space::Settings, Size::Word, 3).to_bits(), 0x4983);
+        assert_eq!(CommandWord::write(Space::Communication, Size::Word, 1).to_bits(), 0xD981);
+        assert_eq!(CommandWord::read(Space::Board, Size::Word, 8).to_bits(), 0x5D88);
     }
 }

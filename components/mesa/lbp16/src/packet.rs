@@ -1,6 +1,6 @@
 //! Packets that a controller sends.
 
-use crate::{Command, MAX_PACKET, Size, Space};
+use crate::{CommandWord, MAX_PACKET, Size, Space};
 
 /// Packet under construction, and the number of bytes of its answer.
 ///
@@ -82,7 +82,7 @@ impl Packet {
         address: u16,
         count: u8,
     ) -> Result<usize, Full> {
-        let command = Command::read(space, size, count);
+        let command = CommandWord::read(space, size, count);
         let (at, answer) = (self.answer, self.answer + command.data_bytes());
         if answer > MAX_PACKET {
             return Err(Full);
@@ -107,7 +107,7 @@ impl Packet {
     pub fn write_registers(&mut self, address: u16, values: &[u32]) -> Result<(), Full> {
         let count =
             u8::try_from(values.len()).ok().filter(|n| *n <= crate::MAX_ITEMS).ok_or(Full)?;
-        let command = Command::write(Space::Registers, Size::Double, count);
+        let command = CommandWord::write(Space::Registers, Size::Double, count);
         self.put(command, address, values.iter().map(|value| value.to_le_bytes()))
     }
 
@@ -118,13 +118,13 @@ impl Packet {
     pub fn write_words(&mut self, space: Space, address: u16, values: &[u16]) -> Result<(), Full> {
         let count =
             u8::try_from(values.len()).ok().filter(|n| *n <= crate::MAX_ITEMS).ok_or(Full)?;
-        let command = Command::write(space, Size::Word, count);
+        let command = CommandWord::write(space, Size::Word, count);
         self.put(command, address, values.iter().map(|value| value.to_le_bytes()))
     }
 
     fn put<const N: usize>(
         &mut self,
-        command: Command,
+        command: CommandWord,
         address: u16,
         data: impl IntoIterator<Item = [u8; N]>,
     ) -> Result<(), Full> {

@@ -1,12 +1,12 @@
 //! Packets that a card receives.
 
-use crate::Command;
+use crate::CommandWord;
 
 /// Command of a packet with its address and its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request<'p> {
     /// First word of the command.
-    pub command: Command,
+    pub command: CommandWord,
     /// Address, if the command has one.
     pub address: Option<u16>,
     /// Bytes that the command writes; empty if it reads.
@@ -57,7 +57,7 @@ impl<'p> Iterator for Commands<'p> {
 }
 
 fn take<'p>(rest: &mut &'p [u8]) -> Option<Request<'p>> {
-    let command = Command::from_bits(word(rest)?);
+    let command = CommandWord::from_bits(word(rest)?);
     let address = if command.has_address { Some(word(rest)?) } else { None };
     let bytes = if command.writes { command.data_bytes() } else { 0 };
     let (data, behind) = rest.split_at_checked(bytes)?;
@@ -101,7 +101,7 @@ mod tests {
     fn a_write_has_its_data() {
         let mut all = commands(&[0x82, 0xD9, 0x1A, 0, 0xAA, 0x55, 1, 0]);
         let request = all.next().unwrap().unwrap();
-        assert_eq!(request.command, Command::write(Space::Communication, Size::Word, 2));
+        assert_eq!(request.command, CommandWord::write(Space::Communication, Size::Word, 2));
         assert_eq!((request.address, request.data), (Some(0x1A), &[0xAA, 0x55, 1, 0][..]));
         assert_eq!(all.next(), None);
     }

@@ -1,6 +1,6 @@
 //! Packets over UDP with a deadline.
 //!
-//! A [`Line`] is connected to one address, so that the system discards packets of others. After it is open, nothing
+//! A [`UdpLine`] is connected to one address, so that the system discards packets of others. After it is open, nothing
 //! allocates, and each call makes only the system calls of this table:
 //!
 //! | call | system calls | longest wait |
@@ -23,11 +23,11 @@ use std::{
 
 /// Connection to one device.
 #[derive(Debug)]
-pub struct Line {
+pub struct UdpLine {
     socket: UdpSocket,
 }
 
-impl Line {
+impl UdpLine {
     /// Opens a connection to a device. Nothing is sent.
     ///
     /// # Errors
@@ -57,7 +57,7 @@ impl Line {
     }
 }
 
-impl Exchange for Line {
+impl Exchange for UdpLine {
     fn send(&self, packet: &[u8]) -> Result<(), Lost> {
         match send(&self.socket, packet, SendFlags::DONTWAIT | SendFlags::NOSIGNAL) {
             Ok(_) => Ok(()),
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn packets_come_back_and_none_is_awaited_beyond_its_time() {
         let device = UdpSocket::bind("127.0.0.1:0").unwrap();
-        let line = Line::open(Ipv4Addr::LOCALHOST, device.local_addr().unwrap().port()).unwrap();
+        let line = UdpLine::open(Ipv4Addr::LOCALHOST, device.local_addr().unwrap().port()).unwrap();
         let mut into = [0; 8];
         assert_eq!(line.receive(&mut into, Duration::from_millis(1)), Ok(0));
         line.send(b"abc").unwrap();
@@ -104,17 +104,17 @@ mod tests {
     #[test]
     fn a_device_that_is_not_there_is_lost() {
         let device = UdpSocket::bind("127.0.0.1:0").unwrap();
-        let line = Line::open(Ipv4Addr::LOCALHOST, device.local_addr().unwrap().port()).unwrap();
+        let line = UdpLine::open(Ipv4Addr::LOCALHOST, device.local_addr().unwrap().port()).unwrap();
         drop(device);
         line.send(b"abc").unwrap();
-        let refused = rustix::io::Errno::CONNREFUSED.raw_os_error();
+        let refused = Errno::CONNREFUSED.raw_os_error();
         assert_eq!(line.receive(&mut [0; 8], Duration::from_secs(10)), Err(Lost(refused)));
     }
 
     #[test]
     fn packets_of_other_senders_are_not_taken() {
         let device = UdpSocket::bind("127.0.0.1:0").unwrap();
-        let line = Line::open(Ipv4Addr::LOCALHOST, device.local_addr().unwrap().port()).unwrap();
+        let line = UdpLine::open(Ipv4Addr::LOCALHOST, device.local_addr().unwrap().port()).unwrap();
         let stranger = UdpSocket::bind("127.0.0.1:0").unwrap();
         let to = SocketAddrV4::new(Ipv4Addr::LOCALHOST, line.local().unwrap().port());
         stranger.send_to(b"abc", to).unwrap();

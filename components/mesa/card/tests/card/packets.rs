@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, Random};
 use hal_card::{Card, Remote};
-use hal_lbp16::{Command, MAX_PACKET, Packet, Size, Space};
+use hal_lbp16::{CommandWord, MAX_PACKET, Packet, Size, Space};
 
 #[test]
 fn packets_are_counted() {
@@ -68,9 +68,9 @@ fn spaces_remember_where_they_were() {
     let mut bench = Bench::new("7i92");
     let whole = bench.get(Space::Registers, Size::Double, 0x400, 8);
     // With its address, without it, and standing still.
-    let go = Command::read(Space::Registers, Size::Double, 4);
-    let on = Command { has_address: false, ..go };
-    let still = Command { increments: false, count: 2, ..on };
+    let go = CommandWord::read(Space::Registers, Size::Double, 4);
+    let on = CommandWord { has_address: false, ..go };
+    let still = CommandWord { increments: false, count: 2, ..on };
     let mut packet = Vec::new();
     packet.extend(go.to_bits().to_le_bytes());
     packet.extend([0x00, 0x04]);
@@ -80,7 +80,8 @@ fn spaces_remember_where_they_were() {
     assert_eq!(bench.card.answer(&packet, &mut answer), Some(40));
     assert_eq!(answer[..32], whole[..]);
     assert_eq!(answer[32..36], answer[36..40]);
-    let information = Command { is_info: true, ..Command::read(Space::Settings, Size::Word, 1) };
+    let information =
+        CommandWord { is_info: true, ..CommandWord::read(Space::Settings, Size::Word, 1) };
     let mut packet = information.to_bits().to_le_bytes().to_vec();
     packet.extend([0, 0]);
     assert_eq!(bench.card.answer(&packet, &mut answer), Some(2));
@@ -166,7 +167,8 @@ fn random_packets_break_nothing() {
         if nth % 2 == 0 {
             // A command that writes to a module.
             let at = (random.below(0x9000) as u16) & !3;
-            let command = Command::write(Space::Registers, Size::Double, 1 + random.below(8) as u8);
+            let command =
+                CommandWord::write(Space::Registers, Size::Double, 1 + random.below(8) as u8);
             packet[..2].copy_from_slice(&command.to_bits().to_le_bytes());
             packet[2..4].copy_from_slice(&at.to_le_bytes());
         }

@@ -4,7 +4,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Reads, Writes},
-    plan::{Answer, Place},
+    plan::{Place, ReadAnswer},
 };
 use hal_component::{Error, In, Out, Touch, pins};
 use hal_firmware::{Tag, registers};
@@ -46,7 +46,7 @@ pins! {
 
 /// Function half that reads.
 #[derive(Touch)]
-struct Phase {
+struct ClockPhase {
     base_freq: In<f64>,
     phase_error: Out<f64>,
     ddsize: Out<u32>,
@@ -56,8 +56,8 @@ struct Phase {
     control: Place,
 }
 
-impl Reads for Phase {
-    fn read(&mut self, answer: Answer<'_>, cycle: Cycle, _: bool) {
+impl Reads for ClockPhase {
+    fn read(&mut self, answer: ReadAnswer<'_>, cycle: Cycle, _: bool) {
         let [size, _, _, _] = answer.get(self.control).to_le_bytes();
         self.ddsize.set(u32::from(size));
         let periods = f64::from(answer.get(self.phase).cast_signed()) / PHASE_PARTS;
@@ -139,7 +139,7 @@ fn saturated_half(x: f64) -> u32 {
 pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let Some((module, _)) = m.module(Tag::Dpll) else { return Ok(()) };
     let pins = Clock::make(m.b, &m.at("dpll"))?;
-    let phase = Phase {
+    let phase = ClockPhase {
         base_freq: pins.base_freq,
         phase_error: pins.phase_error,
         ddsize: pins.ddsize,

@@ -4,7 +4,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Reads, Writes},
-    plan::{Answer, Place},
+    plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::{
     AtomicBool,
@@ -144,7 +144,7 @@ const KINDS: [CounterKind; 2] = [
     },
 ];
 
-/// What the writing half has armed.
+/// Latches that the writing half has armed.
 #[derive(Debug, Default)]
 struct Armed {
     index: AtomicBool,
@@ -194,7 +194,7 @@ struct Stamp {
 }
 
 impl Counter {
-    fn read(&mut self, answer: Answer<'_>, stamp: Stamp, fresh: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, stamp: Stamp, fresh: bool) {
         let [count_low, count_high, at_low, at_high] = answer.get(self.count).to_le_bytes();
         let count = u16::from_le_bytes([count_low, count_high]);
         let at = u16::from_le_bytes([at_low, at_high]);
@@ -278,7 +278,7 @@ const fn low(counts: i64) -> i32 {
     counts as i32
 }
 
-/// Returns the counts per unit; corrects 0 and what is no number.
+/// Returns the counts per unit; corrects 0 and NaN.
 fn scale(scale: ParamRw<f64>) -> f64 {
     let value = scale.get();
     if value.is_finite() && value.abs() >= 1e-20 {
@@ -340,7 +340,7 @@ struct Counters {
 type Tick = core::sync::atomic::AtomicU64;
 
 impl Reads for Counters {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, fresh: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, _: Cycle, fresh: bool) {
         let [low, high, _, _] = answer.get(self.stamp).to_le_bytes();
         let register = u16::from_le_bytes([low, high]);
         let passed = register.wrapping_sub(self.register.unwrap_or(register));

@@ -4,7 +4,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Reads, Writes},
-    plan::{Answer, Place},
+    plan::{Place, ReadAnswer},
 };
 use hal_component::{Error, In, Out, ParamRo, ParamRw, Touch};
 use hal_firmware::{Module, Register, Tag, registers};
@@ -47,7 +47,7 @@ const KINDS: [InputKind; 2] = [
     },
 ];
 
-/// One input.
+/// Input with its filter.
 #[derive(Touch)]
 struct Input {
     level: Out<bool>,
@@ -78,7 +78,7 @@ impl Input {
     }
 }
 
-/// One hand wheel on two neighbouring inputs.
+/// Hand wheel on two neighbouring inputs.
 #[derive(Touch)]
 struct Wheel {
     count: Out<i32>,
@@ -98,7 +98,7 @@ impl Wheel {
     }
 }
 
-/// One instance.
+/// Inputs of an instance.
 #[derive(Touch)]
 struct Bank {
     inputs: Vec<Input>,
@@ -128,7 +128,7 @@ struct Banks {
 }
 
 impl Reads for Banks {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, _: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, _: Cycle, _: bool) {
         for bank in &mut self.banks {
             let (filtered, raw) = (answer.get(bank.filtered), answer.get(bank.raw));
             for (n, input) in bank.inputs.iter().enumerate() {

@@ -5,7 +5,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Reads, Writes},
-    plan::{Answer, Place},
+    plan::{Place, ReadAnswer},
 };
 use hal_component::{Error, In, Out, ParamRw, Touch, pins};
 use hal_firmware::{Pin, Tag, registers};
@@ -63,7 +63,7 @@ struct Levels {
 }
 
 impl Reads for Levels {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, _: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, _: Cycle, _: bool) {
         for port in &self.ports {
             let data = answer.get(port.data);
             for (bit, pin) in &port.pins {

@@ -8,7 +8,7 @@ use crate::{
 use hal_component::{Error, In, Touch, Uses};
 use hal_firmware::{Tag, registers};
 
-/// One output with its place in the register.
+/// Output with its place in the register.
 struct Output {
     on: In<bool>,
     invert: In<bool>,

@@ -21,7 +21,7 @@ const PDM: u32 = 3 << 3;
 const FORMS: core::ops::RangeInclusive<i32> = 1..=4;
 
 pins! {
-    /// One generator.
+    /// Generator of pulses.
     struct Generator {
         /// Value to put out, in units.
         value: In<f64> = "value", 0.0;
@@ -154,7 +154,7 @@ impl Instance {
         };
         let value = if self.pins.enable.get() { self.pins.value.get() / scale } else { 0.0 };
         let size = value.abs();
-        // What is no number counts as 0.
+        // NaN counts as 0.
         let size = if size > 1.0 {
             1.0
         } else if size >= 0.0 {

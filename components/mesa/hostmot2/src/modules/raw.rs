@@ -4,7 +4,7 @@ use crate::{
     link::Outgoing,
     making::Making,
     module::{Cycle, Reads, Writes},
-    plan::{Answer, Place},
+    plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 use hal_component::{Error, In, InSet, Io, Out, Touch, pins};
@@ -39,7 +39,7 @@ struct Peek {
 }
 
 impl Reads for Peek {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, _: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, _: Cycle, _: bool) {
         self.pins.read_data.set(answer.get(self.value));
         self.pins.dump_state.set(false);
         // The next question asks for it.

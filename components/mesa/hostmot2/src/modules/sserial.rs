@@ -24,7 +24,7 @@ use self::{
     port::{Port, PortState},
     talk::{Answered, BadPort, CHANNELS},
 };
-use crate::{config::Channel, making::Making, plan::ReadPlan};
+use crate::{config::ChannelUse, making::Making, plan::ReadPlan};
 use hal_component::Error;
 use hal_firmware::{Module, Tag};
 
@@ -106,8 +106,8 @@ fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<FoundRemote
         let chosen = m.config.port(port).and_then(|port| port.get(channel));
         let channel = u8::try_from(channel).unwrap_or(u8::MAX);
         let (mode, was_chosen) = match chosen {
-            Some(Channel::Off) => continue,
-            Some(Channel::Mode(mode)) => (*mode, true),
+            Some(ChannelUse::Off) => continue,
+            Some(ChannelUse::Mode(mode)) => (*mode, true),
             None => (0, false),
         };
         if !m.has_pin(Tag::SmartSerial, port, channel + 1) {

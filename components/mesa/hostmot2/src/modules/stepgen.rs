@@ -5,7 +5,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Reads, Writes},
-    plan::{Answer, Place},
+    plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::{
     AtomicI64,
@@ -35,9 +35,9 @@ pins! {
 pins! {
     /// Commands to one step generator.
     struct Commands {
-        /// Position to follow, in units, while `control-type` is FALSE. What is no number keeps the last one.
+        /// Position to follow, in units, while `control-type` is FALSE. NaN keeps the last one.
         position: In<f64> = "position-cmd", 0.0;
-        /// Speed to follow, in units per second, while `control-type` is TRUE. What is no number counts as 0.
+        /// Speed to follow, in units per second, while `control-type` is TRUE. NaN counts as 0.
         velocity: In<f64> = "velocity-cmd", 0.0;
         /// TRUE to make pulses; FALSE stops them at once, whatever the limit of the acceleration is.
         enable: In<bool> = "enable", false;
@@ -55,7 +55,7 @@ pins! {
 }
 
 pins! {
-    /// How the speed of a step generator comes about.
+    /// Parts of the speed of a step generator.
     struct Inner {
         /// Speed of the command, in units per second.
         command: Out<f64> = "dbg_ff_vel", 0.0;
@@ -89,7 +89,7 @@ struct Counter {
 }
 
 impl Counter {
-    fn read(&mut self, answer: Answer<'_>) {
+    fn read(&mut self, answer: ReadAnswer<'_>) {
         let now = answer.get(self.accumulator);
         // The accumulator goes round; between two answers it moves less than half of that.
         let moved = now.wrapping_sub(self.last.unwrap_or(now)).cast_signed();
@@ -107,7 +107,7 @@ const fn low(counts: i64) -> i32 {
     counts as i32
 }
 
-/// Returns the steps per unit; corrects 0 and what is no number.
+/// Returns the steps per unit; corrects 0 and NaN.
 fn scale(scale: ParamRw<f64>) -> f64 {
     let value = scale.get();
     if value.is_finite() && value.abs() >= 1e-20 {
@@ -269,7 +269,7 @@ struct Counters {
 }
 
 impl Reads for Counters {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, _: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, _: Cycle, _: bool) {
         for counter in &mut self.counters {
             counter.read(answer);
         }

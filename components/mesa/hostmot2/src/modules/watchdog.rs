@@ -4,7 +4,7 @@ use crate::{
     link::{Kept, Outgoing, Renewals},
     making::Making,
     module::{Cycle, Reads, Writes},
-    plan::{Answer, Place},
+    plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::{
     AtomicBool,
@@ -13,7 +13,7 @@ use core::sync::atomic::{
 use hal_component::{Error, Gives, Hardware, Io, Messages, ParamRw, Takes, Touch};
 use hal_firmware::{Tag, registers};
 
-/// Value that lets the time begin anew.
+/// Value that lets the time begin again.
 pub(crate) const RESET: u32 = 0x5A00_0000;
 
 /// Longest time that the register holds: bit 31 switches the watchdog off.
@@ -45,7 +45,7 @@ struct Status {
 }
 
 impl Reads for Status {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, fresh: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, _: Cycle, fresh: bool) {
         // Before the first write, what the status says is of an earlier program. Pairs with `write`.
         let bitten = self.keeper.runs.load(Acquire) && answer.get(self.status) & 1 != 0;
         // Once it was said, a person may clear the pin; the card's status follows with the write of that cycle.

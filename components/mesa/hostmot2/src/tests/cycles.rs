@@ -1,4 +1,4 @@
-//! What commands do at a simulated card's terminals, and what its terminals do to pins.
+//! Effects of commands at a simulated card's terminals, and of its terminals on pins.
 
 use super::Rig;
 

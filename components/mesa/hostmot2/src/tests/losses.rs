@@ -88,7 +88,7 @@ fn an_index_counts_only_where_it_is_however_many_packets_are_lost() {
 }
 
 #[test]
-fn a_card_without_an_answer_is_given_up_and_nothing_starts_by_itself() {
+fn a_card_without_an_answer_is_abandoned_and_nothing_starts_by_itself() {
     let rig = Rig::new("7i92");
     rig.stepgen(1000.0, 0.0);
     rig.set("stepgen.00.control-type", true);
@@ -105,13 +105,13 @@ fn a_card_without_an_answer_is_given_up_and_nothing_starts_by_itself() {
     rig.cycles(10);
     assert!(rig.bit("sim.watchdog-bitten"), "5 ms without a packet");
     let said = rig.bench.said();
-    assert!(said.iter().any(|text| text.contains("is given up")), "{said:?}");
+    assert!(said.iter().any(|text| text.contains("is abandoned")), "{said:?}");
     // The cable comes back: still nothing moves.
     let steps = rig.float("sim.stepgen.00.steps");
     rig.set("sim.line.plugged", true);
     rig.cycles(100);
     assert!(rig.bit("io_error"));
-    // A person begins anew, and is told that the watchdog has bitten.
+    // A person begins again, and is informed that the watchdog has bitten.
     rig.set("io_error", false);
     rig.cycles(3);
     assert!(rig.bit("watchdog.has_bit") && rig.bit("sim.watchdog-bitten"));

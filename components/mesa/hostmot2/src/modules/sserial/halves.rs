@@ -8,7 +8,7 @@ use super::{
 use crate::{
     link::Outgoing,
     module::{Cycle, Reads, Writes},
-    plan::{Answer, Place},
+    plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 use hal_component::{Gives, Takes, Touch};
@@ -41,7 +41,7 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    fn read(&mut self, answer: Answer<'_>, fresh: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, fresh: bool) {
         let (command, faults) = (answer.get(self.command), answer.get(self.data));
         self.seen.command.store(command, Relaxed); // Published with `answers`.
         self.seen.data.store(faults, Relaxed); // Published with `answers`.
@@ -80,7 +80,7 @@ pub(super) struct Incomings {
 }
 
 impl Reads for Incomings {
-    fn read(&mut self, answer: Answer<'_>, _: Cycle, fresh: bool) {
+    fn read(&mut self, answer: ReadAnswer<'_>, _: Cycle, fresh: bool) {
         for port in &mut self.ports {
             port.read(answer, fresh);
         }
