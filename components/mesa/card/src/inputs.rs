@@ -1,5 +1,7 @@
 //! Inputs with filters, and scanned inputs: the same registers over two sources.
 //!
+//! An input of the field that is on pulls its line down: the controller inverts all lines by bit 5 of the control register.
+//!
 //! Source: Mesa's `inm.vhd` and `inmuxm.vhd`, published under the BSD licence with 3 clauses.
 
 use hal_firmware::registers as r;
@@ -28,7 +30,7 @@ impl FilteredInputs {
             width,
             control: u32::from(width.saturating_sub(1)) & 0x1F,
             long: 0,
-            raw: 0,
+            raw: if width < 32 { (1 << width) - 1 } else { u32::MAX },
             filtered: 0,
             counts: [0; 32],
             wheels: [0; 4],
@@ -37,7 +39,7 @@ impl FilteredInputs {
         }
     }
 
-    /// Sets the level of an input.
+    /// Sets the level of an input's line.
     pub(crate) const fn set(&mut self, input: u8, level: bool) {
         if input < self.width {
             let bit = 1 << input;

@@ -21,13 +21,12 @@ impl Terminals {
     pub(crate) fn new(board: &Board) -> Self {
         let ports = usize::try_from(board.identification.ports).unwrap_or(0);
         let width = usize::try_from(board.identification.port_width).unwrap_or(0).max(1);
-        // Open pins are pulled up, open inputs of the field are off.
-        let pulled_up = |pin: &Pin| pin.kind() != Some(Tag::Inputs);
         Self {
             ports: vec![Port::default(); ports].into(),
             width,
             pins: board.pins.as_slice().into(),
-            world: board.pins.iter().map(pulled_up).collect(),
+            // Open pins are pulled up.
+            world: vec![true; board.pins.len()].into(),
         }
     }
 
@@ -38,6 +37,12 @@ impl Terminals {
 
     pub(crate) fn pin(&self, pin: usize) -> Option<&Pin> {
         self.pins.get(pin)
+    }
+
+    /// Returns the pin of an input of the field.
+    pub(crate) fn field_input(&self, input: u8) -> Option<usize> {
+        let number = input.checked_add(1)?;
+        self.pins.iter().position(|pin| pin.kind() == Some(Tag::Inputs) && pin.number == number)
     }
 
     pub(crate) const fn width(&self) -> usize {

@@ -20,9 +20,12 @@ impl Card {
         self.terminals.set_world(pin, level);
     }
 
-    /// Puts a level on a scanned input.
-    pub const fn set_scanned_input(&mut self, input: u8, level: bool) {
-        self.scanned.set(input, level);
+    /// Switches an input of the field on or off: one with filters, or a scanned one. An input that is on pulls its line down.
+    pub fn set_field_input(&mut self, input: u8, is_on: bool) {
+        match self.terminals.field_input(input) {
+            Some(pin) => self.set_input(pin, !is_on),
+            None => self.scanned.set(input, !is_on),
+        }
     }
 
     /// Returns the level that a meter reads at a pin.

@@ -158,13 +158,15 @@ fn inputs_are_seen_after_their_filters() {
     let mut bench = Bench::new("7i96s");
     assert_eq!(bench.read(r::INPUTS_CONTROL, 0) & 0x1F, 10, "eleven inputs");
     // 100 samples of 4 periods, 5 scans for short filters, 20 for long ones.
-    bench.write(r::INPUTS_CONTROL, 0, 99 << 6 | 5 << 16 | 20 << 22);
+    bench.write(r::INPUTS_CONTROL, 0, 0x20 | 99 << 6 | 5 << 16 | 20 << 22);
     assert_eq!(bench.read(r::INPUTS_CONTROL, 0) & 0x1F, 10, "the width cannot be written");
     bench.write(r::INPUTS_FILTER, 0, 0b10);
     let scan = 100 * 4 * 11 * 10;
-    bench.card.set_input(0, true);
-    bench.card.set_input(1, true);
+    assert_eq!(bench.read(r::INPUTS_RAW, 0), 0, "open inputs are off");
+    bench.card.set_field_input(0, true);
+    bench.card.set_field_input(1, true);
     assert_eq!(bench.read(r::INPUTS_RAW, 0), 3);
+    assert!(!bench.card.level(0) && bench.card.level(2), "an input that is on pulls its line down");
     let mut seen = Vec::new();
     for _ in 0..25 {
         bench.card.advance(scan);
@@ -173,12 +175,12 @@ fn inputs_are_seen_after_their_filters() {
     assert_eq!(seen.iter().position(|s| s & 1 == 1), Some(4));
     assert_eq!(seen.iter().position(|s| s & 2 == 2), Some(19));
     // A pulse that is too short is not seen.
-    bench.card.set_input(0, false);
+    bench.card.set_field_input(0, false);
     bench.card.advance(4 * scan);
     assert_eq!(bench.read(r::INPUTS_FILTERED, 0) & 1, 1);
-    bench.card.set_input(0, true);
+    bench.card.set_field_input(0, true);
     bench.card.advance(5 * scan);
-    bench.card.set_input(0, false);
+    bench.card.set_field_input(0, false);
     bench.card.advance(5 * scan);
     assert_eq!(bench.read(r::INPUTS_FILTERED, 0) & 1, 0);
 }
@@ -186,7 +188,7 @@ fn inputs_are_seen_after_their_filters() {
 #[test]
 fn hand_wheels_count_on_filtered_inputs() {
     let mut bench = Bench::new("7i95");
-    bench.write(r::INMUX_CONTROL, 0, 1 << 16 | 1 << 22);
+    bench.write(r::INMUX_CONTROL, 0, 0x20 | 1 << 16 | 1 << 22);
     assert_eq!(bench.read(r::INMUX_CONTROL, 0) & 0x1F, 23, "24 inputs");
     let turn = |bench: &mut Bench, forward: bool| {
         let mut lines = [(true, false), (true, true), (false, true), (false, false)];
@@ -194,8 +196,8 @@ fn hand_wheels_count_on_filtered_inputs() {
             lines = [(false, true), (true, true), (true, false), (false, false)];
         }
         for (a, b) in lines {
-            bench.card.set_scanned_input(2, a);
-            bench.card.set_scanned_input(3, b);
+            bench.card.set_field_input(2, a);
+            bench.card.set_field_input(3, b);
             bench.card.advance(100_000);
         }
     };

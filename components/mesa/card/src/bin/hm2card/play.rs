@@ -3,7 +3,7 @@
 //! | line | meaning |
 //! |---|---|
 //! | `CYCLE input PIN LEVEL` | puts a level on a pin |
-//! | `CYCLE scanned N LEVEL` | puts a level on a scanned input |
+//! | `CYCLE field N LEVEL` | switches an input of the field on or off |
 //! | `CYCLE turn ENCODER COUNTS` | turns an encoder by so many counts per cycle from then on |
 //! | `CYCLE index ENCODER COUNTS` | gives an encoder an index per so many counts |
 //! | `CYCLE muxed-turn ENCODER COUNTS`, `CYCLE muxed-index ENCODER COUNTS` | the same for encoders that share lines |
@@ -40,7 +40,7 @@ enum Shaft {
 
 enum Scene {
     Input(usize, bool),
-    Scanned(u8, bool),
+    Field(u8, bool),
     Turn(Shaft, i64),
     Index(Shaft, u32),
     Probe(usize, bool),
@@ -85,7 +85,7 @@ impl Play {
         for (_, scene) in self.scenes.drain(..due) {
             match scene {
                 Scene::Input(pin, level) => card.set_input(pin, level),
-                Scene::Scanned(input, level) => card.set_scanned_input(input, level),
+                Scene::Field(input, is_on) => card.set_field_input(input, is_on),
                 Scene::Turn(encoder, counts) => {
                     self.turns.retain(|turn| turn.0 != encoder);
                     self.turns.push((encoder, counts));
@@ -132,7 +132,7 @@ fn scene(words: &[&str]) -> Option<(u64, Scene)> {
     };
     let scene = match words {
         ["input", pin, at] => Scene::Input(pin.parse().ok()?, level(at)?),
-        ["scanned", input, at] => Scene::Scanned(input.parse().ok()?, level(at)?),
+        ["field", input, at] => Scene::Field(input.parse().ok()?, level(at)?),
         ["turn", n, counts] => Scene::Turn(Shaft::Own(n.parse().ok()?), counts.parse().ok()?),
         ["index", n, counts] => Scene::Index(Shaft::Own(n.parse().ok()?), counts.parse().ok()?),
         ["muxed-turn", n, counts] => {
