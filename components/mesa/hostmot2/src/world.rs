@@ -106,8 +106,7 @@ impl World {
             }
         }
         for (input, level) in (0..).zip(&self.scanned) {
-            // Active at a low level, as all of them.
-            card.set_scanned_input(input, !level.get());
+            card.set_field_input(input, level.get());
         }
         for remote in &self.remotes {
             remote.put_in(card);
