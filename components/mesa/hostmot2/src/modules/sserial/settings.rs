@@ -68,12 +68,17 @@ impl RemoteSetting {
             self.sent = self.value();
         }
         let write = (WRITE | size(self.bytes) | u32::from(self.at), self.sent);
-        match (number, self.lasts) {
-            (0, false) | (1, true) => Some(write),
-            (0, true) => Some((SELECT, 1)),
-            (2, true) => Some((SELECT, 0)),
-            _ => None,
-        }
+        nth(number, self.lasts, write)
+    }
+}
+
+/// Returns the command with this number for a value: one that outlasts power is selected before, and the memory behind it.
+const fn nth(number: u8, lasts: bool, write: (u32, u32)) -> Option<(u32, u32)> {
+    match (number, lasts) {
+        (0, false) | (1, true) => Some(write),
+        (0, true) => Some((SELECT, 1)),
+        (2, true) => Some((SELECT, 0)),
+        _ => None,
     }
 }
 
@@ -88,5 +93,22 @@ pub(crate) const fn bytes(bits: u8) -> u8 {
         ..=8 => 1,
         9..=16 => 2,
         _ => 4,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Commands as LinuxCNC's driver sends them.
+    #[test]
+    fn a_lasting_value_is_selected_and_the_memory_behind_it() {
+        let write = (WRITE | size(bytes(16)) | 0x190, 0x12D);
+        assert_eq!(write.0, 0x6500_0190);
+        let all = |lasts| (0..4).map_while(|n| nth(n, lasts, write)).collect::<Vec<_>>();
+        assert_eq!(all(false), [write]);
+        assert_eq!(all(true), [(0xEC00_0000, 1), write, (0xEC00_0000, 0)]);
+        assert_eq!([1, 8, 9, 16, 17, 32].map(bytes), [1, 1, 2, 2, 4, 4]);
+        assert_eq!([1, 2, 4].map(size), [0, 1 << 24, 2 << 24]);
     }
 }

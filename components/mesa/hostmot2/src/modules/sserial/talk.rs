@@ -315,6 +315,14 @@ mod tests {
         let talk = Talk { device: &device, at: AT };
         assert_eq!(talk.stop(), Err(BadPort::Busy(STOP_ALL)));
         assert_eq!(talk.start(3, 0), Err(BadPort::Busy(START_SETUP | 8)));
+        // A start may take many milliseconds: the register has the command until it is done.
+        let mut left = 15_000;
+        let slow = Row::new(move || {
+            left -= 1;
+            u32::from(left > 0)
+        });
+        let talk = Talk { device: &slow, at: AT };
+        assert_eq!(talk.start(3, 0), Ok(None));
         let silent = Row::new(|| 0);
         let talk = Talk { device: &silent, at: AT };
         assert_eq!(talk.stop(), Ok(()));
