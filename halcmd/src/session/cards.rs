@@ -51,11 +51,19 @@ impl Session<'_> {
             look(&file, self.ini, &mut seen, &mut cards);
         }
         let kinds: Vec<String> = cards.0.iter().map(NamedCard::words).collect();
-        match self.ini.and_then(|ini| ini.get("HOSTMOT2", "BOARD")) {
-            Some(board) if kinds.is_empty() => vec![board.to_ascii_lowercase()],
-            _ => kinds,
-        }
+        if kinds.is_empty() { self.ini.map(configured).unwrap_or_default() } else { kinds }
     }
+}
+
+/// Returns the kinds of cards that PnCconf's entries name: `[HOSTMOT2]BOARD = 7i96s`, `[HMOT]CARD0 = hm2_7i96s.0`.
+fn configured(ini: &Ini) -> Vec<String> {
+    let cards = (0..MAX_CARDS).filter_map(|n| ini.get("HMOT", &format!("CARD{n}")));
+    let kinds = cards.filter_map(|card| card.strip_prefix("hm2_")?.split('.').next());
+    let kinds: Vec<String> = kinds.map(str::to_ascii_lowercase).collect();
+    if kinds.is_empty() {
+        return ini.get("HOSTMOT2", "BOARD").map(str::to_ascii_lowercase).into_iter().collect();
+    }
+    kinds
 }
 
 /// Cards that lines name, in the order of the lines.
@@ -70,7 +78,12 @@ struct NamedCard {
     number: u32,
     /// Remotes by port and channel.
     remotes: BTreeMap<(u8, u8), String>,
+    /// Number of the modules of each kind whose pins are named.
+    modules: BTreeMap<&'static str, u8>,
 }
+
+/// Kinds of modules whose instances are counted.
+const MODULES: [&str; 7] = ["encoder", "inm", "inmux", "outm", "pwmgen", "ssr", "stepgen"];
 
 impl NamedCard {
     /// Returns the kind and the remotes as the driver reads them: `7i92 0.0=7i77`.
@@ -78,6 +91,9 @@ impl NamedCard {
         let mut words = self.kind.clone();
         for ((port, channel), remote) in &self.remotes {
             words.push_str(&format!(" {port}.{channel}={remote}"));
+        }
+        for (module, count) in &self.modules {
+            words.push_str(&format!(" {module}={count}"));
         }
         words
     }
@@ -94,13 +110,18 @@ impl Cards {
                 Some(card) => card,
                 None if self.0.len() == MAX_CARDS => continue,
                 None => {
-                    self.0.push(NamedCard { kind, number, remotes: BTreeMap::new() });
+                    let (remotes, modules) = (BTreeMap::new(), BTreeMap::new());
+                    self.0.push(NamedCard { kind, number, remotes, modules });
                     let Some(card) = self.0.last_mut() else { continue };
                     card
                 }
             };
             if let Some((port, channel, remote)) = remote(rest) {
                 card.remotes.insert((port, channel), remote);
+            }
+            if let Some((module, number)) = module(rest) {
+                let count = card.modules.entry(module).or_default();
+                *count = (*count).max(number.saturating_add(1));
             }
         }
     }
@@ -119,6 +140,15 @@ fn look(path: &Path, ini: Option<&Ini>, seen: &mut BTreeSet<PathBuf>, cards: &mu
             look(&hal_ini::beside(here, file.trim()), ini, seen, cards);
         }
     }
+}
+
+/// Reads `MODULE.NN.PIN`, such as `stepgen.02.counts`.
+fn module(rest: &str) -> Option<(&'static str, u8)> {
+    let mut parts = rest.split('.');
+    let (kind, number) = (parts.next()?, parts.next()?);
+    let kind = MODULES.into_iter().find(|module| *module == kind)?;
+    // Further dots: it is not a pin of the whole module.
+    (number.len() == 2 && parts.next().is_some()).then_some((kind, number.parse().ok()?))
 }
 
 /// Reads `REMOTE.PORT.CHANNEL.PIN`, such as `7i77.0.1.analogout0`: port, channel, and the kind of the remote.
@@ -201,6 +231,11 @@ mod tests {
             ),
             ("net x hm2_7i76e.0.7i76.0.0.input-01-not", &[("7i76e 0.0=7i76", 0)]),
             ("net x hm2_7i76e.0.7i84.0.9.input-01", &[("7i76e", 0)]),
+            (
+                "net x hm2_7i92.0.pwmgen.01.value hm2_7i92.0.stepgen.04.enable hm2_7i92.0.pwmgen.00.x",
+                &[("7i92 pwmgen=2 stepgen=5", 0)],
+            ),
+            ("setp hm2_7i92.0.pwmgen.pwm_frequency 5 hm2_7i92.0.encoder.300.x", &[("7i92", 0)]),
         ];
         for (line, expected) in rows {
             let mut cards = Cards::default();

@@ -82,7 +82,9 @@ fn card_line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
             let (bank, input) = rest.rsplit_once('.')?;
             let input = input.strip_prefix("raw-").unwrap_or(input).strip_prefix("input-")?;
             let (input, not) = input.strip_suffix("-not").map_or((input, false), |n| (n, true));
-            (format!("{bank}.in-{input}"), not)
+            // The inputs of a remote keep their names.
+            let name = if bank.starts_with("7i") { "input" } else { "in" };
+            (format!("{bank}.{name}-{input}"), not)
         }
     };
     let sim = format!("{card}.{number}.sim.{sim}");

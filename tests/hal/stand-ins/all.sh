@@ -7,16 +7,16 @@ halrun --instance b --virtual --stub missing --run thread.ngc mill.ini 2>&1 </de
 echo "status $?"
 echo "-- by name, and as the INI file says"
 cp mill.ini named.ini
-sed -i 's/^HALFILE/STUB = hostmot2 hm2_eth\nHALFILE/' named.ini
+sed -i 's/^HALFILE/STUB = hostmot2 hm2_pci\nHALFILE/' named.ini
 halrun --instance b --virtual --run thread.ngc named.ini 2>&1 </dev/null
 echo "status $?"
 echo "-- check knows it"
 halcmd check --level warning named.ini
 echo "-- the real clock"
-halrun --instance b --headless --for 100ms --stub hostmot2,hm2_eth,hy_vfd,xhc-whb04b-6,dial.py,mb2hal mill.ini 2>&1 | grep -v 'stand-in pin'
+halrun --instance b --headless --for 100ms --stub hostmot2,hm2_pci,hy_vfd,xhc-whb04b-6,dial.py,mb2hal mill.ini 2>&1 | grep -v 'stand-in pin'
 echo "status $?"
 echo "-- a script"
-halrun --instance b --virtual --stub hostmot2,hm2_eth -f script.hal 2>&1 </dev/null
+halrun --instance b --virtual --stub hostmot2,hm2_pci -f script.hal 2>&1 </dev/null
 echo "status $?"
 echo "-- a mistake"
 halrun --instance b --virtual --stub missing,lcecc -f misspelt.hal 2>&1 </dev/null

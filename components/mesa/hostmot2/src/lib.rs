@@ -223,13 +223,16 @@ fn device(
     let text = named.get(index).or(named.last()).cloned().unwrap_or_default();
     let mut words = text.trim_matches('"').split_whitespace();
     let kind = words.next().unwrap_or_default();
-    let board = simulated::board(kind, config).ok_or_else(|| {
+    let (modules, words): (Vec<_>, Vec<_>) =
+        words.partition(|word| simulated::wanted_module(word).is_some());
+    let wanted = modules.into_iter().filter_map(simulated::wanted_module).collect::<Vec<_>>();
+    let board = simulated::board(kind, config, &wanted).ok_or_else(|| {
         Error::new(format!("card: '{}' is none of {}", kind.escape_debug(), kinds()))
     })?;
     let card = Arc::new(SimulatedCard::new(&board));
     #[cfg(test)]
     tests::keep_card(&card);
-    plug(&card, kind, &words.collect::<Vec<_>>())?;
+    plug(&card, kind, &words)?;
     Ok((Box::new(SimulatedLine(Arc::clone(&card))), Some(card)))
 }
 

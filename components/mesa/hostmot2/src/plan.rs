@@ -90,7 +90,7 @@ impl ReadPlan {
     }
 }
 
-/// ReadAnswer of a card to the packet of a [`ReadPlan`].
+/// Answer of a card to the packet of a [`ReadPlan`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReadAnswer<'a>(pub(crate) &'a [u8]);
 

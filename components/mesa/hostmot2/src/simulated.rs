@@ -1,6 +1,9 @@
 //! Realtime. A card that is simulated in the process, behind a line that may lose packets.
 
-use crate::{config::CardConfig, names};
+use crate::{
+    config::{CardConfig, Limit},
+    names,
+};
 use core::time::Duration;
 use crossbeam::atomic::AtomicCell;
 use hal_card::{Board, Card, Fate, FaultyLine, Rates};
@@ -138,7 +141,13 @@ const BUSY: Lost = Lost(16);
 
 /// Returns the card of a kind, or of a family by the name that its cards share, with a firmware that has what is asked of it:
 /// one of the usual firmwares if one has, else the first of them with further modules, whose I/O pins nobody sees.
-pub(crate) fn board(kind: &str, config: &CardConfig) -> Option<Board> {
+///
+/// What is asked is a limit of `config`, or else a number of modules in `wanted`.
+pub(crate) fn board(kind: &str, config: &CardConfig, wanted: &[(Tag, u8)]) -> Option<Board> {
+    let asked_of = |entry: &Limit| {
+        let of = wanted.iter().filter(|row| entry.tags.contains(&row.0)).map(|row| row.1);
+        config.limit(entry.name).or(of.max()).filter(|asked| *asked > 0)
+    };
     let is_kind =
         |name: &&str| *name == kind || names::kind(name.split('-').next().unwrap_or(name)) == kind;
     let exact = hal_card::boards().filter(|name| *name == kind);
@@ -146,7 +155,7 @@ pub(crate) fn board(kind: &str, config: &CardConfig) -> Option<Board> {
     let boards: Vec<Board> = of_kind().collect();
     let has_all = |board: &&Board| {
         CardConfig::entries().all(|entry| {
-            let asked = config.limit(entry.name).unwrap_or(0);
+            let asked = asked_of(entry).unwrap_or(0);
             entry.tags.contains(&Tag::Led)
                 || entry.tags.iter().any(|tag| instances(board, *tag) >= asked)
                 || asked == 0
@@ -154,7 +163,7 @@ pub(crate) fn board(kind: &str, config: &CardConfig) -> Option<Board> {
     };
     let mut board = boards.iter().find(has_all).or(boards.first())?.clone();
     for entry in CardConfig::entries() {
-        let (Some(asked), [tag, ..]) = (config.limit(entry.name), entry.tags) else { continue };
+        let (Some(asked), [tag, ..]) = (asked_of(entry), entry.tags) else { continue };
         let has = entry.tags.iter().any(|tag| instances(&board, *tag) >= asked);
         if has || *tag == Tag::Led {
             continue;
@@ -174,6 +183,13 @@ pub(crate) fn board(kind: &str, config: &CardConfig) -> Option<Board> {
         }
     }
     Some(board)
+}
+
+/// Reads a number of modules that files use: `pwmgen=2`.
+pub(crate) fn wanted_module(word: &str) -> Option<(Tag, u8)> {
+    let (name, count) = word.split_once('=')?;
+    let tag = Tag::all().find(|tag| tag.name() == name)?;
+    Some((tag, count.parse().ok()?))
 }
 
 fn instances(board: &Board, tag: Tag) -> u8 {

@@ -14,6 +14,12 @@ fn a_simulated_card_has_the_modules_that_its_file_counts() {
         let names = card(kind, config).names();
         assert!(names.iter().any(|name| name == pin), "{kind} {config}: {pin}");
     }
+    // The names of pins count as well, unless the file limits them.
+    for (config, has) in [("", true), ("num_pwmgens=1", false)] {
+        let names = card("7i92 pwmgen=2", config).names();
+        let pin = "hm2_7i92.0.pwmgen.01.value float IN";
+        assert_eq!(names.iter().any(|name| name == pin), has, "{config}");
+    }
 }
 
 #[test]
