@@ -106,9 +106,29 @@ pub(crate) fn ticks() -> u64 {
 
 /// Requests `SCHED_FIFO` at `priority` for this thread. Returns whether the system granted it.
 pub(crate) fn become_fifo(priority: i32) -> bool {
+    // 0 is this thread.
+    schedule(0, libc::SCHED_FIFO, priority)
+}
+
+/// Takes `SCHED_FIFO` away from a thread of this process. Returns the priority that it had, or
+/// `None` if it was an ordinary thread already.
+pub(crate) fn take_fifo(tid: i32) -> Option<i32> {
+    let mut p = libc::sched_param { sched_priority: 0 };
+    // SAFETY: `p` lives across the call; the kernel refuses a thread that has ended.
+    let status = unsafe { libc::sched_getparam(tid, &raw mut p) };
+    let had = (status == 0).then_some(p.sched_priority).filter(|p| *p > 0)?;
+    schedule(tid, libc::SCHED_OTHER, 0).then_some(had)
+}
+
+/// Gives a thread back what [`take_fifo`] took.
+pub(crate) fn give_fifo(tid: i32, priority: i32) {
+    schedule(tid, libc::SCHED_FIFO, priority);
+}
+
+fn schedule(tid: i32, policy: libc::c_int, priority: i32) -> bool {
     let p = libc::sched_param { sched_priority: priority };
-    // SAFETY: `p` lives across the call; 0 is this thread.
-    unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const p) == 0 }
+    // SAFETY: `p` lives across the call; the kernel refuses a thread that has ended.
+    unsafe { libc::sched_setscheduler(tid, policy, &raw const p) == 0 }
 }
 
 /// Returns the reason why this process may not use `SCHED_FIFO` at `priority`, by trying it on a

@@ -97,10 +97,25 @@ fn beat(shared: &Shared, t: &Thread, threads: &[Arc<Thread>], due: i64, lookout:
     t.due.store(next, Ordering::Relaxed);
 }
 
+/// Begins the cycles of a thread. Where the system took so long to start the thread that its first cycle should have
+/// begun already, a later one is the first: that is no late wake-up, and nothing has been missed.
+fn begins(t: &Thread) {
+    let due = t.due.load(Ordering::Relaxed);
+    t.due.store(first_due(due, os::monotonic_ns(), t.period_ns), Ordering::Relaxed);
+}
+
+/// Returns the first due time from `now` on.
+fn first_due(due: i64, now: i64, period_ns: i64) -> i64 {
+    let passed = now.saturating_sub(due).max(0);
+    let periods = passed.saturating_add(period_ns - 1) / period_ns;
+    due.saturating_add(periods.saturating_mul(period_ns))
+}
+
 /// Runs one thread until it is asked to end.
 pub(crate) fn run_one(shared: &Shared, t: &Thread) {
     t.tid.store(os::progress::this_thread(), Ordering::Relaxed);
     let mut lookout = Lookout::new(true);
+    begins(t);
     let ends = || t.end.load(Ordering::Relaxed) || shared.quit.load(Ordering::Relaxed);
     while !ends() {
         let due = t.due.load(Ordering::Relaxed);
@@ -115,6 +130,7 @@ pub(crate) fn run_one(shared: &Shared, t: &Thread) {
 pub(crate) fn run_all(shared: &Shared) {
     let tid = os::progress::this_thread();
     let mut lookout = Lookout::new(false);
+    shared.threads.load().iter().for_each(|t| begins(t));
     while !shared.quit.load(Ordering::Relaxed) {
         let next = |threads: &[Arc<Thread>]| {
             let dues = threads.iter().map(|t| t.due.load(Ordering::Relaxed));
@@ -142,4 +158,23 @@ fn slept_until(due: i64) -> bool {
     let far = os::monotonic_ns().saturating_add(MAX_SLEEP_NS);
     os::sleep_until(if due <= far { due } else { far });
     due <= far
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_due;
+
+    #[test]
+    fn a_thread_that_the_system_starts_late_begins_with_a_later_cycle() {
+        for (due, now, first) in [
+            (5000, 4000, 5000),
+            (5000, 5000, 5000),
+            (5000, 5001, 6000),
+            (5000, 6000, 6000),
+            (5000, 44_999, 45_000),
+            (i64::MAX - 10, i64::MAX, i64::MAX),
+        ] {
+            assert_eq!(first_due(due, now, 1000), first, "{due} {now}");
+        }
+    }
 }

@@ -149,6 +149,16 @@ struct Watch {
     near: bool,
     /// Threads that were inside a cycle when outputs were driven to their safe levels.
     left_inside: Vec<u32>,
+    /// The stuck thread, which others no longer wait for.
+    lowered: Option<Lowered>,
+}
+
+/// A thread that has lost `SCHED_FIFO` until its function returns.
+#[derive(Clone, Copy, Debug)]
+struct Lowered {
+    thread: u32,
+    tid: i32,
+    priority: i32,
 }
 
 impl Watch {
@@ -160,7 +170,7 @@ impl Watch {
         }
         let (cases, left_inside) =
             (Vec::with_capacity(RESERVED_THREADS), Vec::with_capacity(RESERVED_THREADS));
-        Self { shared, cpu, others, cases, near: false, left_inside }
+        Self { shared, cpu, others, cases, near: false, left_inside, lowered: None }
     }
 
     /// Returns the time until the next observation.
@@ -239,15 +249,25 @@ impl Watch {
         self.left_inside.clear();
         self.left_inside.extend(inside);
         self.shared.stop_outputs();
+        // Otherwise a function that runs in circles keeps the processor from everything that could end the process, and
+        // on a computer with one processor from the whole system.
+        let tid = thread.tid.load(Ordering::Relaxed);
+        let lowered = |priority| Lowered { thread: thread.id, tid, priority };
+        self.lowered = os::take_fifo(tid).map(lowered);
     }
 
     /// Drives the outputs again when a function returns that may have written to them meanwhile.
     fn rest_again(&mut self, threads: &[Arc<Thread>]) {
         let before = self.left_inside.len();
         let inside = |id: &u32| threads.iter().any(|t| t.id == *id && t.gate.is_inside());
-        self.left_inside.retain(inside);
+        self.left_inside.retain(&inside);
         if self.left_inside.len() != before {
             self.shared.stop_outputs();
+        }
+        if let Some(lowered) = self.lowered.take_if(|l| !inside(&l.thread))
+            && threads.iter().any(|t| t.id == lowered.thread)
+        {
+            os::give_fifo(lowered.tid, lowered.priority);
         }
     }
 }

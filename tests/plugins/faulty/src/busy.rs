@@ -50,10 +50,14 @@ pub(crate) struct Stuck {
     inside: Out<bool>,
     /// Number of completed cycles.
     cycles: Out<u32>,
+    /// The system's number of the thread that runs the function.
+    tid: Out<i32>,
 }
 
 impl Update for Stuck {
     fn update(&mut self, _: Period) {
+        // SAFETY: returns a number.
+        self.tid.set(unsafe { libc::gettid() });
         self.inside.set(true);
         while self.hold.get() {
             // As bad for the engine as spinning, but leaves the processor to others.

@@ -91,6 +91,32 @@ fn outputs_are_safe_while_the_thread_is_still_stuck_and_nothing_begins_again() {
     assert!(m.engine.close_checked(), "the fault is gone, and every thread has ended");
 }
 
+/// On a computer with one processor, a function that runs in circles under `SCHED_FIFO` would keep it from everything
+/// that could end the process.
+#[test]
+fn a_stuck_thread_loses_its_priority_until_it_comes_back() {
+    let mut m = Machine::realtime(RealtimeOptions::default());
+    m.script(DRIVERS);
+    running(&mut m);
+    let stat = format!("/proc/self/task/{}/stat", count(&mut m, "stuck.0.tid"));
+    // The 41st field; the second ends with the last parenthesis. 0 is an ordinary thread.
+    let policy = || {
+        let text = std::fs::read_to_string(&stat).unwrap();
+        text.rsplit(") ").next().unwrap().split(' ').nth(38).unwrap().to_owned()
+    };
+    let before = policy();
+    m.script("setp stuck.0.hold 1");
+    wait(&mut m, "it is stuck", |m| status(m).fault.is_some());
+    until("it is an ordinary thread", || policy() == "0");
+    assert!(bit(&mut m, "stuck.0.inside"));
+    m.script("setp stuck.0.hold 0");
+    until("it is what it was", || policy() == before);
+    m.script("delf stuck.0\nstart");
+    let cycles = count(&mut m, "boom.1.cycles");
+    wait(&mut m, "the others run", |m| count(m, "boom.1.cycles") > cycles);
+    assert_eq!(policy(), before);
+}
+
 #[test]
 fn a_machine_that_ends_while_a_thread_is_stuck_has_failed() {
     for stuck_ns in [None, Some(3_600_000_000_000)] {
