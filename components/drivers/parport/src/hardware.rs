@@ -51,27 +51,34 @@ pub(crate) enum Refused {
     ControlInputs(u8),
 }
 
+/// Commands that let a user open the device nodes.
+const JOIN: &str = "sudo usermod -aG lp \"$USER\", then log in again";
+
+/// Command that starts a machine with the right to use I/O ports, and with no other.
+const DIRECTLY: &str = "sudo setpriv --reuid \"$USER\" --regid \"$(id -g)\" --init-groups \
+                        --inh-caps +sys_rawio --ambient-caps +sys_rawio halrun FILE";
+
 impl core::fmt::Display for Refused {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Absent(n) => write!(
                 f,
-                "Linux parallel port {n} not found: load its driver (modprobe parport_pc), or \
+                "Linux parallel port {n} not found: load its driver (sudo modprobe parport_pc), or \
                  give the port's address"
             ),
             Self::NoWay(address) => write!(
                 f,
-                "no access to the port at {address:#x}: load the kernel's drivers (modprobe \
-                 parport_pc, modprobe ppdev) and run as a user in group lp"
+                "no access to the port at {address:#x}: load the kernel's drivers (sudo modprobe \
+                 parport_pc, sudo modprobe ppdev) and run as a user in group lp ({JOIN})"
             ),
             Self::Nothing(address) => {
                 write!(f, "there is no port at {address:#x}: its registers read as an empty bus")
             }
             Self::NoNode(n) => {
-                write!(f, "/dev/parport{n} is missing: load the module ppdev (modprobe ppdev)")
+                write!(f, "/dev/parport{n} is missing: load the module ppdev (sudo modprobe ppdev)")
             }
             Self::Forbidden(n) => {
-                write!(f, "/dev/parport{n} may not be opened: run as a user in group lp")
+                write!(f, "/dev/parport{n} may not be opened: run as a user in group lp ({JOIN})")
             }
             Self::Broken(n, errno) => {
                 let why = io::Error::from_raw_os_error(*errno);
@@ -80,12 +87,12 @@ impl core::fmt::Display for Refused {
             Self::Taken(n) => write!(
                 f,
                 "/dev/parport{n} is in use: end the program that has it, or unload its driver \
-                 (rmmod lp)"
+                 (sudo modprobe -r lp)"
             ),
             Self::ControlInputs(n) => write!(
                 f,
-                "mode x reads control lines, which /dev/parport{n} cannot: run as root, who may \
-                 use I/O ports directly"
+                "mode x reads control lines, which /dev/parport{n} cannot: run as root, or with \
+                 the right to use I/O ports directly ({DIRECTLY})"
             ),
         }?;
         write!(f, "; or run with --simulate")

@@ -9,7 +9,8 @@ const NEEDS: &[(&str, u32, &str)] = &[
         "socket",
         12,
         "; this process lacks CAP_NET_ADMIN, which it takes to set addresses and rules of a network card: \
-         `sudo setcap cap_net_admin,cap_net_raw+ep` with the path of halrun",
+         `sudo setpriv --reuid \"$USER\" --regid \"$(id -g)\" --init-groups --inh-caps +net_admin,+net_raw \
+         --ambient-caps +net_admin,+net_raw halrun FILE`",
     ),
     ("ioperm", 17, RAW_IO),
     ("iopl", 17, RAW_IO),
@@ -17,7 +18,8 @@ const NEEDS: &[(&str, u32, &str)] = &[
 ];
 
 const RAW_IO: &str = "; this process lacks CAP_SYS_RAWIO, which it takes to use ports and memory of cards: \
-                      `sudo setcap cap_sys_rawio+ep` with the path of halrun";
+                      `sudo setpriv --reuid \"$USER\" --regid \"$(id -g)\" --init-groups --inh-caps +sys_rawio \
+                      --ambient-caps +sys_rawio halrun FILE`";
 
 /// Returns the end of the message of a setup that failed with this code, or nothing.
 pub(crate) fn lacking(code: c_int, imports: &[CString]) -> &'static str {
@@ -48,6 +50,10 @@ mod tests {
     fn by_import_and_by_what_the_process_has() {
         let card = [CString::from(c"printf"), CString::from(c"socket")];
         let ports = [CString::from(c"iopl")];
+        for (_, _, text) in NEEDS {
+            // File capabilities (`setcap`) would give the right to everybody, and a program that has them opens no plugin.
+            assert!(text.contains("sudo setpriv --reuid") && !text.contains("setcap"), "{text}");
+        }
         let none = "Name:\thalrun\nCapEff:\t0000000000000000\n";
         let all = "CapEff:\t000001ffffffffff\n";
         assert!(missing(none, &card).contains("CAP_NET_ADMIN"));

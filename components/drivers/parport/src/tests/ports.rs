@@ -151,13 +151,16 @@ fn refusals_of_real_ports() {
     fs::remove_dir_all(system.ports.parent().unwrap()).unwrap();
 
     for (why, says) in [
+        (Refused::Absent(3), "sudo modprobe parport_pc"),
         (Refused::NoWay(0x278), "at 0x278"),
+        (Refused::NoWay(0x278), "sudo modprobe parport_pc, sudo modprobe ppdev"),
+        (Refused::NoWay(0x278), "sudo usermod -aG lp \"$USER\", then log in again"),
         (Refused::Nothing(0x278), "no port at 0x278"),
-        (Refused::NoNode(3), "modprobe ppdev"),
-        (Refused::Forbidden(3), "group lp"),
+        (Refused::NoNode(3), "sudo modprobe ppdev"),
+        (Refused::Forbidden(3), "sudo usermod -aG lp \"$USER\", then log in again"),
         (Refused::Broken(3, 5), "/dev/parport3"),
-        (Refused::Taken(3), "rmmod lp"),
-        (Refused::ControlInputs(3), "run as root"),
+        (Refused::Taken(3), "sudo modprobe -r lp"),
+        (Refused::ControlInputs(3), "--ambient-caps +sys_rawio halrun FILE"),
     ] {
         let text = why.to_string();
         assert!(text.contains(says) && text.ends_with("; or run with --simulate"), "{text}");
