@@ -1,6 +1,7 @@
 """Debian's newest kernels of the series 6.1: found in the package lists, downloaded, and unpacked without installing."""
 
 import dataclasses
+import lzma
 import os
 import pathlib
 import re
@@ -64,8 +65,25 @@ def get(folder, kind):
         shutil.rmtree(place / "whole")
         file.unlink()
         (place / "done").touch()
-    (image,) = place.glob("vmlinuz-*")
-    return Kernel(package, image, [place / pathlib.Path(m).name for m in MODULES])
+    return Kernel(package, unpacked(place), [place / pathlib.Path(m).name for m in MODULES])
+
+
+def unpacked(place):
+    """Returns the path of the kernel's program, which the guest would else unpack for seconds in each boot."""
+    (packed,) = place.glob("vmlinuz-*")
+    program = place / "vmlinux"
+    if program.exists():
+        return program
+    content = packed.read_bytes()
+    for at in (match.start() for match in re.finditer(re.escape(b"\xfd7zXZ\0"), content)):
+        try:
+            found = lzma.LZMADecompressor(format=lzma.FORMAT_XZ).decompress(content[at:])
+        except lzma.LZMAError:
+            continue
+        if found.startswith(b"\x7fELF"):
+            program.write_bytes(found)
+            return program
+    return packed
 
 
 def find(place, module):
