@@ -17,10 +17,10 @@ TOOLS = {
     "strip": "binutils",
     "dpkg": "dpkg",
 }
-PROGRAMS = ("halrun", "halcmd")
+PROGRAMS = ("halrun", "halcmd", "hal_manualtoolchange")
 # Programs of the host that the guest has besides: BusyBox's setpriv does too little.
 HOST_PROGRAMS = ("setpriv",)
-PLUGINS = ("threads", "parport", "stepgen", "timing", "signal")
+PLUGINS = ("threads", "parport", "stepgen", "timing", "signal", "motion", "trivkins", "task", "toolchange")
 HERE = pathlib.Path(__file__).resolve().parent
 MACHINES = ("steps.hal", "ends.hal", "wakeups.hal", "user.hal", "ends.table")
 
@@ -39,6 +39,36 @@ def missing(root):
 def found(tool):
     """Returns the path of a program; some are where only root looks."""
     return shutil.which(tool, path=f"{os.environ.get('PATH', '')}:/usr/sbin:/sbin")
+
+
+# The printer of the documents has its two lines on a parallel port here, and runs on the real clock.
+PRINTER = "configs/printer"
+CHANGES = {
+    "printer.hal": [
+        (r"loadrt hal_viagpio", "loadrt hal_parport cfg=378"),
+        (r"addf viagpio\.(read|write) ", r"addf parport.0.\1 "),
+        (r"viagpio\.pin-05-out", "parport.0.pin-03-out"),
+        (r"viagpio\.pin-06-out", "parport.0.pin-02-out"),
+    ],
+    "scope.hal": [
+        (r"record scope\.vcd .*", "record $(OUT)/printer.vcd xstep xdir"),
+        (r"run (\d+)ms", r"loadusr -w usleep \g<1>000"),
+    ],
+}
+
+
+def printer(root, place):
+    """Puts the printer's files into a folder, with the changes."""
+    for source in sorted((root / PRINTER).iterdir()):
+        if source.suffix not in (".hal", ".ini", ".tbl"):
+            continue
+        text = source.read_text()
+        for before, after in CHANGES.get(source.name, []):
+            text, number = re.subn(before, after, text)
+            if not number:
+                raise ValueError(f"{source} has no {before}")
+        (place / source.name).parent.mkdir(parents=True, exist_ok=True)
+        (place / source.name).write_text(text)
 
 
 def libraries(program):
@@ -80,6 +110,7 @@ def initramfs(root, folder, kernel):
     for name in MACHINES:
         put(HERE / name, tree / "vm" / name)
     put(HERE / "init", tree / "init")
+    printer(root, tree / "vm/printer")
     names = "".join(f"{path.relative_to(tree)}\0" for path in sorted(tree.rglob("*")))
     # The same files make the same archive: otherwise two boots could differ.
     for path in [tree, *tree.rglob("*")]:

@@ -5,6 +5,7 @@ import io
 import pathlib
 import re
 import resource
+import subprocess
 import tarfile
 import zlib
 
@@ -23,6 +24,7 @@ PUMP = 0x04
 # Steps of each axis of steps.hal, with the bits of the data register of its signals.
 STEPS = 10_000
 LINES = {"x-step": 0, "x-dir": 1, "y-step": 2, "y-dir": 3}
+PRINTER = {"xstep": 0, "xdir": 1}
 
 # The cases of users: exit status, and what the message must name, or the capabilities of a process that runs.
 RAWIO = 1 << 17
@@ -77,6 +79,7 @@ class Report:
         self.check("no case failed in the guest", not self.text("errors"), self.text("errors").strip() or "none")
         self.statuses = dict(line.split() for line in self.text("status").splitlines())
         self.steps()
+        self.printer()
         self.wakeups()
         self.users()
         self.ends()
@@ -94,25 +97,38 @@ class Report:
         claim = next((i for i, write in enumerate(writes) if write != CLAIMED), len(writes))
         return writes[claim:]
 
-    def steps(self):
-        """Every value on the wire is one that the guest recorded, and the other way round."""
-        writes = self.driver("steps")
+    def recorded(self, name, lines):
+        """Every value on the wire is one that the guest recorded, and the other way round. Returns them."""
+        writes = self.driver(name)
         data = [v for a, v in writes if a == DATA]
         # The machine's end writes the safe level twice: as the threads stop, and as the port is closed.
-        recorded = states(self.text("steps.vcd")) + [0, 0]
+        recorded = [value for _, value in states(self.text(f"{name}.vcd"), lines)] + [0, 0]
         differs = next((i for i, (a, b) in enumerate(zip(data, recorded)) if a != b), min(len(data), len(recorded)))
-        same = data == recorded
+        same = data == recorded and len(data) > 10
         figure = f"{len(data)} values" if same else f"{len(data)} and {len(recorded)}, the first that differs is {differs}"
-        self.check("data register as recorded, value for value", same, figure)
+        self.check(f"{name}: data register as recorded, value for value", same, figure)
+        others = sorted({f"{a}:{v:#04x}" for a, v in writes if (a, v) != (CONTROL, 0x0B) and a != DATA})
+        self.check(f"{name}: nothing else is written", not others and writes, " ".join(others) or "0 other writes")
+        late = self.parts.get(f"{name}-done", [(DATA, 0)])
+        self.check(f"{name}: nothing is written after the end", not late, f"{len(late)} writes")
+        return data
+
+    def printer(self):
+        """X of the printer of the documents, in both directions."""
+        data = self.recorded("printer", PRINTER)
+        ways = [way for before, way in zip([None, *data], data) if before is None or (before ^ way) & 2]
+        steps = [sum(1 for a, b in zip(data, data[1:]) if not a & 1 and b == 1 | way) for way in (0, 2)]
+        good = [way & 2 for way in ways][:4] == [0, 2, 0, 2] and min(steps) > 50 and self.statuses.get("printer") == "0"
+        self.check("printer: X to the right, to the left, and both again", good, f"{steps[0]} and {steps[1]} steps")
+
+    def steps(self):
+        data = self.recorded("steps", LINES)
         for axis in "xy":
             bit = 1 << LINES[f"{axis}-step"]
             rises = sum(1 for a, b in zip(data, data[1:]) if not a & bit and b & bit)
-            self.check(f"steps of {axis} on the wire", rises == STEPS, rises)
+            self.check(f"steps: those of {axis} on the wire", rises == STEPS, rises)
         counts = self.text("steps.counts").split()
-        self.check("counts of the step generators", counts == [str(STEPS), str(-STEPS)], " ".join(counts))
-        others = sorted({f"{a}:{v:#04x}" for a, v in writes if (a, v) != (CONTROL, 0x0B) and a != DATA})
-        self.check("nothing else is written", not others and writes, " ".join(others) or "0 other writes")
-        self.check("nothing is written after the end", not self.parts.get("steps-done"), "0 writes")
+        self.check("steps: counts of the step generators", counts == [str(STEPS), str(-STEPS)], " ".join(counts))
         late = [line.split("  ")[-1].strip() for line in self.text("steps.status").splitlines() if "overruns" in line]
         self.lines.append(f"       overruns of the threads of 100 us and 1 ms: {'; '.join(late) or 'none'}")
 
@@ -188,6 +204,28 @@ class Report:
             )
 
 
+def picture(boot, out, halscope):
+    """Draws the printer's lines twice, as the guest recorded them and as the chip saw them. The wire has the order of its
+    values and no times of the guest: each has that of its change."""
+    name, files = out / "printer.vcd", boot.files
+    recorded = states(files.get("printer.vcd", b"").decode(), PRINTER)
+    parted = parts(boot.writes, files.get("marks", b"").decode())
+    seen = [v for a, v in parted.get("printer", []) if a == DATA]
+    if not recorded or len(seen) < len(recorded):
+        return
+    signals = [(f"{where}-{line}", bit) for where in ("recorded", "wire") for line, bit in PRINTER.items()]
+    lines = ["$timescale 1 ns $end", *(f"$var wire 1 {chr(33 + i)} {s} $end" for i, (s, _) in enumerate(signals))]
+    lines.append("$enddefinitions $end")
+    for (time, state), value in zip(recorded, seen):
+        lines.append(f"#{time}")
+        values = [state, state, value, value]
+        lines += [f"{v >> bit & 1}{chr(33 + i)}" for i, (v, (_, bit)) in enumerate(zip(values, signals))]
+    name.write_text("\n".join(lines) + "\n")
+    if halscope.exists():
+        title = "X of the printer, as it was recorded and as it was on the wire"
+        subprocess.run([halscope, "plot", "-o", out / "printer.svg", "--title", title, name], check=True)
+
+
 def same(kind, boots):
     """Prints whether all boots wrote the same; returns the number of faults."""
     first, *_ = traces = [boot.writes for boot in boots]
@@ -232,20 +270,21 @@ def parts(writes, marks):
     return found
 
 
-def states(vcd):
-    """Returns the values of the data register that a recording of its lines implies, one for each change."""
-    bits, out, values = {}, [], dict.fromkeys(LINES.values(), 0)
+def states(vcd, lines):
+    """Returns the values of the data register that a recording of its lines implies, with the time of each change."""
+    bits, out, values = {}, [], dict.fromkeys(lines.values(), 0)
     head, _, body = vcd.partition("$enddefinitions $end")
     for code, name in re.findall(r"\$var wire 1 (\S+) (\S+) \$end", head):
-        bits[code] = LINES[name]
-    if set(bits.values()) != set(LINES.values()):
+        bits[code] = lines[name]
+    if set(bits.values()) != set(lines.values()):
         return []
-    for moment in re.split(r"^#\d+$", body, flags=re.MULTILINE)[1:]:
+    _, *moments = re.split(r"^#(\d+)$", body, flags=re.MULTILINE)
+    for time, moment in zip(moments[::2], moments[1::2]):
         for value, code in re.findall(r"^([01])(\S+)$", moment, flags=re.MULTILINE):
             values[bits[code]] = int(value)
         state = sum(value << bit for bit, value in values.items())
-        if not out or out[-1] != state:
-            out.append(state)
+        if not out or out[-1][1] != state:
+            out.append((int(time), state))
     return out
 
 

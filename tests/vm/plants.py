@@ -70,6 +70,8 @@ PLANTS = {
     "a value is written twice": added("steps", BEFORE_END, (judge.DATA, 0)),
     "a step goes to another line": other("steps", 5001, 0x10),
     "something writes to the control register": added("steps", BEFORE_END, (judge.CONTROL, 0x0C)),
+    "a step of the printer is lost": lost("printer", 50),
+    "a line of the printer stays on": added("printer", BEFORE_END, (judge.DATA, 0x02)),
     "something writes after the end": added("steps-done", BEFORE_END, (judge.DATA, 0)),
     "SIGTERM leaves the outputs on": left_running("SIGTERM"),
     "a crash leaves the outputs on": left_running("segv"),
