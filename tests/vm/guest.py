@@ -14,12 +14,13 @@ TOOLS = {
     "busybox": "busybox-static",
     "cpio": "cpio",
     "setpriv": "util-linux",
+    "setcap": "libcap2-bin",
     "strip": "binutils",
     "dpkg": "dpkg",
 }
 PROGRAMS = ("halrun", "halcmd", "hal_manualtoolchange")
-# Programs of the host that the guest has besides: BusyBox's setpriv does too little.
-HOST_PROGRAMS = ("setpriv",)
+# Programs of the host that the guest has besides, which BusyBox lacks or has in part.
+HOST_PROGRAMS = ("setpriv", "setcap")
 PLUGINS = ("threads", "parport", "stepgen", "timing", "signal", "motion", "trivkins", "task", "toolchange")
 HERE = pathlib.Path(__file__).resolve().parent
 MACHINES = ("steps.hal", "ends.hal", "wakeups.hal", "user.hal", "ends.table")
@@ -31,8 +32,10 @@ def missing(root):
     if not lines and libraries(found("busybox")):
         lines.append("a BusyBox without shared libraries: apt-get install busybox-static")
     release = kernels.target(root) / "release"
-    files = [release / name for name in PROGRAMS] + [release / f"lib{name}.so" for name in PLUGINS]
-    lines += [f"{file}: cargo build --release --locked" for file in files if not file.exists()]
+    files = [*PROGRAMS, *(f"lib{name}.so" for name in PLUGINS)]
+    absent = [name for name in files if not (release / name).exists()]
+    if absent:
+        lines.append(f"{', '.join(absent)} in {release}: cargo build --release --locked")
     return lines
 
 

@@ -33,6 +33,7 @@ USERS = {
     "no-node": (1, ["sudo modprobe ppdev"]),
     "not-in-lp": (1, ["sudo usermod -aG lp"]),
     "mode-x": (1, ["sudo setpriv --reuid", "--ambient-caps +sys_rawio halrun FILE"]),
+    "privileged": (1, ["sudo chmod u-s", "sudo setcap -r"]),
     "ppdev": (0, 0),
     "instructions": (0, RAWIO),
     "mode-x-with": (0, RAWIO),

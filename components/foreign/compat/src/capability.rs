@@ -43,7 +43,7 @@ fn missing(status: &str, imports: &[CString]) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::{lacking, missing};
+    use super::{NEEDS, lacking, missing};
     use std::ffi::CString;
 
     #[test]

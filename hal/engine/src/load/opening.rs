@@ -40,6 +40,11 @@ const TIMEOUT_NS: i64 = 10_000_000_000;
 /// Interval at which this process checks for a termination signal meanwhile, in nanoseconds.
 const LOOK_NS: i64 = 20_000_000;
 
+/// End of the message to a program that was started with rights that its user lacks.
+const PRIVILEGED: &str = "cannot be judged: the program has rights that its user lacks, and opens \
+                          nothing with them; take them away with 'sudo chmod u-s' and 'sudo \
+                          setcap -r' and the program's path";
+
 /// Result for each file that was opened in a separate process: `None` if nothing was wrong,
 /// otherwise how the process ended. Shared by all engines of this process, because a library that
 /// has been opened stays mapped.
@@ -118,6 +123,10 @@ enum Tried {
 }
 
 fn tried(libraries: &[ToOpen]) -> std::io::Result<Tried> {
+    if process::is_privileged() {
+        // The separate process would not open anything: it could not know who asks for it.
+        return Ok(Tried::Ended(PRIVILEGED.into()));
+    }
     let (from, to) = pipe_with(PipeFlags::CLOEXEC)?;
     let words = libraries.iter().map(|l| {
         let letter = if l.global { GLOBAL } else { LOCAL };
