@@ -1,19 +1,27 @@
 //! Access to devices, shared by real and simulated ones.
 //!
 //! This is a library for drivers, not a plugin. A driver of registers uses the trait [`Access`]; in simulation,
-//! [`Simulated`] implements it with registers whose bits are pins. A driver of packets uses [`Exchange`]. A [`Shadow`] keeps the value last written to a register, and may
-//! be shared by functions in different threads; a [`Report`] reports a device that fails.
+//! [`Simulated`] implements it with registers whose bits are pins. A driver of lines uses the trait [`Lines`], which
+//! [`SimulatedLines`] implements with pins, and [`ReplayedLines`] with the calls that [`RecordedLines`] recorded. A
+//! driver of packets uses [`Exchange`]. A [`Shadow`] keeps the value last written to a register, and may be shared by
+//! functions in different threads; a [`Report`] reports a device that fails.
 #![forbid(unsafe_code)]
 
 mod exchange;
+mod lines;
 mod report;
 mod shadow;
 mod simulated;
+mod simulated_lines;
+mod tape;
 
 pub use exchange::Exchange;
+pub use lines::{LineEdge, Lines};
 pub use report::Report;
 pub use shadow::Shadow;
 pub use simulated::{Driven, Shown, Simulated};
+pub use simulated_lines::{LinePins, SimulatedChip, SimulatedLine, SimulatedLines};
+pub use tape::{BadTape, LineCall, RecordedLines, ReplayedLines};
 
 /// Realtime. Registers by address: bytes of I/O space, and the configuration of one PCI device.
 pub trait Access: Send + Sync {

@@ -1,0 +1,202 @@
+//! Realtime. Requested lines, real or simulated, with the levels last written to them.
+
+use crate::{
+    chips::{self, Chips, Requested},
+    config::GpioConfig,
+    refused::Refused,
+    request::{FoundLine, LineRequest, plan},
+};
+use core::sync::atomic::{
+    AtomicI64, AtomicU32, AtomicU64,
+    Ordering::{Acquire, Relaxed, Release},
+};
+use hal_component::{Builder, Error};
+use port::{LinePins, Lines, Lost, SimulatedChip, SimulatedLine};
+use std::sync::OnceLock;
+
+/// Lines of a load.
+pub(crate) struct Device {
+    config: GpioConfig,
+    /// Empty until the lines are opened.
+    open: OnceLock<Vec<LineGroup>>,
+}
+
+/// Lines that are accessed together.
+pub(crate) struct LineGroup {
+    pub(crate) lines: Box<dyn Lines>,
+    /// Bits of the inputs whose levels are read, and of the outputs.
+    pub(crate) inputs: u64,
+    pub(crate) outputs: u64,
+    /// Bits of the outputs that the reset function returns to rest.
+    pub(crate) resets: u64,
+    /// Place of each line in the list of all lines, by its bit.
+    pub(crate) places: Vec<usize>,
+    /// Number of the encoder whose edges these lines are.
+    pub(crate) encoder: Option<usize>,
+    /// Levels of the encoder's lines when they were requested.
+    pub(crate) initial: u64,
+    /// Levels last written.
+    pub(crate) written: AtomicU64,
+    /// Message about a chip that is gone, with its outputs.
+    pub(crate) gone: &'static str,
+}
+
+/// Time of the last write, and functions that a chip did not answer; shared by all functions.
+#[derive(Debug, Default)]
+pub(crate) struct Written {
+    pub(crate) at_ns: AtomicI64,
+    /// A bit for each function.
+    faults: AtomicU32,
+}
+
+impl Written {
+    /// Records whether the chips have answered the function of this bit. Returns whether any function has a fault.
+    pub(crate) fn note(&self, function: u32, is_fault: bool) -> bool {
+        // Lone flags: nothing else is published with them.
+        let before = if is_fault {
+            self.faults.fetch_or(function, Relaxed)
+        } else {
+            self.faults.fetch_and(!function, Relaxed)
+        };
+        is_fault || before & !function != 0
+    }
+}
+
+impl Device {
+    pub(crate) const fn new(config: GpioConfig) -> Self {
+        Self { config, open: OnceLock::new() }
+    }
+
+    pub(crate) const fn config(&self) -> &GpioConfig {
+        &self.config
+    }
+
+    /// Returns the lines that are accessed together; none before the lines are opened.
+    pub(crate) fn groups(&self) -> &[LineGroup] {
+        self.open.get().map_or(&[], Vec::as_slice)
+    }
+
+    /// Makes simulated lines. Returns the pins that reading reads, and those that writing sets.
+    pub(crate) fn simulate(
+        &self,
+        b: &mut Builder<'_>,
+        prefix: &str,
+    ) -> Result<[Vec<LinePins>; 2], Error> {
+        let found: Vec<FoundLine> = (0..)
+            .zip(&self.config.lines)
+            .map(|(offset, line)| FoundLine { chip: 0, offset, setting: line.setting })
+            .collect();
+        let chip = SimulatedChip::new(b, &format!("{prefix}.sim"))?;
+        let (mut groups, mut read, mut written) = (Vec::new(), Vec::new(), Vec::new());
+        for request in plan(&found, &self.config.encoders) {
+            let named = |index: &usize| {
+                let line = self.config.lines.get(*index)?;
+                Some(SimulatedLine {
+                    name: line.name.as_str(),
+                    is_output: line.setting.is_output,
+                    is_active_low: line.setting.is_active_low,
+                    debounce_ns: i64::from(line.setting.debounce_us) * 1000,
+                })
+            };
+            let lines: Vec<SimulatedLine<'_>> = request.lines.iter().filter_map(named).collect();
+            let lines = chip.lines(b, &lines)?;
+            read.push(lines.read_from());
+            written.push(lines.written());
+            groups.push(self.group(request, Box::new(lines), groups.len(), "the simulated chip"));
+        }
+        drop(self.open.set(groups));
+        Ok([read, written])
+    }
+
+    /// Requests the lines from the kernel, unless they are simulated.
+    pub(crate) fn open(&self, chips: &dyn Chips) -> Result<(), Refused> {
+        if self.open.get().is_some() {
+            return Ok(());
+        }
+        let requested = chips::open(chips, &self.config.lines, &self.config.encoders)?;
+        let groups = (0..).zip(requested).map(|(number, Requested { request, lines })| {
+            let chip = format!("gpiochip{}", request.chip);
+            self.group(request, lines, number, &chip)
+        });
+        // A second opening keeps the first.
+        drop(self.open.set(groups.collect()));
+        Ok(())
+    }
+
+    /// Returns a group of lines, ready for use.
+    fn group(
+        &self,
+        request: LineRequest,
+        lines: Box<dyn Lines>,
+        number: usize,
+        chip: &str,
+    ) -> LineGroup {
+        let is_reset = |index: &usize| self.config.lines.get(*index).is_some_and(|l| l.is_reset);
+        let resets = (0..64).zip(&request.lines).filter(|(_, index)| is_reset(index));
+        // A chip that is gone already is reported by the first run.
+        let initial = lines.read(request.mask(|s| s.has_edges)).unwrap_or(0);
+        LineGroup {
+            initial,
+            inputs: request.mask(|s| !s.is_output && !s.has_edges),
+            outputs: request.mask(|s| s.is_output),
+            resets: resets.map(|(bit, _)| 1 << bit).sum(),
+            written: AtomicU64::new(0),
+            gone: self.gone(&request, chip),
+            encoder: (number < self.config.encoders.len()).then_some(number),
+            places: request.lines,
+            lines,
+        }
+    }
+
+    /// Returns the message about a chip that is gone. It lives as long as the process, since messages do.
+    fn gone(&self, request: &LineRequest, chip: &str) -> &'static str {
+        /// Number of outputs that a message names.
+        const NAMED: usize = 16;
+        let outputs = request.lines.iter().filter_map(|index| self.config.lines.get(*index));
+        let names: Vec<&str> =
+            outputs.filter(|l| l.setting.is_output).map(|l| l.name.as_str()).collect();
+        let mut text = format!("{chip} is gone: ");
+        if names.is_empty() {
+            text.push_str("its inputs keep their values");
+        } else {
+            text.push_str("nothing drives its outputs ");
+            text.push_str(&names.iter().take(NAMED).copied().collect::<Vec<_>>().join(", "));
+            if names.len() > NAMED {
+                text.push_str(&format!(" and {} more", names.len() - NAMED));
+            }
+        }
+        text.push_str("; load the machine again when it is back");
+        // Braces mark pins and numbers in messages.
+        Box::leak(text.replace('{', "(").replace('}', ")").into_boxed_str())
+    }
+
+    /// Makes all outputs inactive. Every group is tried.
+    pub(crate) fn rest(&self) -> Result<(), Lost> {
+        let mut done = Ok(());
+        for group in self.groups().iter().filter(|group| group.outputs != 0) {
+            done = done.and(group.put(0));
+        }
+        done
+    }
+}
+
+impl LineGroup {
+    /// Writes the levels of all outputs.
+    pub(crate) fn put(&self, levels: u64) -> Result<(), Lost> {
+        self.written.store(levels, Release); // Pairs with `last`.
+        self.lines.write(levels, self.outputs)
+    }
+
+    /// Returns the levels last written.
+    pub(crate) fn last(&self) -> u64 {
+        self.written.load(Acquire) // Pairs with `put`.
+    }
+}
+
+impl Drop for Device {
+    /// Makes the outputs inactive before the kernel releases them.
+    fn drop(&mut self) {
+        // A lost chip can no longer be reported. Simulated lines have nothing to rest.
+        let _ = self.rest();
+    }
+}

@@ -1,0 +1,216 @@
+//! Realtime. Functions: read, write and reset.
+
+use crate::{
+    device::{Device, LineGroup, Written},
+    encoder::Encoder,
+};
+use hal_component::{Clock, Gives, In, Out, ParamRw, Period, Takes, Touch, Update};
+use port::{LineEdge, LinePins, Lost, Report};
+use std::sync::{
+    Arc,
+    atomic::Ordering::{Acquire, Release},
+};
+
+/// Pins of an input.
+#[derive(Touch)]
+pub(crate) struct InputPins {
+    pub(crate) level: Out<bool>,
+    /// Absent for `hal_pi_gpio`, whose inputs have one pin.
+    pub(crate) not: Option<Out<bool>>,
+}
+
+/// Number of edges that are taken at once.
+const AT_ONCE: usize = 64;
+/// Largest number of times that edges are taken in a run: the kernel keeps no more of them.
+const TIMES: usize = 16;
+
+/// Function that reads inputs and encoders.
+#[derive(Touch)]
+pub(crate) struct GpioRead {
+    #[state]
+    pub(crate) device: Arc<Device>,
+    /// By the place of the line.
+    pub(crate) inputs: Vec<Option<InputPins>>,
+    pub(crate) encoders: Vec<Encoder>,
+    pub(crate) simulated: Vec<LinePins>,
+    pub(crate) fault: Out<bool>,
+    pub(crate) written: Gives<Written>,
+    /// A report for each group of lines.
+    pub(crate) reports: Vec<Report>,
+    #[state]
+    pub(crate) edges: EdgeRoom,
+}
+
+/// Room for edges that are taken at once.
+pub(crate) struct EdgeRoom([LineEdge; AT_ONCE]);
+
+impl Default for EdgeRoom {
+    fn default() -> Self {
+        Self([LineEdge::default(); AT_ONCE])
+    }
+}
+
+impl Update for GpioRead {
+    fn update(&mut self, period: Period) {
+        let mut is_fault = false;
+        for (group, report) in self.device.groups().iter().zip(&mut self.reports) {
+            let done = match group.encoder.and_then(|number| self.encoders.get_mut(number)) {
+                Some(encoder) => {
+                    let done = count(group, encoder, &mut self.edges.0);
+                    encoder.tell(period);
+                    done
+                }
+                None if group.inputs == 0 => continue,
+                None => take(group, &self.inputs),
+            };
+            is_fault |= done.is_err();
+            note(report, done, group, READING_FAILED);
+        }
+        self.fault.set(self.written.note(READING, is_fault));
+    }
+}
+
+/// Distributes the levels of the inputs to the pins.
+fn take(group: &LineGroup, inputs: &[Option<InputPins>]) -> Result<(), Lost> {
+    let levels = group.lines.read(group.inputs)?;
+    for (bit, place) in (0..64).zip(&group.places) {
+        if let Some(Some(pins)) = inputs.get(*place) {
+            let level = levels >> bit & 1 != 0;
+            pins.level.set(level);
+            if let Some(not) = &pins.not {
+                not.set(!level);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Passes the waiting edges to an encoder.
+fn count(
+    group: &LineGroup,
+    encoder: &mut Encoder,
+    room: &mut [LineEdge; AT_ONCE],
+) -> Result<(), Lost> {
+    encoder.begin(group.initial);
+    for _ in 0..TIMES {
+        let count = group.lines.edges(room)?;
+        for edge in room.iter().take(count) {
+            encoder.edge(edge);
+        }
+        if count < AT_ONCE {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Function that writes outputs.
+#[derive(Touch)]
+pub(crate) struct GpioWrite {
+    #[state]
+    pub(crate) device: Arc<Device>,
+    /// By the place of the line.
+    pub(crate) outputs: Vec<Option<In<bool>>>,
+    pub(crate) simulated: Vec<LinePins>,
+    pub(crate) fault: Out<bool>,
+    pub(crate) written: Gives<Written>,
+    pub(crate) clock: Clock,
+    /// A report for each group of lines.
+    pub(crate) reports: Vec<Report>,
+}
+
+impl Update for GpioWrite {
+    fn update(&mut self, _: Period) {
+        let mut is_fault = false;
+        for (group, report) in self.device.groups().iter().zip(&mut self.reports) {
+            if group.outputs == 0 {
+                continue;
+            }
+            let is_on = |place: &usize| {
+                self.outputs.get(*place).is_some_and(|o| o.is_some_and(|pin| pin.get()))
+            };
+            let on = (0..64).zip(&group.places).filter(|(_, place)| is_on(place));
+            let done = group.put(on.map(|(bit, _)| 1 << bit).sum());
+            is_fault |= done.is_err();
+            note(report, done, group, WRITING_FAILED);
+        }
+        self.written.at_ns.store(self.clock.now_ns(), Release); // Pairs with `GpioReset`.
+        self.fault.set(self.written.note(WRITING, is_fault));
+    }
+}
+
+/// Function that returns outputs to rest, a set time after they were written.
+#[derive(Touch)]
+pub(crate) struct GpioReset {
+    #[state]
+    pub(crate) device: Arc<Device>,
+    pub(crate) time: ParamRw<u32>,
+    pub(crate) simulated: Vec<LinePins>,
+    pub(crate) fault: Out<bool>,
+    pub(crate) written: Takes<Written>,
+    pub(crate) clock: Clock,
+    /// A report for each group of lines.
+    pub(crate) reports: Vec<Report>,
+}
+
+impl Update for GpioReset {
+    fn update(&mut self, period: Period) {
+        let wait = self.wait(period);
+        let mut is_fault = false;
+        for (group, report) in self.device.groups().iter().zip(&mut self.reports) {
+            let last = group.last();
+            if last & group.resets == 0 {
+                continue;
+            }
+            let since = self.written.at_ns.load(Acquire); // Pairs with `GpioWrite`.
+            pause(self.clock, since, wait);
+            let done = group.put(last & !group.resets);
+            is_fault |= done.is_err();
+            note(report, done, group, WRITING_FAILED);
+        }
+        self.fault.set(self.written.note(RESETTING, is_fault));
+    }
+}
+
+impl GpioReset {
+    /// Returns the nanoseconds between write and reset, at most a quarter of the period; corrects the parameter if it
+    /// is longer.
+    fn wait(&self, period: Period) -> u32 {
+        let quarter = period.ns() / 4;
+        let most = u32::try_from(quarter).unwrap_or(if quarter < 0 { 0 } else { u32::MAX });
+        if self.time.get() > most {
+            self.time.set(most);
+        }
+        self.time.get()
+    }
+}
+
+/// Waits on a real clock until `wait` nanoseconds after `since`. Each reading of the clock takes at least a nanosecond,
+/// so the loop is bounded even if the clock stands still.
+fn pause(clock: Clock, since: i64, wait: u32) {
+    if clock.is_virtual() {
+        return;
+    }
+    for _ in 0..wait {
+        if clock.now_ns().wrapping_sub(since) >= i64::from(wait) {
+            return;
+        }
+        core::hint::spin_loop();
+    }
+}
+
+/// Bits of the functions in [`Written`].
+const READING: u32 = 1;
+const WRITING: u32 = 2;
+const RESETTING: u32 = 4;
+
+/// Error number of a chip that is gone (ENODEV).
+const GONE: i32 = 19;
+
+const READING_FAILED: &str = "error {} when reading GPIO lines: inputs keep their values";
+const WRITING_FAILED: &str = "error {} when writing GPIO lines: it is tried again";
+
+fn note(report: &mut Report, done: Result<(), Lost>, group: &LineGroup, text: &'static str) {
+    let text = if done == Err(Lost(GONE)) { group.gone } else { text };
+    report.note(done, text);
+}
