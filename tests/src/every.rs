@@ -14,6 +14,12 @@ const WAYS: &[(&str, &[&str])] = &[
     ("demux_generic", &["config=ff4,bu3"]),
     ("enum", &["enums=E;;a;b,D;;c;d"]),
     ("gantry", &["personality=3"]),
+    (
+        "hal_gpio",
+        &[
+            "inputs=A,B,C outputs=D,E,F activelow=C invert=F reset=D,E debounce=B:1500 encoders=G:H:I,J",
+        ],
+    ),
     ("hal_parport", &["cfg=378_out_278_in_3bc_x"]),
     ("lcd", &["fmt_strings=X%7.2f\\n%i|%u%b01%c,page"]),
     ("lcd_reader", &["find=IDLE,RUN values=X,Y,Z"]),
@@ -69,6 +75,14 @@ const LARGE: &[(&str, &[Size])] = {
         ("encoder_ratio", &[Number("num_chan", 8)]),
         ("enum", &[Each("enums", "E;;a;b;c;d;e;f;g;h", 16)]),
         ("gantry", &[Each("personality", "7", ANY)]),
+        (
+            "hal_gpio",
+            &[Fixed(
+                "inputs=A0,A1,A2,A3,A4,A5,A6,A7,A8,A9,B0,B1,B2,B3,B4,B5 \
+                 outputs=C0,C1,C2,C3,C4,C5,C6,C7,C8,C9,D0,D1,D2,D3,D4,D5 reset=C0,C2,C4 \
+                 encoders=E0:E1:E2,F0:F1:F2,G0:G1,H0",
+            )],
+        ),
         (
             "hal_parport",
             &[Fixed("cfg=278_out_378_out_3bc_x_2bc_in_1278_in_1378_x_13bc_x_12bc_epp")],

@@ -56,8 +56,6 @@ const KNOWN: &[Known] = &[
     module("hal_evoreg", &["evoreg", "hal_evoreg"]),
     module("hal_ax5214h", &["ax5214h"]),
     module("hal_bb_gpio", &["bb_gpio"]),
-    module("hal_pi_gpio", &["hal_pi_gpio"]),
-    module("hal_gpio", &["hal_gpio"]),
     module("hal_gpiod", &["hal_gpio", "hal_gpiod"]),
     module("hal_pru_generic", &["hpg"]),
     module("hal_arm335xQEP", &["eQEP*"]),

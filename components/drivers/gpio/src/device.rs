@@ -37,8 +37,9 @@ pub(crate) struct LineGroup {
     pub(crate) initial: u64,
     /// Levels last written.
     pub(crate) written: AtomicU64,
-    /// Message about a chip that is gone, with its outputs.
-    pub(crate) gone: &'static str,
+    /// Messages about a chip that is gone, with its inputs and with its outputs.
+    pub(crate) inputs_gone: &'static str,
+    pub(crate) outputs_gone: &'static str,
 }
 
 /// Time of the last write, and functions that a chip did not answer; shared by all functions.
@@ -141,32 +142,37 @@ impl Device {
             outputs: request.mask(|s| s.is_output),
             resets: resets.map(|(bit, _)| 1 << bit).sum(),
             written: AtomicU64::new(0),
-            gone: self.gone(&request, chip),
+            inputs_gone: self.gone(&request, chip, false),
+            outputs_gone: self.gone(&request, chip, true),
             encoder: (number < self.config.encoders.len()).then_some(number),
             places: request.lines,
             lines,
         }
     }
 
-    /// Returns the message about a chip that is gone. It lives as long as the process, since messages do.
-    fn gone(&self, request: &LineRequest, chip: &str) -> &'static str {
-        /// Number of outputs that a message names.
+    /// Returns the message about a chip that is gone, with its inputs or outputs. It lives as long as the process, since
+    /// messages do.
+    fn gone(&self, request: &LineRequest, chip: &str, outputs: bool) -> &'static str {
+        /// Number of lines that a message names.
         const NAMED: usize = 16;
-        let outputs = request.lines.iter().filter_map(|index| self.config.lines.get(*index));
-        let names: Vec<&str> =
-            outputs.filter(|l| l.setting.is_output).map(|l| l.name.as_str()).collect();
-        let mut text = format!("{chip} is gone: ");
-        if names.is_empty() {
-            text.push_str("its inputs keep their values");
-        } else {
-            text.push_str("nothing drives its outputs ");
-            text.push_str(&names.iter().take(NAMED).copied().collect::<Vec<_>>().join(", "));
-            if names.len() > NAMED {
-                text.push_str(&format!(" and {} more", names.len() - NAMED));
-            }
+        let lines = request.lines.iter().filter_map(|index| self.config.lines.get(*index));
+        let names: Vec<&str> = lines
+            .filter(|line| line.setting.is_output == outputs)
+            .map(|line| line.name.as_str())
+            .collect();
+        let mut list = names.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
+        if names.len() > NAMED {
+            list.push_str(&format!(" and {} more", names.len() - NAMED));
         }
-        text.push_str("; load the machine again when it is back");
+        let text = if outputs {
+            format!("{chip} is gone: nothing drives its outputs {list}")
+        } else if request.mask(|setting| setting.has_edges) != 0 {
+            format!("{chip} is gone: nothing counts the edges of {list}")
+        } else {
+            format!("{chip} is gone: its inputs {list} keep their values")
+        };
         // Braces mark pins and numbers in messages.
+        let text = format!("{text}; load the machine again when it is back");
         Box::leak(text.replace('{', "(").replace('}', ")").into_boxed_str())
     }
 

@@ -64,7 +64,7 @@ impl Update for GpioRead {
                 None => take(group, &self.inputs),
             };
             is_fault |= done.is_err();
-            note(report, done, group, READING_FAILED);
+            note(report, done, group.inputs_gone, READING_FAILED);
         }
         self.fault.set(self.written.note(READING, is_fault));
     }
@@ -132,7 +132,7 @@ impl Update for GpioWrite {
             let on = (0..64).zip(&group.places).filter(|(_, place)| is_on(place));
             let done = group.put(on.map(|(bit, _)| 1 << bit).sum());
             is_fault |= done.is_err();
-            note(report, done, group, WRITING_FAILED);
+            note(report, done, group.outputs_gone, WRITING_FAILED);
         }
         self.written.at_ns.store(self.clock.now_ns(), Release); // Pairs with `GpioReset`.
         self.fault.set(self.written.note(WRITING, is_fault));
@@ -166,7 +166,7 @@ impl Update for GpioReset {
             pause(self.clock, since, wait);
             let done = group.put(last & !group.resets);
             is_fault |= done.is_err();
-            note(report, done, group, WRITING_FAILED);
+            note(report, done, group.outputs_gone, WRITING_FAILED);
         }
         self.fault.set(self.written.note(RESETTING, is_fault));
     }
@@ -210,7 +210,7 @@ const GONE: i32 = 19;
 const READING_FAILED: &str = "error {} when reading GPIO lines: inputs keep their values";
 const WRITING_FAILED: &str = "error {} when writing GPIO lines: it is tried again";
 
-fn note(report: &mut Report, done: Result<(), Lost>, group: &LineGroup, text: &'static str) {
-    let text = if done == Err(Lost(GONE)) { group.gone } else { text };
-    report.note(done, text);
+/// Records the result of an access; a chip that is gone has a message of its own.
+fn note(report: &mut Report, done: Result<(), Lost>, gone: &'static str, other: &'static str) {
+    report.note(done, if done == Err(Lost(GONE)) { gone } else { other });
 }

@@ -39,9 +39,10 @@ of another one, is `gpiochipN.LINE`, such as `gpiochip0.17`. Lists have commas a
 | `encoders` | `A:B`, `A:B:INDEX`, or a single line whose rising edges are counted |
 
 The last three are not in LinuxCNC, which has the others. It ignores `invert` and `reset` for an
-input; so does Ferrule, with a warning.
+input; so does Ferrule, which says so.
 
-A function takes one system call for up to 64 lines of a chip. An encoder is counted from edges that
+A function takes one system call for up to 64 lines of a chip: microseconds on a board's own lines, and
+about a millisecond on chips behind I2C or USB, which belong in a slow thread. An encoder is counted from edges that
 the kernel notes with their time, so that `hal_gpio.read` may run far more seldom than the edges come,
 up to 1024 of them between two runs; the chip must be able to interrupt. Each encoder takes one more
 system call. Its pins are `hal_gpio.encoder.N.*`. Edges that are lost are counted by `lost`.
@@ -54,8 +55,10 @@ refused with its name. `hal_gpio.fault` is TRUE while a chip does not answer, fo
 was unplugged: inputs keep their values then, so wire it to the e-stop.
 
 All outputs are FALSE from the moment of the load, and go to FALSE when the machine stops, and before
-the lines are released. After a `kill -9` the kernel releases them without that: most chips then keep
-the last level, some return to an input. A machine must be safe with either: use a charge pump.
+the lines are released, also by a signal or a crash. A `kill -9` leaves no time for that: the kernel
+releases the lines, and their chip's driver decides. Raspberry Pi's kernels keep the last levels, unless
+`dtparam=strict_gpiod` is in config.txt; then, and with most other kernels, the lines become inputs.
+Wire them so that an open line is safe, and use a charge pump.
 
 Simulated lines are the pins `hal_gpio.sim.NAME`, as levels on the wire: TRUE is high.
 `hal_gpio.sim.vanished` makes every access fail as if the chip had been unplugged.
@@ -104,13 +107,13 @@ getp hal_gpio.sim.GPIO27 # -> TRUE
         let config =
             config::parse(|arg| b.arg_texts(arg)).map_err(|why| Error::new(why.to_string()))?;
         if config.is_without_effect {
-            b.messages().warn(WITHOUT_EFFECT, &[]);
+            b.messages().notice(WITHOUT_EFFECT, &[]);
         }
         declare(b, "hal_gpio", config, true, Kernel::default())
     }
 }
 
-const WITHOUT_EFFECT: &str = "hal_gpio: invert= or reset= names an input, where it has no effect, as in LinuxCNC: \
+const WITHOUT_EFFECT: &str = "invert= or reset= names an input, where it has no effect, as in LinuxCNC: \
                               activelow= and the pin NAME-in-not invert an input";
 
 /// Declares pins and functions of lines of these chips. `has_not` adds a pin with the opposite of each input.
@@ -202,7 +205,7 @@ fn functions(
         reports: reports.clone(),
         edges: EdgeRoom::default(),
     };
-    b.fast_function(&format!("{prefix}.read"), "Reads the inputs and the encoders", read)?;
+    b.function(&format!("{prefix}.read"), "Reads the inputs and the encoders", read)?;
     if device.config().lines.iter().any(|line| line.is_reset) {
         let about = "Nanoseconds from write to reset; 0 to a quarter of the period, above which the \
                      reset function sets it to that. In virtual time the reset does not wait";
@@ -227,5 +230,5 @@ fn functions(
         clock,
         reports,
     };
-    b.fast_function(&format!("{prefix}.write"), "Writes the outputs", write)
+    b.function(&format!("{prefix}.write"), "Writes the outputs", write)
 }

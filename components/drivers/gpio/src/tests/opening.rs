@@ -207,38 +207,38 @@ fn a_chip_is_one_request_and_a_function_is_one_call() {
     assert!(text.ends_with("write 0 c\nwrite 0 c\n"), "the lines are released at rest: {text}");
 }
 
-/// An output of a chip that is gone is named, once until it answers again.
+/// Lines of a chip that is gone are named, each function's once until it answers again.
 #[test]
-fn a_chip_that_vanishes_is_reported_with_its_outputs() {
-    for (args, says) in [
-        (
-            &["inputs=A", "outputs=B,C"][..],
-            "gpiochip0 is gone: nothing drives its outputs B, C; load the machine again when it is back",
-        ),
-        (
-            &["inputs=A"],
-            "gpiochip0 is gone: its inputs keep their values; load the machine again when it is back",
-        ),
-    ] {
-        let chips = named(&["A", "B", "C"]);
-        let mut bench = Bench::new().with_hardware();
-        load(&mut bench, &chips, args).unwrap();
-        let (_, lines) = chips.requested.lock().unwrap()[0].clone();
-        *lines.inner().levels.lock().unwrap() = 1;
-        let run = || ["read", "write"].map(|f| bench.run(&format!("hal_gpio.{f}"), MS));
-        run();
-        assert_eq!((bench.get("hal_gpio.A-in"), bench.get("hal_gpio.fault")), (true, false));
-        *lines.inner().lost.lock().unwrap() = Some(ENODEV);
-        *lines.inner().levels.lock().unwrap() = 0;
-        run();
-        run();
-        let said = bench.said();
-        assert!(said.iter().all(|text| text == says) && said.len() == args.len(), "{said:?}");
-        assert_eq!((bench.get("hal_gpio.A-in"), bench.get("hal_gpio.fault")), (true, true));
-        *lines.inner().lost.lock().unwrap() = None;
-        run();
-        assert_eq!((bench.get("hal_gpio.A-in"), bench.get("hal_gpio.fault")), (false, false));
-    }
+fn a_chip_that_vanishes_is_reported_with_its_lines() {
+    let again = "; load the machine again when it is back";
+    let (inputs, outputs, edges) = (
+        format!("gpiochip0 is gone: its inputs A keep their values{again}"),
+        format!("gpiochip0 is gone: nothing drives its outputs B, C{again}"),
+        format!("gpiochip0 is gone: nothing counts the edges of D, E{again}"),
+    );
+    let chips = named(&["A", "B", "C", "D", "E"]);
+    let mut bench = Bench::new().with_hardware();
+    load(&mut bench, &chips, &["inputs=A", "outputs=B,C", "encoders=D:E"]).unwrap();
+    let all: Vec<_> = chips.requested.lock().unwrap().iter().map(|(_, l)| l.clone()).collect();
+    let change = |level, lost| {
+        for lines in &all {
+            *lines.inner().levels.lock().unwrap() = level;
+            *lines.inner().lost.lock().unwrap() = lost;
+        }
+    };
+    let run = || ["read", "write"].map(|f| bench.run(&format!("hal_gpio.{f}"), MS));
+    let pins = || ["A-in", "fault"].map(|pin| bench.get::<bool>(&format!("hal_gpio.{pin}")));
+    change(1, None);
+    run();
+    assert_eq!(pins(), [true, false]);
+    change(0, Some(ENODEV));
+    run();
+    run();
+    assert_eq!(bench.said(), [edges, inputs, outputs]);
+    assert_eq!(pins(), [true, true]);
+    change(0, None);
+    run();
+    assert_eq!((pins(), bench.said().len()), ([false, false], 0));
 }
 
 #[test]
