@@ -103,12 +103,11 @@ impl fmt::Display for BadLines {
             Self::TooMany => write!(f, "more than {MOST_LINES} lines"),
             Self::NoName(arg) => write!(
                 f,
-                "{arg}= has an empty name: give names of lines, separated by commas, without blanks"
+                "{arg}= has an empty name: expected names of lines without blanks, such as GPIO5,GPIO6"
             ),
             Self::TooLong(arg, name) => write!(
                 f,
-                "{arg}= has the name '{name}…', longer than the {} characters of the longest line \
-                 name",
+                "{arg}= has the name '{name}…': expected names of at most {} characters, as the kernel's",
                 Label::MOST
             ),
             Self::Twice(name) => write!(

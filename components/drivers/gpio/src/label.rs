@@ -72,7 +72,8 @@ pub(crate) fn nearest(word: Label, names: impl IntoIterator<Item = Label>) -> Op
     let lower = word.as_str().to_lowercase();
     let distance =
         |name: &Label| strsim::damerau_levenshtein(&lower, &name.as_str().to_lowercase());
-    let most = 2.min(lower.len().max(2) - 1);
+    // At least one character remains.
+    let most = 2.min(lower.chars().count().saturating_sub(1));
     names
         .into_iter()
         .filter(|name| !name.is_empty() && *name != word)
@@ -103,12 +104,14 @@ mod tests {
 
     #[test]
     fn near_names() {
-        let names = ["GPIO17", "GPIO27", "ID_SDA", ""].map(Label::cut);
+        let names = ["GPIO17", "GPIO27", "ID_SDA", "A", ""].map(Label::cut);
         for (word, near) in [
             ("GPOI17", Some("GPIO17")),
             ("gpio27", Some("GPIO27")),
             ("ID_SDL", Some("ID_SDA")),
             ("PIN11", None),
+            ("a", Some("A")),
+            ("%", None),
             ("", None),
         ] {
             let found = nearest(Label::cut(word), names);

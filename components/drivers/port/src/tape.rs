@@ -1,14 +1,7 @@
 //! Accesses to lines as text: recorded from one back end, replayed as another. For tests; both lock and allocate.
 //!
-//! A line of the text is one call, with what it answered:
-//!
-//! ```text
-//! read MASK = LEVELS
-//! write LEVELS MASK
-//! edges TIME:BIT:RISING:NUMBER …
-//! ```
-//!
-//! Masks and levels are hexadecimal. `! ERRNO` at the end of a line stands for an error.
+//! A line of the text is one call, with what it answered: `read MASK = LEVELS`, `write LEVELS MASK`, or `edges` and
+//! `TIME:BIT:RISING:NUMBER` for each edge. Masks and levels are hexadecimal. `! ERRNO` at the end of a line stands for an error.
 
 use crate::{LineEdge, Lines, Lost};
 use core::fmt;

@@ -22,20 +22,20 @@ const BAD: &[(&str, &str)] = &[
     ("invert=A", "no lines: give inputs=, outputs= or encoders=, such as inputs=GPIO17"),
     (
         "inputs=A,,B",
-        "inputs= has an empty name: give names of lines, separated by commas, without blanks",
+        "inputs= has an empty name: expected names of lines without blanks, such as GPIO5,GPIO6",
     ),
     (
         "outputs=A,",
-        "outputs= has an empty name: give names of lines, separated by commas, without blanks",
+        "outputs= has an empty name: expected names of lines without blanks, such as GPIO5,GPIO6",
     ),
     (
         "outputs=A pullup=",
-        "pullup= has an empty name: give names of lines, separated by commas, without blanks",
+        "pullup= has an empty name: expected names of lines without blanks, such as GPIO5,GPIO6",
     ),
     (
         "inputs=A23456789012345678901234567890123",
-        "inputs= has the name 'A234567890123456789012345678901…', longer than the 31 characters of \
-         the longest line name",
+        "inputs= has the name 'A234567890123456789012345678901…': expected names of at most \
+         31 characters, as the kernel's",
     ),
     (
         "inputs=A,A",
@@ -99,7 +99,7 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "encoders=A:",
-        "encoders= has an empty name: give names of lines, separated by commas, without blanks",
+        "encoders= has an empty name: expected names of lines without blanks, such as GPIO5,GPIO6",
     ),
 ];
 
