@@ -27,8 +27,6 @@ pub(crate) struct LineGroup {
     /// Bits of the inputs whose levels are read, and of the outputs.
     pub(crate) inputs: u64,
     pub(crate) outputs: u64,
-    /// Bits of the outputs that the reset function returns to rest.
-    pub(crate) resets: u64,
     /// Place of each line in the list of all lines, by its bit.
     pub(crate) places: Vec<usize>,
     /// Number of the encoder whose edges these lines are.
@@ -132,15 +130,12 @@ impl Device {
         number: usize,
         chip: &str,
     ) -> LineGroup {
-        let is_reset = |index: &usize| self.config.lines.get(*index).is_some_and(|l| l.is_reset);
-        let resets = (0..64).zip(&request.lines).filter(|(_, index)| is_reset(index));
         // A chip that is gone already is reported by the first run.
         let initial = lines.read(request.mask(|s| s.has_edges)).unwrap_or(0);
         LineGroup {
             initial,
             inputs: request.mask(|s| !s.is_output && !s.has_edges),
             outputs: request.mask(|s| s.is_output),
-            resets: resets.map(|(bit, _)| 1 << bit).sum(),
             written: AtomicU64::new(0),
             inputs_gone: self.gone(&request, chip, false),
             outputs_gone: self.gone(&request, chip, true),

@@ -1,6 +1,6 @@
 //! Realtime. Encoders and pulse counters from edges with the kernel's time.
 
-use hal_component::{In, InSet, Io, Messages, Out, Period, Touch, pins};
+use hal_component::{Io, Messages, Out, ParamRw, Period, Touch, pins};
 use port::LineEdge;
 
 pins! {
@@ -18,12 +18,12 @@ pins! {
         /// Time between the last two rising edges of the first line, in seconds; 0 before the second one.
         period: Out<f64> = "period", 0.0;
         /// Counts per unit; a negative value reverses the direction. A value closer to 0 than 1e-20 is set to 1.
-        position_scale: InSet<f64> = "position-scale", 1.0;
+        position_scale: ParamRw<f64> = "position-scale", 1.0;
         /// Lowest speed that is estimated, in units per second: without a count for so long, the speed is 0. A value of
         /// 0 or less, or NaN, is set to 1.
-        min_speed_estimate: InSet<f64> = "min-speed-estimate", 1.0;
+        min_speed_estimate: ParamRw<f64> = "min-speed-estimate", 1.0;
         /// While true, the position is zero.
-        reset: In<bool> = "reset", false;
+        reset: ParamRw<bool> = "reset", false;
         /// While true, waits for the index line to rise, which makes the position zero there and this false.
         index_enable: Io<bool> = "index-enable", false;
         /// Number of edges that were lost because the kernel's queue of 1024 was full; the count is then wrong.

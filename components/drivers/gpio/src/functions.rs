@@ -24,13 +24,39 @@ const AT_ONCE: usize = 64;
 /// Largest number of times that edges are taken in a run: the kernel keeps no more of them.
 const TIMES: usize = 16;
 
-/// Function that reads inputs and encoders.
+/// Function that reads inputs.
 #[derive(Touch)]
 pub(crate) struct GpioRead {
     #[state]
     pub(crate) device: Arc<Device>,
     /// By the place of the line.
     pub(crate) inputs: Vec<Option<InputPins>>,
+    pub(crate) simulated: Vec<LinePins>,
+    pub(crate) fault: Out<bool>,
+    pub(crate) written: Gives<Written>,
+    /// A report for each group of lines.
+    pub(crate) reports: Vec<Report>,
+}
+
+impl Update for GpioRead {
+    fn update(&mut self, _: Period) {
+        let mut is_fault = false;
+        for (group, report) in self.device.groups().iter().zip(&mut self.reports) {
+            if group.inputs != 0 {
+                let done = take(group, &self.inputs);
+                is_fault |= done.is_err();
+                note(report, done, group.inputs_gone, READING_FAILED);
+            }
+        }
+        self.fault.set(self.written.note(READING, is_fault));
+    }
+}
+
+/// Function that counts the edges of encoders.
+#[derive(Touch)]
+pub(crate) struct GpioCapture {
+    #[state]
+    pub(crate) device: Arc<Device>,
     pub(crate) encoders: Vec<Encoder>,
     pub(crate) simulated: Vec<LinePins>,
     pub(crate) fault: Out<bool>,
@@ -50,23 +76,18 @@ impl Default for EdgeRoom {
     }
 }
 
-impl Update for GpioRead {
+impl Update for GpioCapture {
     fn update(&mut self, period: Period) {
         let mut is_fault = false;
         for (group, report) in self.device.groups().iter().zip(&mut self.reports) {
-            let done = match group.encoder.and_then(|number| self.encoders.get_mut(number)) {
-                Some(encoder) => {
-                    let done = count(group, encoder, &mut self.edges.0);
-                    encoder.tell(period);
-                    done
-                }
-                None if group.inputs == 0 => continue,
-                None => take(group, &self.inputs),
-            };
+            let encoder = group.encoder.and_then(|number| self.encoders.get_mut(number));
+            let Some(encoder) = encoder else { continue };
+            let done = count(group, encoder, &mut self.edges.0);
+            encoder.tell(period);
             is_fault |= done.is_err();
-            note(report, done, group.inputs_gone, READING_FAILED);
+            note(report, done, group.inputs_gone, COUNTING_FAILED);
         }
-        self.fault.set(self.written.note(READING, is_fault));
+        self.fault.set(self.written.note(COUNTING, is_fault));
     }
 }
 
@@ -145,6 +166,8 @@ pub(crate) struct GpioReset {
     #[state]
     pub(crate) device: Arc<Device>,
     pub(crate) time: ParamRw<u32>,
+    /// By the place of the line: TRUE returns it to rest.
+    pub(crate) marks: Vec<Option<ParamRw<bool>>>,
     pub(crate) simulated: Vec<LinePins>,
     pub(crate) fault: Out<bool>,
     pub(crate) written: Takes<Written>,
@@ -158,13 +181,18 @@ impl Update for GpioReset {
         let wait = self.wait(period);
         let mut is_fault = false;
         for (group, report) in self.device.groups().iter().zip(&mut self.reports) {
+            let is_marked = |place: &usize| {
+                self.marks.get(*place).is_some_and(|mark| mark.is_some_and(|mark| mark.get()))
+            };
+            let marked = (0..64).zip(&group.places).filter(|(_, place)| is_marked(place));
+            let resets: u64 = marked.map(|(bit, _)| 1 << bit).sum();
             let last = group.last();
-            if last & group.resets == 0 {
+            if last & resets == 0 {
                 continue;
             }
             let since = self.written.at_ns.load(Acquire); // Pairs with `GpioWrite`.
             pause(self.clock, since, wait);
-            let done = group.put(last & !group.resets);
+            let done = group.put(last & !resets);
             is_fault |= done.is_err();
             note(report, done, group.outputs_gone, WRITING_FAILED);
         }
@@ -203,11 +231,14 @@ fn pause(clock: Clock, since: i64, wait: u32) {
 const READING: u32 = 1;
 const WRITING: u32 = 2;
 const RESETTING: u32 = 4;
+const COUNTING: u32 = 8;
 
 /// Error number of a chip that is gone (ENODEV).
 const GONE: i32 = 19;
 
 const READING_FAILED: &str = "error {} when reading GPIO lines: inputs keep their values";
+const COUNTING_FAILED: &str =
+    "error {} when reading the edges of GPIO lines: counts keep their values";
 const WRITING_FAILED: &str = "error {} when writing GPIO lines: it is tried again";
 
 /// Records the result of an access; a chip that is gone has a message of its own.

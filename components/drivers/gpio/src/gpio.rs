@@ -5,11 +5,11 @@ use crate::{
     config::{self, GpioConfig},
     device::{Device, Written},
     encoder::{Encoder, EncoderPins},
-    functions::{EdgeRoom, GpioRead, GpioReset, GpioWrite, InputPins},
+    functions::{EdgeRoom, GpioCapture, GpioRead, GpioReset, GpioWrite, InputPins},
     kernel::Kernel,
 };
 use hal_component::{
-    Arg, Builder, Component, Error, In,
+    Arg, Builder, Component, Error, In, ParamRw,
     abi::{ArgSpec, component_flags},
 };
 use port::Report;
@@ -42,13 +42,16 @@ The last three are not in LinuxCNC, which has the others. It ignores `invert` an
 input; so does Ferrule, which says so.
 
 A function takes one system call for up to 64 lines of a chip: microseconds on a board's own lines, and
-about a millisecond on chips behind I2C or USB, which belong in a slow thread. An encoder is counted from edges that
-the kernel notes with their time, so that `hal_gpio.read` may run far more seldom than the edges come,
-up to 1024 of them between two runs; the chip must be able to interrupt. Each encoder takes one more
-system call. Its pins are `hal_gpio.encoder.N.*`. Edges that are lost are counted by `lost`.
+about a millisecond on chips behind I2C or USB, which belong in a slow thread.
+
+`hal_gpio.capture-position` counts encoders from edges that the kernel notes with their time. It may
+therefore run in the servo thread, far more seldom than the edges come: up to 1024 of them between two
+runs; `lost` counts those that were too many. The chip must be able to interrupt. The pins are
+`hal_gpio.encoder.N.*`, and each encoder takes one system call.
 
 `hal_gpio.reset` belongs after `hal_gpio.write` in the same thread: a step pulse in every period. It
-waits at most a quarter of the period, and not at all in virtual time.
+waits at most a quarter of the period, and not at all in virtual time. The parameter
+`hal_gpio.NAME-out-reset` of each line of `reset` turns this off and on.
 
 The lines need a user in group `gpio`, and Linux 5.10 or later. A line that another program holds is
 refused with its name. `hal_gpio.fault` is TRUE while a chip does not answer, for instance because it
@@ -126,14 +129,18 @@ pub(crate) fn declare(
 ) -> Result<(), Error> {
     let device = Arc::new(Device::new(config));
     let config = device.config();
-    let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
+    let (mut inputs, mut outputs, mut marks) = (Vec::new(), Vec::new(), Vec::new());
     for line in &config.lines {
         let name = line.name;
-        let (mut input, mut output) = (None, None);
+        let (mut input, mut output, mut mark) = (None, None, None);
         if line.setting.is_output {
             let inverts = if line.setting.is_active_low { "low" } else { "high" };
             let about = format!("Level that the next write gives line {name}: TRUE is {inverts}");
             output = Some(b.item::<bool, _>(&format!("{prefix}.{name}-out"), &about, false)?);
+            if line.is_reset {
+                let about = format!("TRUE makes {prefix}.reset return line {name} to rest");
+                mark = Some(b.item(&format!("{prefix}.{name}-out-reset"), &about, true)?);
+            }
         } else if !line.setting.has_edges {
             let high = if line.setting.is_active_low { "low" } else { "high" };
             let about = format!(
@@ -150,15 +157,13 @@ pub(crate) fn declare(
         }
         inputs.push(input);
         outputs.push(output);
+        marks.push(mark);
     }
     let encoders = encoders(b, prefix, config)?;
-    functions(b, prefix, &device, Parts { inputs, outputs, encoders })?;
+    functions(b, prefix, &device, Parts { inputs, outputs, marks, encoders })?;
 
     let opened = device.clone();
-    b.on_open(move |_| {
-        let failed = |why| Error::new(format!("{prefix}: {why}"));
-        opened.open(&chips).map_err(failed)
-    })?;
+    b.on_open(move |_| opened.open(&chips).map_err(|why| Error::new(why.to_string())))?;
     b.on_stop(move || {
         // A lost chip cannot be stopped; the write function reports it.
         let _ = device.rest();
@@ -178,6 +183,8 @@ fn encoders(b: &mut Builder<'_>, prefix: &str, config: &GpioConfig) -> Result<Ve
 struct Parts {
     inputs: Vec<Option<InputPins>>,
     outputs: Vec<Option<In<bool>>>,
+    /// Parameters of the outputs that the reset function may return to rest.
+    marks: Vec<Option<ParamRw<bool>>>,
     encoders: Vec<Encoder>,
 }
 
@@ -185,12 +192,14 @@ fn functions(
     b: &mut Builder<'_>,
     prefix: &str,
     device: &Arc<Device>,
-    Parts { inputs, outputs, encoders }: Parts,
+    Parts { inputs, outputs, marks, encoders }: Parts,
 ) -> Result<(), Error> {
     let about = "TRUE while a chip does not answer";
     let fault = b.item(&format!("{prefix}.fault"), about, false)?;
-    let [asks, sets] =
+    let [mut edges, sets] =
         if b.is_simulated() { device.simulate(b, prefix)? } else { [Vec::new(), Vec::new()] };
+    // The lines of encoders come first.
+    let levels = edges.split_off(encoders.len().min(edges.len()));
     let (written, taken) = b.shared(Written::default());
     let (clock, report) = (b.clock(), Report::new(b.messages(), 0));
     // There are at most as many groups of lines as lines.
@@ -198,20 +207,32 @@ fn functions(
     let read = GpioRead {
         device: device.clone(),
         inputs,
-        encoders,
-        simulated: asks,
+        simulated: levels,
         fault,
         written: written.clone(),
         reports: reports.clone(),
-        edges: EdgeRoom::default(),
     };
-    b.function(&format!("{prefix}.read"), "Reads the inputs and the encoders", read)?;
-    if device.config().lines.iter().any(|line| line.is_reset) {
+    b.function(&format!("{prefix}.read"), "Reads the inputs", read)?;
+    if !encoders.is_empty() {
+        let capture = GpioCapture {
+            device: device.clone(),
+            encoders,
+            simulated: edges,
+            fault,
+            written: written.clone(),
+            reports: reports.clone(),
+            edges: EdgeRoom::default(),
+        };
+        let about = "Counts the edges of encoders=: positions and speeds";
+        b.function(&format!("{prefix}.capture-position"), about, capture)?;
+    }
+    if marks.iter().any(Option::is_some) {
         let about = "Nanoseconds from write to reset; 0 to a quarter of the period, above which the \
                      reset function sets it to that. In virtual time the reset does not wait";
         let reset = GpioReset {
             device: device.clone(),
             time: b.item(&format!("{prefix}.reset_ns"), about, 0)?,
+            marks,
             simulated: sets.clone(),
             fault,
             written: taken,

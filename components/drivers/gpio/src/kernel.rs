@@ -127,11 +127,12 @@ impl Lines for KernelLines {
         let count = done / size_of::<Event>();
         for (edge, event) in room.iter_mut().zip(events.iter().take(count)) {
             let mut lines = self.offsets.iter().take(self.count);
-            let bit = lines.position(|offset| *offset == event.offset).unwrap_or(0);
+            // An edge of no requested line, which the kernel does not send, has no bit.
+            let bit = lines.position(|offset| *offset == event.offset).unwrap_or(MOST_LINES);
             *edge = LineEdge {
                 at_ns: event.at_ns,
                 number: event.number,
-                bit: u8::try_from(bit).unwrap_or(0),
+                bit: u8::try_from(bit).unwrap_or(u8::MAX),
                 is_rising: event.id == RISING,
             };
         }
@@ -362,11 +363,57 @@ fn lost(error: &io::Error) -> Lost {
 
 #[cfg(test)]
 mod tests {
-    use super::{Attribute, CHIP_INFO, GET_LINE, GET_VALUES, LINE_INFO, SET_VALUES, encode};
+    use super::{
+        Attribute, CHIP_INFO, GET_LINE, GET_VALUES, KernelLines, LINE_INFO, SET_VALUES, encode,
+        set_nonblocking,
+    };
     use crate::{
         config::{Bias, Drive, Setting},
         request::{FoundLine, MOST_ATTRIBUTES, plan},
     };
+
+    use port::{LineEdge, Lines, Lost};
+    use std::{fs::File, io::Write, os::fd::OwnedFd};
+
+    /// Returns the bytes of an event as the kernel sends them.
+    fn event(at_ns: u64, id: u32, offset: u32, number: u32) -> Vec<u8> {
+        let mut bytes = at_ns.to_ne_bytes().to_vec();
+        for word in [id, offset, number, 7, 0, 0, 0, 0, 0, 0] {
+            bytes.extend(word.to_ne_bytes());
+        }
+        assert_eq!(bytes.len(), 48);
+        bytes
+    }
+
+    /// Events from a pipe in place of the kernel: the oldest first, no more than there is room for, and no wait.
+    #[test]
+    fn events_become_edges() {
+        let (reader, mut writer) = std::io::pipe().unwrap();
+        let lines = File::from(OwnedFd::from(reader));
+        set_nonblocking(&lines).unwrap();
+        let mut offsets = [0; 64];
+        offsets[..2].copy_from_slice(&[17, 4]);
+        let lines = KernelLines { lines, offsets, count: 2, has_edges: true };
+        let mut room = [LineEdge::default(); 100];
+        assert_eq!(lines.edges(&mut room), Ok(0), "nothing waits");
+        for bytes in [event(1000, 1, 4, 1), event(2500, 2, 17, 2), event(9, 1, 0, 3)] {
+            writer.write_all(&bytes).unwrap();
+        }
+        assert_eq!((lines.edges(&mut []), lines.edges(&mut room[..2])), (Ok(0), Ok(2)));
+        let edge = |at_ns, bit, is_rising, number| LineEdge { at_ns, number, bit, is_rising };
+        assert_eq!(room[..2], [edge(1000, 1, true, 1), edge(2500, 0, false, 2)]);
+        assert_eq!(lines.edges(&mut room), Ok(1));
+        assert_eq!(room[0], edge(9, 64, true, 3), "a line that was not requested has no bit");
+        for number in 0..70 {
+            writer.write_all(&event(1, 1, 4, number)).unwrap();
+        }
+        assert_eq!([0; 3].map(|_| lines.edges(&mut room).unwrap()), [64, 6, 0]);
+        let without = KernelLines { has_edges: false, ..lines };
+        writer.write_all(&event(1, 1, 4, 1)).unwrap();
+        assert_eq!(without.edges(&mut room), Ok(0), "lines without edges are not asked");
+        // A pipe is no chip.
+        assert_eq!((without.read(1), without.write(1, 1)), (Err(Lost(25)), Err(Lost(25))));
+    }
 
     /// The numbers that `linux/gpio.h` gives, written out.
     #[test]

@@ -19,8 +19,8 @@ pub trait Lines: Send + Sync {
     /// The chip does not answer.
     fn write(&self, levels: u64, mask: u64) -> Result<(), Lost>;
 
-    /// Takes waiting edges, the oldest first, into `room`. Returns their number, which is less than the room when no
-    /// edge waits any more. Never waits.
+    /// Takes waiting edges, the oldest first, into `room`, at most 64 at once. Returns their number, which is less than
+    /// the room and 64 when no edge waits any more. Never waits.
     ///
     /// # Errors
     /// The chip does not answer.

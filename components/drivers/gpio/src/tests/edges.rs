@@ -14,7 +14,7 @@ fn quadrature_on_simulated_lines() {
     let rows = replay::<HalGpio>(
         "load hal_gpio encoders=A:B
          set hal_gpio.encoder.0.position-scale 4
-         run hal_gpio.read
+         run hal_gpio.capture-position
          in hal_gpio.sim.A hal_gpio.sim.B
          out hal_gpio.encoder.0.rawcounts hal_gpio.encoder.0.position
          0 0 | 0 0
@@ -37,7 +37,7 @@ fn quadrature_on_simulated_lines() {
          . . | 1 1
          expect hal_gpio.encoder.0.position-scale 1
          load hal_gpio encoders=A
-         run hal_gpio.read
+         run hal_gpio.capture-position
          in hal_gpio.sim.A hal_gpio.encoder.0.reset
          out hal_gpio.encoder.0.rawcounts hal_gpio.encoder.0.counts
          1 0 | 1 1
@@ -58,12 +58,12 @@ fn the_index_is_where_it_came() {
     bench.set("hal_gpio.encoder.0.index-enable", true);
     let turn = [(0, true), (1, true), (2, true), (0, false), (2, false), (1, false)];
     send(&lines, &turn.map(|(bit, rising)| (10_000, bit, rising)), 1);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     let counts =
         || ["rawcounts", "counts"].map(|n| bench.get::<i32>(&format!("hal_gpio.encoder.0.{n}")));
     assert_eq!((counts(), bench.get("hal_gpio.encoder.0.index-enable")), ([4, 2], false));
     send(&lines, &turn.map(|(bit, rising)| (10_000, bit, rising)), 7);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     assert_eq!(counts(), [8, 6], "the second index is not asked for");
 }
 
@@ -84,7 +84,7 @@ fn a_thousand_edges_a_second_for_a_minute() {
                 .collect();
             send(&lines, &edges, number + 1);
             number += 1000 / runs_a_second;
-            bench.run("hal_gpio.read", 1_000_000_000 / i64::from(runs_a_second));
+            bench.run("hal_gpio.capture-position", 1_000_000_000 / i64::from(runs_a_second));
         }
         let pin = |name: &str| bench.get::<i32>(&format!("hal_gpio.encoder.0.{name}"));
         assert_eq!((pin("counts"), lost(&bench)), (60_000, [0, 0]), "{runs_a_second}");
@@ -98,9 +98,9 @@ fn a_thousand_edges_a_second_for_a_minute() {
 fn edges_that_the_kernel_lost_are_counted_and_reported() {
     let (bench, lines) = encoder("A");
     send(&lines, &[(1, 0, true), (2, 0, false)], 1);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     send(&lines, &[(9, 0, true)], 10);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     assert_eq!(lost(&bench), [7, 0]);
     let said = bench.said();
     assert!(
@@ -110,12 +110,12 @@ fn edges_that_the_kernel_lost_are_counted_and_reported() {
     // The kernel's numbers begin with 1: the first ones may be missing, and they wrap.
     let (bench, lines) = encoder("A");
     send(&lines, &[(9, 0, true)], 4);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     assert_eq!(lost(&bench), [3, 0]);
     let (bench, lines) = encoder("A");
     send(&lines, &[(9, 0, true)], u32::MAX);
     send(&lines, &[(9, 0, false)], 0);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     assert_eq!(lost(&bench), [u32::MAX - 1, 0]);
 }
 
@@ -124,7 +124,7 @@ fn edges_that_the_kernel_lost_are_counted_and_reported() {
 fn repeated_edges_are_not_counted() {
     let (bench, lines) = encoder("A:B");
     send(&lines, &[(1, 0, false), (2, 0, true), (3, 0, true), (4, 1, true), (5, 1, true)], 1);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     assert_eq!((bench.get("hal_gpio.encoder.0.counts"), lost(&bench)), (2, [0, 3]));
 }
 
@@ -137,10 +137,10 @@ fn the_first_levels_are_no_edges() {
     chips_high(&chips);
     load(&mut bench, &chips, &["encoders=A:B"]).unwrap();
     let lines = chips.requested.lock().unwrap()[0].1.clone();
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     assert_eq!(bench.get::<i32>("hal_gpio.encoder.0.counts"), 0);
     send(&lines, &[(5, 0, true)], 1);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     assert_eq!((bench.get::<i32>("hal_gpio.encoder.0.counts"), lost(&bench)), (-1, [0, 0]));
 }
 
@@ -160,20 +160,20 @@ fn speed_follows_from_the_times_of_the_edges() {
             .collect();
         send(&lines, &edges, number);
         number += u32::try_from(edges.len()).unwrap();
-        bench.run("hal_gpio.read", 2 * MS);
+        bench.run("hal_gpio.capture-position", 2 * MS);
         speeds.push(bench.get::<f64>("hal_gpio.encoder.0.velocity"));
     }
     // 1 count each ms is 100 units a second; then one in 3 ms, of which nothing came for 2 and 4 ms.
     for (speed, wanted) in speeds.iter().zip([0.0, 100.0, 50.0, 100.0 / 3.0, 100.0 / 3.0, 25.0]) {
         assert!((speed - wanted).abs() < 1e-9, "{speeds:?}");
     }
-    bench.run("hal_gpio.read", 96 * MS);
+    bench.run("hal_gpio.capture-position", 96 * MS);
     assert!((bench.get::<f64>("hal_gpio.encoder.0.velocity") - 1.0).abs() < 1e-9);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     assert_eq!(bench.get::<f64>("hal_gpio.encoder.0.velocity"), 0.0);
     for bad in [0.0, -1.0, f64::NAN] {
         bench.set("hal_gpio.encoder.0.min-speed-estimate", bad);
-        bench.run("hal_gpio.read", MS);
+        bench.run("hal_gpio.capture-position", MS);
         assert_eq!(bench.get::<f64>("hal_gpio.encoder.0.min-speed-estimate"), 1.0);
     }
 }
@@ -183,7 +183,7 @@ fn speed_follows_from_the_times_of_the_edges() {
 fn a_recording_replays() {
     let (bench, lines) = encoder("A:B");
     send(&lines, &[(1000, 0, true), (2000, 1, true), (3000, 0, false)], 1);
-    bench.run("hal_gpio.read", MS);
+    bench.run("hal_gpio.capture-position", MS);
     let tape = lines.text();
     assert_eq!(tape, "read 3 = 0\nedges 1000:0:1:1 2000:1:1:2 3000:0:0:3\n");
     let replayed = ReplayedLines::new(&tape).unwrap();

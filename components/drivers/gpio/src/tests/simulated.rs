@@ -48,9 +48,14 @@ fn a_step_pulse_in_every_period() {
          run hal_gpio.write hal_gpio.reset
          1 0 0 | 0 0 1
          run hal_gpio.write
-         . . . | 1 0 1",
+         . . . | 1 0 1
+         run hal_gpio.reset
+         set hal_gpio.STEP-out-reset 0
+         . . . | 1 0 1
+         set hal_gpio.STEP-out-reset 1
+         . . . | 0 0 1",
     );
-    assert_eq!(rows, 4);
+    assert_eq!(rows, 6);
 }
 
 /// Component that copies the clock to a pin.
@@ -117,11 +122,15 @@ fn pins_parameters_and_functions() {
             "hal_gpio.A-in bit OUT",
             "hal_gpio.A-in-not bit OUT",
             "hal_gpio.B-out bit IN",
+            "hal_gpio.B-out-reset bit RW",
             "hal_gpio.fault bit OUT",
             "hal_gpio.reset_ns u32 RW",
         ]
     );
-    assert_eq!(bench.functs(), ["hal_gpio.read", "hal_gpio.reset", "hal_gpio.write"]);
+    assert_eq!(
+        bench.functs(),
+        ["hal_gpio.capture-position", "hal_gpio.read", "hal_gpio.reset", "hal_gpio.write"]
+    );
     let mut bench = Bench::new();
     bench.load::<HalGpio>(&["outputs=B"]).unwrap();
     assert_eq!(bench.functs(), ["hal_gpio.read", "hal_gpio.write"]);
@@ -253,19 +262,26 @@ fn functions_say_what_they_touch() {
                 "hal_gpio.A-in w",
                 "hal_gpio.A-in-not w",
                 "hal_gpio.sim.A r",
-                "hal_gpio.sim.C r",
-                "hal_gpio.encoder.0.counts w",
                 "hal_gpio.fault w",
                 "# w",
             ][..],
-            &["hal_gpio.B", "sim.B"][..],
+            &["hal_gpio.B", "sim.B", "sim.C", "encoder"][..],
+        ),
+        (
+            "capture-position",
+            &["hal_gpio.sim.C r", "hal_gpio.encoder.0.counts w", "hal_gpio.fault w", "# w"],
+            &["hal_gpio.A", "sim.A", "sim.B"],
         ),
         (
             "write",
             &["hal_gpio.B-out r", "hal_gpio.sim.B w", "hal_gpio.fault w", "# w"],
             &["hal_gpio.A", "sim.A", "encoder"],
         ),
-        ("reset", &["hal_gpio.reset_ns r", "hal_gpio.sim.B w", "# r"], &["hal_gpio.A", "B-out"]),
+        (
+            "reset",
+            &["hal_gpio.reset_ns r", "hal_gpio.B-out-reset r", "hal_gpio.sim.B w", "# r"],
+            &["hal_gpio.A", "B-out r"],
+        ),
     ] {
         let touches = bench.touches(&format!("hal_gpio.{funct}"));
         for item in touched {

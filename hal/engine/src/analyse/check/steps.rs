@@ -182,11 +182,10 @@ impl Look<'_> {
                 .map(|(ix, _)| *ix)
                 .collect();
             let threads = self.graph.threads_of(reset);
-            let (Some(first), Some(time)) =
-                (marked.first().copied(), self.item(&format!("{port}.reset-time")))
-            else {
-                continue;
-            };
+            // The second name is that of `hal_gpio`.
+            let mut times = ["reset-time", "reset_ns"].iter();
+            let time = times.find_map(|name| self.item(&format!("{port}.{name}")));
+            let (Some(first), Some(time)) = (marked.first().copied(), time) else { continue };
             let (name, at) = (self.funct_name(reset), self.set_at(first));
             if threads.is_empty() {
                 let text = format!("'{}' is set, and no thread runs '{name}'", self.shown(first));
