@@ -131,7 +131,8 @@ impl Device {
         chip: &str,
     ) -> LineGroup {
         // A chip that is gone already is reported by the first run.
-        let initial = lines.read(request.mask(|s| s.has_edges)).unwrap_or(0);
+        let edges = request.mask(|s| s.has_edges);
+        let initial = if edges == 0 { 0 } else { lines.read(edges).unwrap_or(0) };
         LineGroup {
             initial,
             inputs: request.mask(|s| !s.is_output && !s.has_edges),

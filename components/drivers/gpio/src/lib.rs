@@ -2,7 +2,8 @@
 //!
 //! The arguments become a `config`, whose lines are found on the `chips` and requested as few times as possible
 //! (`request`). The functions access a `device`, whose lines are real, simulated or replayed behind the trait
-//! [`port::Lines`]. The kernel is accessed in `kernel`, the only module with unsafe code.
+//! [`port::Lines`]. The kernel is accessed in `kernel`, the only module with unsafe code: it needs five device requests
+//! and one read, with which a cycle neither allocates nor waits.
 #![deny(unsafe_code)]
 
 mod chips;

@@ -72,12 +72,12 @@ impl fmt::Display for Refused {
             Self::Unknown { name, near } => {
                 write!(f, "no GPIO chip has a line '{name}'")?;
                 if let Some(near) = near {
-                    write!(f, "; did you mean '{near}'?")?;
+                    write!(f, " (did you mean '{near}'?)")?;
                 }
                 write!(
                     f,
-                    " gpioinfo lists all names; a line without a name is gpiochipN.LINE, such as \
-                     gpiochip0.17"
+                    ": gpioinfo lists all names, and a line without a name is gpiochipN.LINE, such \
+                     as gpiochip0.17"
                 )
             }
             Self::Ambiguous { name, lines: [(a, b), (c, d)] } => write!(

@@ -186,7 +186,8 @@ impl Look<'_> {
             let mut times = ["reset-time", "reset_ns"].iter();
             let time = times.find_map(|name| self.item(&format!("{port}.{name}")));
             let (Some(first), Some(time)) = (marked.first().copied(), time) else { continue };
-            let (name, at) = (self.funct_name(reset), self.set_at(first));
+            let at = self.set_at(first).or_else(|| self.loaded_at(first));
+            let name = self.funct_name(reset);
             if threads.is_empty() {
                 let text = format!("'{}' is set, and no thread runs '{name}'", self.shown(first));
                 self.add(
