@@ -105,16 +105,15 @@ impl Cards {
         let code = expanded(line.split('#').next().unwrap_or_default(), ini);
         for text in code.split("hm2_").skip(1) {
             let Some((kind, number, rest)) = card(text) else { continue };
-            let is_it = |card: &&mut NamedCard| card.kind == kind && card.number == number;
-            let card = match self.0.iter_mut().find(is_it) {
-                Some(card) => card,
-                None if self.0.len() == MAX_CARDS => continue,
-                None => {
-                    let (remotes, modules) = (BTreeMap::new(), BTreeMap::new());
-                    self.0.push(NamedCard { kind, number, remotes, modules });
-                    let Some(card) = self.0.last_mut() else { continue };
-                    card
-                }
+            let is_it = |card: &NamedCard| card.kind == kind && card.number == number;
+            let at = self.0.iter().position(is_it).unwrap_or_else(|| {
+                let (remotes, modules) = (BTreeMap::new(), BTreeMap::new());
+                self.0.push(NamedCard { kind, number, remotes, modules });
+                self.0.len() - 1
+            });
+            let Some(card) = self.0.get_mut(at).filter(|_| at < MAX_CARDS) else {
+                self.0.truncate(MAX_CARDS);
+                continue;
             };
             if let Some((port, channel, remote)) = remote(rest) {
                 card.remotes.insert((port, channel), remote);

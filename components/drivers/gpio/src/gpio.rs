@@ -201,7 +201,7 @@ fn functions(
     // The lines of encoders come first.
     let levels = edges.split_off(encoders.len().min(edges.len()));
     let (written, taken) = b.shared(Written::default());
-    let (clock, report) = (b.clock(), Report::new(b.messages(), 0));
+    let (clock, report) = (b.clock(), Report::new(b, 0));
     // There are at most as many groups of lines as lines.
     let reports = vec![report; device.config().lines.len()];
     let read = GpioRead {
