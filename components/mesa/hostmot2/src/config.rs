@@ -89,6 +89,8 @@ const LIMITS: &[Limit] = &[
     Limit { name: "num_inmuxs", tags: &[Tag::InputMux] },
     Limit { name: "num_outms", tags: &[Tag::Outputs] },
     Limit { name: "num_leds", tags: &[Tag::Led] },
+    // The ports are counted where they are asked for their remotes.
+    Limit { name: "num_sserials", tags: &[] },
 ];
 
 /// Entries for modules without a driver here: only the number 0 and -1 can be had.
@@ -105,6 +107,8 @@ const ABSENT: &[&str] = &[
     "num_bisss",
     "num_fanucs",
     "num_ssis",
+    "num_absencs",
+    "num_tp_pwmgens",
 ];
 
 /// Beginnings of entries for channels without a driver here.

@@ -288,7 +288,7 @@ fn used(card: &Described, config: &CardConfig, name: &str) -> Result<Vec<(Tag, u
     for entry in CardConfig::entries() {
         let most = entry.tags.iter().map(|tag| there(&used, *tag)).max().unwrap_or(0);
         let Some(asked) = config.limit(entry.name) else { continue };
-        if asked > most {
+        if asked > most && !entry.tags.is_empty() {
             return Err(Error::new(format!(
                 "{name}: config: '{}={asked}': the card's firmware has {most} of them",
                 entry.name

@@ -156,7 +156,8 @@ pub(crate) fn board(kind: &str, config: &CardConfig, wanted: &[(Tag, u8)]) -> Op
     let has_all = |board: &&Board| {
         CardConfig::entries().all(|entry| {
             let asked = asked_of(entry).unwrap_or(0);
-            entry.tags.contains(&Tag::Led)
+            entry.tags.is_empty()
+                || entry.tags.contains(&Tag::Led)
                 || entry.tags.iter().any(|tag| instances(board, *tag) >= asked)
                 || asked == 0
         })

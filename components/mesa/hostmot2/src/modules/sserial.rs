@@ -74,7 +74,8 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     }
     let Some(module) = module.copied() else { return Ok(()) };
     let (mut inputs, mut ports) = (Vec::new(), Vec::new());
-    for port in 0..module.instances {
+    let most = m.config.limit("num_sserials").unwrap_or(u8::MAX);
+    for port in 0..module.instances.min(most) {
         let found = find(m, &module, port)?;
         let channels = found.iter().fold(0, |all, found| all | 1 << found.answered.channel);
         m.channels.push(channels);
