@@ -651,10 +651,6 @@ fn output_goes_through_one_crate() {
         ("components/accessory/storage/src/gadget.rs", device),
         ("components/drivers/gpio/src/kernel.rs", device),
         ("components/drivers/parport/src/hardware.rs", device),
-        (
-            "components/mesa/card/src/bin/hm2card/main.rs",
-            "a record that only grows, packet by packet",
-        ),
         ("components/drivers/speaker/src/device.rs", device),
         ("components/drivers/viagpio/src/hardware.rs", device),
         ("hal/golden/src/lib.rs", "expected files, which only tests write"),

@@ -3,7 +3,7 @@
 //! Source: Mesa's `qcountersfpd.vhd`, `qcounterated.vhd` and `timestampd.vhd`, published under the BSD licence with 3
 //! clauses. An encoder that turns so fast that the filter of its inputs would swallow it does not count.
 
-use crate::timer::Latched;
+use crate::timer::{Latched, Stamps};
 use hal_firmware::registers as r;
 
 /// Bits of the control register.
@@ -90,37 +90,12 @@ struct Counter {
     sampled: [u32; 2],
 }
 
-/// Counter of time stamps.
-#[derive(Clone, Copy, Debug)]
-struct Stamps {
-    counter: u16,
-    rest: u64,
-    divisor: u32,
-}
-
-impl Stamps {
-    /// Returns the stamp after a time.
-    fn after(&self, clock: u64) -> u16 {
-        let [low, high, ..] = ((self.rest + clock) / self.period()).to_le_bytes();
-        self.counter.wrapping_add(u16::from_le_bytes([low, high]))
-    }
-
-    const fn period(&self) -> u64 {
-        (self.divisor & 0x7FFF) as u64 + 2
-    }
-
-    fn advance(&mut self, clock: u64) {
-        self.counter = self.after(clock);
-        self.rest = (self.rest + clock) % self.period();
-    }
-}
-
 impl Counters {
     pub(crate) fn new(count: usize) -> Self {
         Self {
             all: vec![Counter::default(); count],
             filter_rate: 4,
-            stamps: Stamps { counter: 0, rest: 0, divisor: 0 },
+            stamps: Stamps::default(),
             latched: Latched::default(),
             latched_stamp: 0,
             span: Span::default(),

@@ -1,4 +1,4 @@
-//! Selection of the timer that latches a module's values.
+//! Time: the timer that latches a module's values, clocks in periods, time stamps.
 
 /// Timer of the clock that latches the values of a module, as its register has it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,5 +54,30 @@ impl Ticks {
         let sum = self.rest + ns * self.hz;
         self.rest = sum % SECOND;
         sum / SECOND
+    }
+}
+
+/// Counter of time stamps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Stamps {
+    pub(crate) counter: u16,
+    pub(crate) rest: u64,
+    pub(crate) divisor: u32,
+}
+
+impl Stamps {
+    /// Returns the stamp after a time.
+    pub(crate) fn after(&self, clock: u64) -> u16 {
+        let [low, high, ..] = ((self.rest + clock) / self.period()).to_le_bytes();
+        self.counter.wrapping_add(u16::from_le_bytes([low, high]))
+    }
+
+    const fn period(&self) -> u64 {
+        (self.divisor & 0x7FFF) as u64 + 2
+    }
+
+    pub(crate) fn advance(&mut self, clock: u64) {
+        self.counter = self.after(clock);
+        self.rest = (self.rest + clock) % self.period();
     }
 }

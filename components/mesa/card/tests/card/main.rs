@@ -6,6 +6,7 @@ mod bench;
 mod boards;
 mod counters;
 mod levels;
+mod oracle;
 mod packets;
 mod remotes;
 mod stepping;
