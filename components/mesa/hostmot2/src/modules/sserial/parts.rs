@@ -10,7 +10,7 @@ pins! {
         /// TRUE to exchange data with the remotes. FALSE stops the port: the remotes switch their outputs off, and parameters that
         /// were changed are sent. FALSE and then TRUE begins again after a fault.
         run: In<bool> = "run", true;
-        /// Level of faults: a cycle with one adds `fault-inc`, a good one takes `fault-dec`.
+        /// Level of faults: a cycle with one adds `fault-inc`, and each cycle takes `fault-dec`.
         level: Out<u32> = "fault-count", 0;
         /// State of the port: 0 off, 1 stops, 2 starts, 3 runs, 4 stopped by faults, 7 sends parameters.
         state: Out<u32> = "port_state", 0;

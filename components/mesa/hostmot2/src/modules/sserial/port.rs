@@ -288,13 +288,10 @@ impl Port {
 
     /// Counts a cycle with or without faults. Returns whether there are too many.
     fn count(&mut self, failed: bool) -> bool {
-        let level = self.state.level;
-        self.state.level = if failed {
-            level.saturating_add(self.pins.increment.get())
-        } else {
-            level.saturating_sub(self.pins.decrement.get())
-        };
-        failed && self.pins.increment.get() > 0 && self.state.level >= self.pins.limit.get()
+        let added = if failed { self.pins.increment.get() } else { 0 };
+        let raised = self.state.level.saturating_add(added);
+        self.state.level = raised.saturating_sub(self.pins.decrement.get());
+        failed && added > 0 && raised >= self.pins.limit.get()
     }
 
     /// Shows and reports which remotes failed in the last exchange.
