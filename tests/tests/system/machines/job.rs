@@ -54,11 +54,11 @@ fn stepped(vcd: &Vcd) -> Vec<[f64; 3]> {
 }
 
 /// Returns whether a place is within one step of each axis, and the tolerance, of a part of the path.
-fn is_near(at: &[f64; 3], from: &[f64; 3], to: &[f64; 3]) -> bool {
+fn is_near(at: &[f64; 3], from: &[f64; 3], to: &[f64; 3], scales: &[f64; 3]) -> bool {
     // The shares of the part for which each axis is near.
     let (mut low, mut high) = (0.0_f64, 1.0_f64);
     for axis in 0..3 {
-        let most = 1.0 / SCALES[axis] + TOLERANCE;
+        let most = 1.0 / scales[axis] + TOLERANCE;
         let (off, way) = (at[axis] - from[axis], to[axis] - from[axis]);
         if way == 0.0 {
             if off.abs() > most {
@@ -71,6 +71,23 @@ fn is_near(at: &[f64; 3], from: &[f64; 3], to: &[f64; 3]) -> bool {
         high = high.min(a.max(b));
     }
     low <= high
+}
+
+/// Checks that places follow a path from its first point to its last, never back.
+pub(super) fn follows(places: &[[f64; 3]], path: &[[f64; 3]], scales: &[f64; 3]) {
+    let mut part = 0;
+    for at in places {
+        let rest = path.windows(2).enumerate().skip(part);
+        let near = rest.take(4).find(|(_, w)| is_near(at, &w[0], &w[1], scales));
+        let Some((n, _)) = near else {
+            panic!("{at:?} is not near the path behind {:?}", path[part])
+        };
+        part = n;
+    }
+    assert!(part + 2 >= path.len(), "the path ends at part {part} of {}", path.len());
+    let (last, goal) = (places[places.len() - 1], path[path.len() - 1]);
+    let is_there = |axis: usize| (last[axis] - goal[axis]).abs() < 0.5 / scales[axis];
+    assert!((0..3).all(is_there), "{last:?}, not {goal:?}");
 }
 
 fn printer(part: &str) -> Scratch {
@@ -104,21 +121,7 @@ fn a_part_with_two_tools_goes_from_its_program_to_the_pulses() {
         assert_eq!(steps, 0, "X moves while the tool is changed");
     }
     assert_eq!(vcd.rises("tool-change").len(), 2);
-    let path = programmed();
-    let mut part = 0;
-    let places = stepped(&vcd);
-    for at in &places {
-        // Along the path, never back.
-        let rest = path.windows(2).enumerate().skip(part);
-        let near = rest.take(4).find(|(_, w)| is_near(at, &w[0], &w[1]));
-        let Some((n, _)) = near else {
-            panic!("{at:?} is not near the path behind {:?}", path[part])
-        };
-        part = n;
-    }
-    assert!(part + 2 >= path.len(), "the path ends at part {part} of {}", path.len());
-    let last = places[places.len() - 1];
-    assert!((0..3).all(|axis| last[axis].abs() < 0.5 / SCALES[axis]), "{last:?}");
+    follows(&stepped(&vcd), &programmed(), &SCALES);
     assert_eq!(parameters.lines().next(), Some("5161\t0.000000"));
     assert_eq!(run(), (said, recorded, parameters), "the second run");
 }

@@ -13,6 +13,7 @@ mod job;
 mod kept;
 mod maxnc;
 mod meanwhile;
+mod mesa;
 mod packages;
 mod picture;
 mod printer;
