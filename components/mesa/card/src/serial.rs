@@ -234,8 +234,9 @@ impl Link {
         self.stop()
     }
 
+    /// Ends the exchange. The remote goes on by itself: its own watchdog releases its outputs.
     const fn stop(&mut self) -> bool {
-        (self.run, self.idle) = (Running::Stopped, None);
+        self.run = Running::Stopped;
         true
     }
 

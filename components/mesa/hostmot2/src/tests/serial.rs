@@ -166,6 +166,7 @@ fn a_remote_that_falls_out_stops_its_port_and_nothing_starts_by_itself() {
     rig.cycles(100);
     assert_eq!(rig.word("sserial.port-0.port_state"), 4);
     assert!(rig.bit("7i76.0.0.input-04"), "inputs keep their values");
+    assert!(!rig.bit("sim.7i76.0.0.output-04"), "its own watchdog has switched the outputs off");
     let said = rig.bench.said().join("\n");
     assert!(
         said.contains("hm2_7i76e.0.sserial.port-0 is stopped") && said.contains(".run to 0"),
