@@ -63,7 +63,7 @@ fn counted(vcd: &Vcd) -> Vec<[f64; 3]> {
     places.split_off(arrived.unwrap_or(0))
 }
 
-/// Cuts the part with so many lost packets of a million.
+/// Cuts the part of a machine with so many lost packets of a million.
 fn cut(machine: &str, card: &str, lost: u32) -> (Vcd, String) {
     let scratch = Scratch::copy_of(&root().join("configs").join(machine));
     scratch.write("cut.hal", format!("setp {card}.sim.line.lost {lost}\n"));
@@ -82,5 +82,54 @@ fn a_cut_is_its_program_within_a_step_also_when_packets_are_lost() {
         let errors = vcd.rises("hm2_7i96s.0.packet-error").len();
         assert_eq!(errors > 0, lost > 0, "{errors} errors: {said}");
         follows(&counted(&vcd), &programmed(), &SCALES);
+    }
+}
+
+/// Pitch of the thread of `mesa-76`, in millimetres, and radii of its passes.
+const PITCH: f64 = 1.5;
+const PASSES: [f64; 2] = [9.0, 8.6];
+/// Steps of a millimetre of the lathe's X and Z.
+const LATHE: [f64; 2] = [400.0, 200.0];
+
+/// Returns the place along the thread of Z for each change of its counter in a pass: constant where Z follows the spindle.
+fn thread(vcd: &Vcd, radius: f64) -> Vec<f64> {
+    let offset = |n: usize| {
+        let offsets = vcd.of(&format!("joint.{n}.motor-offset"));
+        offsets[offsets.len() - 1].1
+    };
+    let (x, turns) = (vcd.of("sim-x-steps"), vcd.of("sim-turns"));
+    let (mut nth, mut turn) = (0, 0);
+    let mut places = Vec::new();
+    for (time, steps) in vcd.of("sim-z-steps") {
+        while x.get(nth + 1).is_some_and(|next| next.0 <= *time) {
+            nth += 1;
+        }
+        while turns.get(turn + 1).is_some_and(|next| next.0 <= *time) {
+            turn += 1;
+        }
+        let depth = x[nth].1 / LATHE[0] - offset(0);
+        let z = steps / LATHE[1] - offset(1);
+        // Behind the run-in, and before the end.
+        if (depth - radius).abs() < 0.005 && (-23.0..-3.0).contains(&z) {
+            places.push(z + PITCH * turns[turn].1);
+        }
+    }
+    places
+}
+
+#[test]
+fn both_passes_of_a_thread_are_in_one_groove() {
+    for lost in [0, 100] {
+        let (vcd, _) = cut("mesa-76", "hm2_7i76e.0", lost);
+        let grooves = PASSES.map(|radius| {
+            let places = thread(&vcd, radius);
+            assert!(1000 < places.len(), "{radius}: {} places", places.len());
+            let least = places.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            assert!(most - least < 1.0 / LATHE[1] + 0.002, "{radius}: {least} to {most}");
+            (least + most) / 2.0
+        });
+        let turns = (grooves[0] - grooves[1]) / PITCH;
+        assert!((turns - turns.round()).abs() * PITCH < 1.0 / LATHE[1] + 0.002, "{grooves:?}");
     }
 }
