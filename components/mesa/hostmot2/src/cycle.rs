@@ -97,6 +97,7 @@ impl Update for Read {
 impl Read {
     fn cycle(&mut self, period: Period) {
         if self.health.io_error.get() {
+            self.link.pass();
             self.hardware.note(true);
             self.state.was_abandoned = true;
             return;

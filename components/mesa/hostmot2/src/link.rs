@@ -102,6 +102,11 @@ impl Link {
         }
     }
 
+    /// Lets the time of a simulated card pass in a cycle without a question.
+    pub(crate) fn pass(&self) {
+        self.device.advance(self.clock.now_ns());
+    }
+
     /// Sends the question of this cycle, unless one is under way.
     pub(crate) fn ask(&self) -> Result<(), Lost> {
         if self.waits.load(Acquire) {

@@ -19,6 +19,7 @@ pub(crate) struct World {
     scanned: Vec<In<bool>>,
     encoders: Vec<Turning>,
     steps: Vec<Out<f64>>,
+    emitted: Vec<Out<f64>>,
     duties: Vec<Out<f64>>,
     relays: Vec<Closed>,
     lights: Vec<Out<bool>>,
@@ -136,6 +137,9 @@ impl World {
         for (n, steps) in self.steps.iter().enumerate() {
             steps.set(card.steps(n).unwrap_or(0.0));
         }
+        for (n, emitted) in self.emitted.iter().enumerate() {
+            emitted.set(card.emitted_steps(n).unwrap_or(0) as f64);
+        }
         for (n, duty) in self.duties.iter().enumerate() {
             let enabled = card.is_pulse_enabled(n) && !card.watchdog_has_bitten();
             duty.set(if enabled { card.duty(n).unwrap_or(0.0) } else { 0.0 });
@@ -198,6 +202,13 @@ pub(crate) fn make(m: &mut Making<'_, '_>, card: &Arc<SimulatedCard>) -> Result<
             "stepgen",
             "steps",
             "Steps of the generator, with their fraction",
+        )?,
+        emitted: outputs(
+            m,
+            Tag::StepGenerator,
+            "stepgen",
+            "emitted",
+            "Steps that have left the card: none while its I/O pins are inputs",
         )?,
         duties: outputs(
             m,

@@ -178,3 +178,22 @@ fn a_stop_makes_all_outputs_inputs_at_once() {
     rig.bench.run(&rig.at("read"), super::PERIOD);
     assert!(rig.bit("sim.watchdog-bitten") && !rig.bit("sim.out-010"));
 }
+
+/// The generator counts on where nothing asks, but the watchdog holds its pulses back.
+#[test]
+fn an_abandoned_card_goes_on_without_pulses() {
+    let rig = Rig::new("7i92");
+    rig.stepgen(1000.0, 500.0);
+    rig.set("stepgen.00.control-type", true);
+    rig.set("stepgen.00.velocity-cmd", 5.0);
+    rig.cycles(500);
+    let [steps, emitted] = ["steps", "emitted"].map(|pin| format!("sim.stepgen.00.{pin}"));
+    assert!((rig.float(&steps) - rig.float(&emitted)).abs() <= 1.0);
+    rig.set("sim.line.plugged", false);
+    rig.cycles(20);
+    assert!(rig.bit("io_error") && rig.bit("sim.watchdog-bitten"));
+    let before = [&steps, &emitted].map(|pin| rig.float(pin));
+    rig.cycles(1000);
+    assert!((rig.float(&steps) - before[0] - 5000.0).abs() < 1.0, "it counts");
+    assert_eq!(rig.float(&emitted).to_bits(), before[1].to_bits(), "nothing moves");
+}
