@@ -96,6 +96,22 @@ fn card_line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
     (wired.direction == Direction::Out && is_free).then_some((sim, not))
 }
 
+/// Returns the place of the simulated encoder whose position a pin shows, if nobody turns that: it may follow the axis that
+/// it measures.
+fn card_place(wires: &Wires, pin: &str) -> Option<String> {
+    let wired = wires.pins.get(pin).filter(|wired| wired.owner == CARDS)?;
+    let (card, encoder) = pin.strip_suffix(".position")?.split_once(".encoder.")?;
+    let sim = |name: &str| format!("{card}.sim.encoder.{encoder}.{name}");
+    let is_free = |name: &str| {
+        wires.pins.get(&sim(name)).is_some_and(|pin| {
+            let zero = matches!(pin.value, Value::S32(0) | Value::Float(0.0));
+            pin.signal.is_none() && zero
+        })
+    };
+    let free = wired.direction == Direction::Out && is_free("counts") && is_free("position");
+    free.then(|| sim("position"))
+}
+
 /// Returns the simulated bit of a parallel port's input, and whether it is the opposite of the pin.
 fn port_line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
     let wired = wires.pins.get(pin).filter(|wired| wired.owner == "hal_parport")?;
@@ -145,10 +161,16 @@ impl StandIns {
                 None => Ok(BTreeSet::new()),
             };
         }
-        let is_source = |pin: &str| is_ours(pin) || self.start.ports && line(&wires, pin).is_some();
+        let is_simulated =
+            |pin: &str| line(&wires, pin).is_some() || card_place(&wires, pin).is_some();
+        let is_source = |pin: &str| is_ours(pin) || self.start.ports && is_simulated(pin);
         let mut made: Made = last.then(BTreeMap::new);
         let wants = healthy::wants(&wires, &is_source);
         for (pin, want) in &wants {
+            if let (Some(sim), Want::As(other)) = (card_place(&wires, pin), want) {
+                follow(link, &wires, &sim, other, &mut made)?;
+                continue;
+            }
             match line(&wires, pin).filter(|_| !is_ours(pin)) {
                 Some((bit, opposite)) => {
                     if let Want::Bit(value) = want {

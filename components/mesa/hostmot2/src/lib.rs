@@ -146,6 +146,7 @@ fn create_card(
         plan: plan::ReadPlan::default(),
         reads: Vec::new(),
         writes: Vec::new(),
+        encoder_scales: Vec::new(),
         taken: Vec::new(),
         channels: Vec::new(),
         remotes: Vec::new(),

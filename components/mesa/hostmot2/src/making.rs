@@ -8,7 +8,7 @@ use crate::{
     modules::UsedRemote,
     plan::{Place, ReadPlan},
 };
-use hal_component::{Builder, Error};
+use hal_component::{Builder, Error, ParamRw};
 use hal_firmware::{Module, Register, Tag};
 use port::Exchange;
 use std::sync::{Arc, atomic::AtomicU16};
@@ -29,6 +29,8 @@ pub(crate) struct Making<'m, 'h> {
     pub(crate) plan: ReadPlan,
     pub(crate) reads: Vec<Box<dyn Reads>>,
     pub(crate) writes: Vec<Box<dyn Writes>>,
+    /// Counts per unit of each encoder.
+    pub(crate) encoder_scales: Vec<ParamRw<f64>>,
     /// For each I/O pin, whether a module uses it.
     pub(crate) taken: Vec<bool>,
     /// Channels of each smart-serial port that are used, one bit each.

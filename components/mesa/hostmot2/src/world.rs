@@ -6,7 +6,7 @@ mod remotes;
 use self::remotes::RemoteWorld;
 use crate::{making::Making, simulated::SimulatedCard};
 use hal_card::{Card, Rates};
-use hal_component::{Decl, Error, Field, In, Out, Touch, Uses};
+use hal_component::{Decl, Error, Field, In, Out, ParamRw, Touch, Uses};
 use hal_firmware::Tag;
 use std::sync::Arc;
 
@@ -51,14 +51,33 @@ struct Turning {
     encoder: usize,
     is_muxed: bool,
     counts: In<i32>,
+    position: In<f64>,
+    scale: ParamRw<f64>,
     turn: In<u32>,
 }
 
 impl Touch for Turning {
     fn touch(&self, uses: &mut Uses) {
         self.counts.touch(uses);
+        self.position.touch(uses);
+        self.scale.touch(uses);
         self.turn.touch(uses);
     }
+}
+
+impl Turning {
+    /// Returns the place in counts.
+    fn place(&self) -> i64 {
+        let place = libm::floor(self.position.get() * self.scale.get() + 0.5);
+        // What is beyond all encoders is no place.
+        let place = if place.abs() < 1e15 { whole(place) } else { 0 };
+        i64::from(self.counts.get()).wrapping_add(place)
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "it is a whole number within the range")]
+const fn whole(x: f64) -> i64 {
+    x as i64
 }
 
 /// Relay with its number.
@@ -113,7 +132,7 @@ impl World {
             remote.put_in(card);
         }
         for turning in &self.encoders {
-            let (counts, turn) = (i64::from(turning.counts.get()), turning.turn.get());
+            let (counts, turn) = (turning.place(), turning.turn.get());
             if turning.is_muxed {
                 card.set_muxed_index(turning.encoder, turn);
                 card.set_muxed_counts(turning.encoder, counts);
@@ -255,11 +274,20 @@ fn encoders(m: &mut Making<'_, '_>) -> Result<Vec<Turning>, Error> {
         let used = m.module(tag).map_or(0, |(_, used)| used);
         for n in 0..usize::from(used) {
             let counts = m.at(&format!("sim.encoder.{n:02}.counts"));
+            let position = m.at(&format!("sim.encoder.{n:02}.position"));
             let turn = m.at(&format!("sim.encoder.{n:02}.counts-per-index"));
+            let Some(scale) = m.encoder_scales.get(n).copied() else { continue };
             encoders.push(Turning {
                 encoder: n,
                 is_muxed,
                 counts: hidden(m, &counts, "Place of the encoder, in counts", 0)?,
+                position: hidden(
+                    m,
+                    &position,
+                    "Place beyond the counts, in units of the scale",
+                    0.0,
+                )?,
+                scale,
                 turn: hidden(m, &turn, "Counts from one index to the next; 0 for none", 0)?,
             });
         }

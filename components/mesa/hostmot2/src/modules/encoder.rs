@@ -491,6 +491,7 @@ fn counter(
     } else {
         None
     };
+    m.encoder_scales.push(commands.scale);
     let (gives, takes) = m.b.shared(Armed::default());
     let count = m.read(module, kind.count, instance)?;
     let control = m.read(module, kind.control, instance)?;

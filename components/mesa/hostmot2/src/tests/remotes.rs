@@ -122,6 +122,10 @@ fn remotes_get_and_give_what_they_do_with_linuxcnc() {
             }
             assert!((ours - theirs).abs() < 1e-6, "row {row}, sample {n}: {ours} {theirs}");
         }
+        if stopped {
+            // Nothing goes to the remotes any more, whose own watchdogs release their outputs.
+            continue;
+        }
         let card = last_card();
         let got = card.with(|inside| {
             let value = |channel, name: &str| {
