@@ -178,6 +178,19 @@ fn speed_follows_from_the_times_of_the_edges() {
     }
 }
 
+/// A backward speed falls toward 0 while no edge comes.
+#[test]
+fn a_backward_speed_stays_backward() {
+    let (bench, lines) = encoder("A:B");
+    send(&lines, &[(1_000_000, 1, true)], 1);
+    bench.run("hal_gpio.capture-position", MS);
+    send(&lines, &[(2_000_000, 0, true)], 2);
+    bench.run("hal_gpio.capture-position", MS);
+    assert!((bench.get::<f64>("hal_gpio.encoder.0.velocity") + 1000.0).abs() < 1e-9);
+    bench.run("hal_gpio.capture-position", 4 * MS);
+    assert!((bench.get::<f64>("hal_gpio.encoder.0.velocity") + 250.0).abs() < 1e-9);
+}
+
 /// A recording of the calls is replayed with the same result.
 #[test]
 fn a_recording_replays() {

@@ -327,3 +327,26 @@ fn nodes_of_chips() {
     std::fs::remove_dir_all(&folder).unwrap();
     assert_eq!(kernel.numbers(), Err(ENOENT));
 }
+
+/// A fault of one function stays while another one succeeds on another chip.
+#[test]
+fn a_fault_lasts_until_its_own_function_succeeds() {
+    let mut chips = named(&["A"]);
+    chips.chips.push((1, FakeChip { lines: vec![("B", None)], ..FakeChip::default() }));
+    for lost in [0, 1] {
+        let mut bench = Bench::new().with_hardware();
+        chips.requested.lock().unwrap().clear();
+        load(&mut bench, &chips, &["inputs=A", "outputs=B"]).unwrap();
+        let lines = chips.requested.lock().unwrap()[lost].1.clone();
+        for (error, fault) in [(Some(ENODEV), true), (None, false)] {
+            *lines.inner().lost.lock().unwrap() = error;
+            for function in ["read", "write", "read", "write"] {
+                bench.run(&format!("hal_gpio.{function}"), MS);
+            }
+            bench.run("hal_gpio.read", MS);
+            assert_eq!(bench.get::<bool>("hal_gpio.fault"), fault, "{lost}");
+            bench.run("hal_gpio.write", MS);
+            assert_eq!(bench.get::<bool>("hal_gpio.fault"), fault, "{lost}");
+        }
+    }
+}

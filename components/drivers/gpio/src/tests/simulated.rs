@@ -292,3 +292,15 @@ fn functions_say_what_they_touch() {
         }
     }
 }
+
+/// The two bits that are not in order, as LinuxCNC has them.
+#[test]
+fn bits_19_and_20_are_exchanged() {
+    for (bit, pin) in [(18, "38"), (19, "15"), (20, "40"), (21, "16")] {
+        let mut bench = Bench::new();
+        let exclude = format!("exclude={}", 0x3FF_FFFF & !(1_u32 << bit));
+        bench.load::<PiGpio>(&[&exclude]).unwrap();
+        let name = format!("hal_pi_gpio.pin-{pin}-out bit IN");
+        assert!(bench.names().contains(&name), "bit {bit} is pin {pin}");
+    }
+}
