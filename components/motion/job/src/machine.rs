@@ -3,7 +3,7 @@
 use crate::number::{self, count, is_one, number};
 use crate::places::Places;
 use crate::spindle::{self, Spindle};
-use crate::travel::{coordinates, mask};
+use crate::travel::{coordinates, joint_axes, mask};
 use crate::user_programs::UserPrograms;
 use crate::world::{Version, version};
 use hal_gcode::{
@@ -243,7 +243,7 @@ impl Machine {
         };
         const NAMES: [&str; 3] = ["MAX_VELOCITY", "MAX_ACCELERATION", "MAX_JERK"];
         // The joints of other kinematics are no axes.
-        let joints = if self.kinematics.is_none() { letters } else { &[] };
+        let joints = if self.kinematics.is_none() { joint_axes(ini, letters) } else { Vec::new() };
         for axis in letters {
             let k = if axis.is_rotary() { 1.0 } else { unit };
             let own = format!("AXIS_{}", axis.letter().to_ascii_uppercase());

@@ -83,7 +83,8 @@ impl Machine {
     fn travel_sections(&self, ini: &Ini, axis: Axis, letters: &[Axis]) -> Vec<String> {
         let mut sections = vec![axis_section(ini, axis, letters)];
         if self.kinematics.is_none() && !ini.is_old() {
-            let joints = letters.iter().enumerate().filter(|(_, a)| **a == axis);
+            let joints = joint_axes(ini, letters);
+            let joints = joints.iter().enumerate().filter(|(_, a)| **a == axis);
             sections.extend(joints.map(|(n, _)| format!("JOINT_{n}")));
         }
         sections
@@ -95,11 +96,24 @@ pub(crate) fn mask(axes: &[Axis]) -> AxisMask {
     AxisMask(axes.iter().fold(0, |mask, a| mask | 1 << a.index()))
 }
 
-/// Returns the axes in the order of their joints; `letters` are those of a machine whose INI file states none.
+/// Returns the axes that `[TRAJ]COORDINATES` states; `letters` are those of a machine whose INI file states none.
 pub(crate) fn coordinates(ini: &Ini, letters: &str) -> Vec<Axis> {
-    let text = ini.get("TRAJ", "COORDINATES").unwrap_or(letters).to_ascii_lowercase();
+    axes(ini.get("TRAJ", "COORDINATES").unwrap_or(letters))
+}
+
+/// Returns the axis of each joint: those of the kinematics where `[KINS]KINEMATICS` states them, else `letters`.
+pub(crate) fn joint_axes(ini: &Ini, letters: &[Axis]) -> Vec<Axis> {
+    let kinematics = ini.get("KINS", "KINEMATICS").unwrap_or_default();
+    let mut words = kinematics.split_whitespace();
+    let stated = (words.next() == Some("trivkins"))
+        .then(|| words.find_map(|word| word.strip_prefix("coordinates=")))
+        .flatten();
+    stated.map_or_else(|| letters.to_vec(), axes)
+}
+
+fn axes(text: &str) -> Vec<Axis> {
     let find = |c: char| Axis::ALL.into_iter().find(|a| a.letter() == c);
-    text.chars().filter_map(find).collect()
+    text.to_ascii_lowercase().chars().filter_map(find).collect()
 }
 
 /// Returns the section of an axis: `AXIS_X`, or `AXIS_0` in the old kind of file.
@@ -132,6 +146,12 @@ mod tests {
                 "[TRAJ]\nCOORDINATES = YXX\n[JOINT_1]\nMAX_LIMIT = 9\n[JOINT_2]\nMAX_LIMIT = 8 # mm\n[AXIS_X]\nMAX_LIMIT = 8\n",
                 10.0,
                 "X10.0000 is 2.0000 mm beyond [AXIS_X]MAX_LIMIT = 8 (m.ini:8) and [JOINT_2]MAX_LIMIT = 8 (m.ini:6)",
+            ),
+            // The joints are those of the kinematics, whatever the order of the axes is.
+            (
+                "[KINS]\nKINEMATICS = trivkins coordinates=YX\n[TRAJ]\nCOORDINATES = XY\n[JOINT_0]\nMAX_LIMIT = 3\n[JOINT_1]\nMAX_LIMIT = 8\n",
+                10.0,
+                "X10.0000 is 2.0000 mm beyond [JOINT_1]MAX_LIMIT = 8 (m.ini:8)",
             ),
             (
                 "[TRAJ]\nLINEAR_UNITS = inch\n[JOINT_0]\nMAX_LIMIT = 0.7\n",
