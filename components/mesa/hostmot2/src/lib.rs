@@ -227,9 +227,13 @@ fn device(
     let (modules, words): (Vec<_>, Vec<_>) =
         words.partition(|word| simulated::wanted_module(word).is_some());
     let wanted = modules.into_iter().filter_map(simulated::wanted_module).collect::<Vec<_>>();
-    let board = simulated::board(kind, config, &wanted).ok_or_else(|| {
+    let mut board = simulated::board(kind, config, &wanted).ok_or_else(|| {
         Error::new(format!("card: '{}' is none of {}", kind.escape_debug(), kinds()))
     })?;
+    words
+        .iter()
+        .filter_map(|word| place(word))
+        .for_each(|at| simulated::add_channel(&mut board, at));
     let card = Arc::new(SimulatedCard::new(&board));
     #[cfg(test)]
     tests::keep_card(&card);
@@ -238,7 +242,15 @@ fn device(
 }
 
 /// Remotes that are parts of a board: its kind, the smart-serial channel, and the remote.
-const OWN_REMOTES: &[(&str, &str)] = &[("7i76e", "0.0=7i76"), ("7i76eu", "0.0=7i76")];
+const OWN_REMOTES: &[(&str, &str)] =
+    &[("7i76e", "0.0=7i76"), ("7i76eu", "0.0=7i76"), ("7i76", "0.0=7i76")];
+
+/// Reads the port and the channel of a remote: `0.1=7i77`.
+fn place(word: &str) -> Option<(u8, u8)> {
+    let (port, channel) = word.split_once('=')?.0.split_once('.')?;
+    let (port, channel) = (port.parse().ok()?, channel.parse().ok()?);
+    (port < 8 && channel < 8).then_some((port, channel))
+}
 
 /// Plugs remotes into a simulated card: those of its board, unless others are named.
 fn plug(card: &SimulatedCard, kind: &str, named: &[&str]) -> Result<(), Error> {
@@ -250,11 +262,12 @@ fn plug(card: &SimulatedCard, kind: &str, named: &[&str]) -> Result<(), Error> {
     };
     for word in all {
         let plugged = || {
-            let (place, name) = word.split_once('=')?;
-            let (port, channel) = place.split_once('.')?;
-            let remote = Remote::named(name)?;
-            let (port, channel) = (port.parse().ok()?, channel.parse().ok()?);
-            card.with(|inside| inside.card.plug(port, channel, remote)).ok()?.then_some(())
+            let (port, channel) = place(word)?;
+            let remote = Remote::named(word.split_once('=')?.1)?;
+            let plug = |inside: &mut simulated::Inside| {
+                inside.card.plug(port.into(), channel.into(), remote)
+            };
+            card.with(plug).ok()?.then_some(())
         };
         plugged().ok_or_else(|| {
             Error::new(format!(

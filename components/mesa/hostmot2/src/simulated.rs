@@ -7,7 +7,7 @@ use crate::{
 use core::time::Duration;
 use crossbeam::atomic::AtomicCell;
 use hal_card::{Board, Card, Fate, FaultyLine, Rates};
-use hal_firmware::{Module, Tag};
+use hal_firmware::{Module, Pin, Tag};
 use hal_lbp16::MAX_PACKET;
 use port::{Exchange, Lost};
 use std::sync::Arc;
@@ -184,6 +184,31 @@ pub(crate) fn board(kind: &str, config: &CardConfig, wanted: &[(Tag, u8)]) -> Op
         }
     }
     Some(board)
+}
+
+/// Gives a board a smart-serial channel, if it has none there and two of its I/O pins are free: the last ones are taken.
+pub(crate) fn add_channel(board: &mut Board, (port, channel): (u8, u8)) {
+    let is_channel = |pin: &Pin| {
+        pin.kind() == Some(Tag::SmartSerial) && pin.instance == port && pin.number == channel + 1
+    };
+    let free = board.pins.iter().filter(|pin| **pin == Pin::plain()).count();
+    if board.pins.iter().any(is_channel) || free < 2 {
+        return;
+    }
+    let module = board.modules.iter_mut().find(|module| module.kind() == Some(Tag::SmartSerial));
+    match module {
+        Some(module) => module.instances = module.instances.max(port + 1),
+        None => {
+            let any = hal_card::boards().filter_map(Board::named).flat_map(|board| board.modules);
+            let module = any.into_iter().find(|module| module.kind() == Some(Tag::SmartSerial));
+            board.modules.extend(module.map(|module| Module { instances: port + 1, ..module }));
+        }
+    }
+    let last = board.pins.iter_mut().rev().filter(|pin| **pin == Pin::plain());
+    for (pin, is_output) in last.zip([true, false]) {
+        let (number, tag) = (channel + 1, Tag::SmartSerial as u8);
+        *pin = Pin { number, is_output, tag, instance: port, ..Pin::plain() };
+    }
 }
 
 /// Reads a number of modules that files use: `pwmgen=2`.

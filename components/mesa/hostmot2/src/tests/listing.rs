@@ -14,6 +14,11 @@ fn a_simulated_card_has_the_modules_that_its_file_counts() {
         let names = card(kind, config).names();
         assert!(names.iter().any(|name| name == pin), "{kind} {config}: {pin}");
     }
+    // A 7I77 on the header of a card whose usual firmware has no channels for it.
+    for kind in ["7i96s", "7i98", "7i92"] {
+        let names = card(&format!("{kind} 0.0=7i77 0.1=7i77-analog"), "").names().join("\n");
+        assert!(names.contains(".7i77.0.1.analogout0 float IN"), "{kind}");
+    }
     // The names of pins count as well, unless the file limits them.
     for (config, has) in [("", true), ("num_pwmgens=1", false)] {
         let names = card("7i92 pwmgen=2", config).names();
