@@ -7,6 +7,7 @@ pub(crate) mod create;
 pub(crate) mod earlier;
 pub(crate) mod elf;
 pub(crate) mod foreign;
+pub(crate) mod hardware;
 pub(crate) mod loader;
 pub(crate) mod offer;
 pub(crate) mod opening;

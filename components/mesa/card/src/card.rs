@@ -16,7 +16,7 @@ use crate::{
     watchdog::Watchdog,
 };
 use hal_firmware::{Tag, registers};
-use hal_lbp16::{MAX_ITEMS, Request, Size, Space, commands};
+use hal_lbp16::{MAX_ITEMS, PacketRequest, Size, Space, commands};
 
 /// Longest time that the modules advance in one go.
 const SECOND: u64 = 1_000_000_000;
@@ -195,7 +195,7 @@ impl Card {
     }
 
     /// Serves one command. Returns what it leaves of the answer.
-    fn serve<'a>(&mut self, request: &Request<'_>, mut answer: &'a mut [u8]) -> &'a mut [u8] {
+    fn serve<'a>(&mut self, request: &PacketRequest<'_>, mut answer: &'a mut [u8]) -> &'a mut [u8] {
         let command = request.command;
         let pointer = usize::from(command.space as u8);
         let before = self.pointers.get(pointer).copied().unwrap_or(0);

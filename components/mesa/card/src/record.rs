@@ -2,7 +2,7 @@
 
 use crate::{Board, card::Card, decode::Decoder};
 use hal_firmware::registers;
-use hal_lbp16::{Request, Size, Space, commands};
+use hal_lbp16::{PacketRequest, Size, Space, commands};
 
 /// Packet that displays as a line for each command that reads, and a line for each item that is written.
 ///
@@ -63,7 +63,7 @@ impl Recorded<'_> {
     fn request(
         &self,
         f: &mut core::fmt::Formatter<'_>,
-        request: &Request<'_>,
+        request: &PacketRequest<'_>,
     ) -> core::fmt::Result {
         let command = request.command;
         let space = command.space as u8;

@@ -26,7 +26,7 @@ mod packet;
 mod read;
 
 pub use packet::{Full, Packet};
-pub use read::{Commands, Malformed, Request, commands};
+pub use read::{Commands, Malformed, PacketRequest, commands};
 
 /// UDP port of the cards.
 pub const PORT: u16 = 27181;

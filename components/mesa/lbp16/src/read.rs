@@ -4,7 +4,7 @@ use crate::CommandWord;
 
 /// Command of a packet with its address and its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Request<'p> {
+pub struct PacketRequest<'p> {
     /// First word of the command.
     pub command: CommandWord,
     /// Address, if the command has one.
@@ -41,7 +41,7 @@ pub const fn commands(packet: &[u8]) -> Commands<'_> {
 }
 
 impl<'p> Iterator for Commands<'p> {
-    type Item = Result<Request<'p>, Malformed>;
+    type Item = Result<PacketRequest<'p>, Malformed>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.rest.is_empty() {
@@ -56,13 +56,13 @@ impl<'p> Iterator for Commands<'p> {
     }
 }
 
-fn take<'p>(rest: &mut &'p [u8]) -> Option<Request<'p>> {
+fn take<'p>(rest: &mut &'p [u8]) -> Option<PacketRequest<'p>> {
     let command = CommandWord::from_bits(word(rest)?);
     let address = if command.has_address { Some(word(rest)?) } else { None };
     let bytes = if command.writes { command.data_bytes() } else { 0 };
     let (data, behind) = rest.split_at_checked(bytes)?;
     *rest = behind;
-    Some(Request { command, address, data })
+    Some(PacketRequest { command, address, data })
 }
 
 fn word(rest: &mut &[u8]) -> Option<u16> {

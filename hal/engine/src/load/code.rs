@@ -2,9 +2,10 @@
 
 use crate::{
     Error,
+    load::hardware::{self, FailedHardware},
     messages::mailbox::{Message, Spoken, Voice},
     realtime::shared::Shared,
-    sync::{Arc, AtomicU32, AtomicU64, Ordering},
+    sync::{Arc, AtomicU64, Ordering},
 };
 use core::ffi::c_void;
 use hal_abi::{ArgValue, CallHost, CommandRun, Free, Run, Status, Str, Ticket, Work, host_flags};
@@ -47,8 +48,7 @@ pub(crate) struct LoadHandle {
     shared: Arc<Shared>,
     /// Memory of the component itself in bytes, as it reports.
     memory: AtomicU64,
-    /// Number of parts of the component's hardware that have failed.
-    failed: AtomicU32,
+    pub(super) hardware: FailedHardware,
     #[expect(dead_code, reason = "held so that the code stays mapped; dropped last")]
     library: Arc<Library>,
 }
@@ -76,14 +76,14 @@ impl LoadHandle {
                 ask_value: Some(ask_value),
                 take_value: Some(take_value),
                 gaps: Some(gaps),
-                hardware: Some(hardware),
-                failed_hardware: Some(failed_hardware),
+                hardware: Some(hardware::note),
+                failed_hardware: Some(hardware::count),
             },
             component,
             voice: Arc::default(),
+            hardware: FailedHardware::new(shared.clone()),
             shared,
             memory: AtomicU64::new(0),
-            failed: AtomicU32::new(0),
             library,
         })
     }
@@ -104,7 +104,7 @@ impl LoadHandle {
     }
 }
 
-fn keep<'k>(ctx: *const c_void) -> &'k LoadHandle {
+pub(super) fn keep<'k>(ctx: *const c_void) -> &'k LoadHandle {
     // SAFETY: the context of a record made by `LoadHandle::new`, alive while its code can run.
     unsafe { &*ctx.cast::<LoadHandle>() }
 }
@@ -151,37 +151,6 @@ unsafe extern "C" fn now(ctx: *const c_void) -> i64 {
 /// Called by a component with the context it was given.
 unsafe extern "C" fn gaps(ctx: *const c_void) -> u32 {
     keep(ctx).shared.gaps.count()
-}
-
-/// Realtime. Counts a part of the component's hardware that has failed, or that works again.
-///
-/// # Safety
-/// Called by a component with the context it was given.
-unsafe extern "C" fn hardware(ctx: *const c_void, failed: u32) {
-    let k = keep(ctx);
-    if failed != 0 {
-        k.failed.fetch_add(1, Ordering::Relaxed);
-        k.shared.failed_hardware.fetch_add(1, Ordering::Release); // Pairs with `failed_hardware`.
-    } else if k.failed.load(Ordering::Relaxed) > 0 {
-        k.failed.fetch_sub(1, Ordering::Relaxed);
-        k.shared.failed_hardware.fetch_sub(1, Ordering::Release); // Pairs with `failed_hardware`.
-    }
-}
-
-/// Realtime. Returns the number of parts of hardware that have failed.
-///
-/// # Safety
-/// Called by a component with the context it was given.
-unsafe extern "C" fn failed_hardware(ctx: *const c_void) -> u32 {
-    keep(ctx).shared.failed_hardware.load(Ordering::Acquire) // Pairs with `hardware`.
-}
-
-impl Drop for LoadHandle {
-    /// A component that is gone has no hardware.
-    fn drop(&mut self) {
-        let failed = self.failed.load(Ordering::Relaxed);
-        self.shared.failed_hardware.fetch_sub(failed, Ordering::Release); // Pairs with `failed_hardware`.
-    }
 }
 
 /// Asks for a value by its name.

@@ -19,7 +19,7 @@ pub(crate) const RESET: u32 = 0x5A00_0000;
 /// Longest time that the register holds: bit 31 switches the watchdog off.
 const MOST: f64 = 2_147_483_647.0;
 
-/// What the writing half has done.
+/// State that the writing half leaves for the reading one.
 #[derive(Debug, Default)]
 struct Keeper {
     /// True from the first write on.

@@ -1,11 +1,10 @@
 //! Realtime. A running port: one step a cycle.
 //!
-//! ```text
-//!            run                                      faults
-//!   off ───────────▶ stops ──▶ (parameters) ──▶ starts ──▶ runs ──────▶ stops ──▶ failed
-//!    ▲                                                      │ run is FALSE          │
-//!    └──────────────────────────────────────────────────────┴───────────────────────┘
-//! ```
+//! | from | by | to |
+//! |---|---|---|
+//! | off | `run` is TRUE | stops, sends parameters, starts, runs |
+//! | runs | too many faults | stops, then failed |
+//! | runs, failed | `run` is FALSE | off |
 
 use super::{
     data::Word,
