@@ -2,7 +2,7 @@
 
 use crate::{
     commands::command::{Command, Mode},
-    guards::interlock::Interlock,
+    guards::{gap::Unseen, interlock::Interlock},
     outputs::Outputs,
     path::order::HandOver,
     pins::Pins,
@@ -56,6 +56,9 @@ pub(crate) struct Controller {
     /// Number of gaps in time up to the last cycle.
     #[state]
     pub(crate) gaps: Option<u32>,
+    /// True while a driver has lost its hardware.
+    #[state]
+    pub(crate) has_lost: bool,
     /// Number of cycles so far.
     #[state]
     pub(crate) cycle: u64,
@@ -92,7 +95,11 @@ impl Controller {
         self.state.has_risen = false;
         let gaps = self.clock.gaps();
         if self.gaps.replace(gaps).is_some_and(|last| last != gaps) {
-            self.state.note_gap(&self.pins);
+            self.state.note_unseen(Unseen::Gap, &self.pins);
+        }
+        let has_lost = self.interlock.has_lost_hardware();
+        if !core::mem::replace(&mut self.has_lost, has_lost) && has_lost {
+            self.state.note_unseen(Unseen::Hardware, &self.pins);
         }
         self.state.obey_line();
         self.state.note_stops(&before);

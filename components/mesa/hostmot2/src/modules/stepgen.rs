@@ -26,7 +26,7 @@ pins! {
         /// Steps so far.
         counts: Out<i32> = "counts", 0;
         /// Position of the pulses, in units, finer than a step.
-        position: Out<f64> = "position-fb", 0.0, measured;
+        position: Out<f64> = "position-fb", 0.0;
         /// Speed of the pulses, in units per second.
         velocity: Out<f64> = "velocity-fb", 0.0;
     }

@@ -39,13 +39,18 @@ impl Interlock {
         self.found.is_some()
     }
 
+    /// Returns whether a driver has lost its hardware.
+    pub(crate) fn has_lost_hardware(&self) -> bool {
+        self.hardware.has_failed_anywhere()
+    }
+
     /// Reads the interlock, once in each cycle.
     pub(crate) fn read(&self) -> Option<Lockout> {
         let estop = self.found.as_ref().map(InterlockRef::state);
         match estop.map(|estop| (estop.commanded, estop.open)) {
             Some((true, _)) => Some(Lockout::Commanded),
             Some((false, true)) => Some(Lockout::Open),
-            _ if self.hardware.has_failed_anywhere() => Some(Lockout::Hardware),
+            _ if self.has_lost_hardware() => Some(Lockout::Hardware),
             _ => None,
         }
     }

@@ -98,3 +98,30 @@ fn gaps_before_the_first_cycle_are_none() {
     rig.cycles(3);
     assert!(rig.is("motion.motion-enabled"));
 }
+
+/// What a driver counts when its hardware is lost may be more than what moved.
+#[test]
+fn a_joint_that_moved_when_hardware_was_lost_is_unhomed_unless_a_sensor_measures_it() {
+    for (measured, homed) in
+        [(&MEASURED[..0], &HOMED[2..]), (&MEASURED[1..2], &HOMED[1..]), (&MEASURED[..], &HOMED[..])]
+    {
+        let mut rig = Rig::homed(&[]);
+        rig.strict = false;
+        measured.iter().for_each(|pin| rig.bench.set(pin, true));
+        rig.say("motion.jog joint=0 velocity=20");
+        rig.say("motion.jog joint=1 velocity=20");
+        rig.cycles(200);
+        rig.bench.fail_hardware(true);
+        rig.cycle();
+        assert!(!rig.is("motion.motion-enabled"));
+        assert_eq!(rig.which(&HOMED), homed, "{measured:?}");
+        let said = rig.bench.said();
+        assert_eq!(said.len(), 1 + 3 - homed.len(), "{said:?}");
+        // A second loss at rest unhomes nothing more.
+        rig.bench.fail_hardware(false);
+        rig.cycles(3);
+        rig.bench.fail_hardware(true);
+        rig.cycles(3);
+        assert_eq!(rig.which(&HOMED), homed, "{measured:?}");
+    }
+}

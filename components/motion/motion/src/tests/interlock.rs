@@ -81,7 +81,11 @@ fn an_estop_stops_everything_in_the_cycle_in_which_it_comes() {
             assert_eq!(rig.which(&on), [""; 0], "{text}");
             assert!(rig.is("spindle.0.brake") && rig.is("motion.in-position"));
             assert_eq!(rig.bench.tickets()[waits], TicketState::Failed(cause), "{text}");
-            assert_eq!(rig.bench.said(), [cause], "{text}");
+            let said = rig.bench.said();
+            assert_eq!(said[0], cause, "{text}");
+            // Without the hardware, joints that moved are no longer homed.
+            let is_known = |text: &String| cause == HARDWARE && text.contains("no longer homed");
+            assert!(said[1..].iter().all(is_known), "{text}: {said:?}");
             // The end of the e-stop starts nothing.
             let places = rig.places();
             rig.bench.set("iocontrol.0.emc-enable-in", false);
