@@ -47,23 +47,23 @@ impl core::fmt::Display for BadConfig<'_> {
         write!(f, "config: '{}': ", self.word.escape_debug())?;
         match self.what {
             Wrong::Unknown => {
-                f.write_str("no such entry; there are ")?;
+                f.write_str("no such entry: expected one of ")?;
                 for Limit { name, .. } in LIMITS {
                     write!(f, "{name}=N, ")?;
                 }
                 f.write_str("stepgen_width=N, sserial_port_N=MODES and enable_raw")
             }
-            Wrong::Number => f.write_str("a whole number from -1 on is needed behind '='"),
+            Wrong::Number => f.write_str("expected a whole number from -1 on behind '='"),
             Wrong::Large(most) => write!(f, "at most {most}"),
             Wrong::Port => f.write_str(
-                "up to eight letters are needed: 0 to 9 for the mode of each channel, x for one that \
+                "expected up to eight letters: 0 to 9 for the mode of each channel, x for one that \
                  is not used",
             ),
             Wrong::Firmware => f.write_str(
-                "cards over Ethernet keep their firmware: load it with mesaflash, and leave this out",
+                "expected no firmware: cards over Ethernet keep theirs, which mesaflash loads",
             ),
             Wrong::Missing => f.write_str(
-                "this kind of module is not driven yet; without the entry its I/O pins can be used",
+                "expected 0 or -1: this kind of module is not driven yet, and its I/O pins are free",
             ),
         }
     }
@@ -226,16 +226,16 @@ mod tests {
     #[test]
     fn what_cannot_be_had_is_refused_with_what_can() {
         let rows = [
-            ("num_encoder=1", "no such entry; there are num_encoders=N"),
+            ("num_encoder=1", "no such entry: expected one of num_encoders=N"),
             ("num_encoders=two", "a whole number from -1 on"),
             ("num_encoders=-2", "a whole number from -1 on"),
             ("num_encoders=256", "at most 255"),
             ("stepgen_width=9", "at most 8"),
             ("sserial_port_8=0", "no such entry"),
-            ("sserial_port_0=000000000", "up to eight letters"),
-            ("sserial_port_0=0y", "up to eight letters"),
-            ("sserial_port_0=", "up to eight letters"),
-            ("firmware=hm2/5i25/7i76.bit", "load it with mesaflash"),
+            ("sserial_port_0=000000000", "expected up to eight letters"),
+            ("sserial_port_0=0y", "expected up to eight letters"),
+            ("sserial_port_0=", "expected up to eight letters"),
+            ("firmware=hm2/5i25/7i76.bit", "which mesaflash loads"),
             ("num_resolvers=1", "not driven yet"),
             ("ssi_chan_0=a%24g", "not driven yet"),
             ("num_encoders", "no such entry"),

@@ -3,6 +3,7 @@
 //! `tests/mesa/pins` has a list of LinuxCNC's driver for each card.
 
 use super::card;
+use crate::Hostmot2;
 use hal_bench::Bench;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -70,6 +71,16 @@ fn ours(bench: &Bench) -> Items {
     let is_own =
         |name: &String| name.contains(".sim.") || OWN.iter().any(|own| name.ends_with(own));
     items.filter(|(name, _)| !is_own(name)).collect()
+}
+
+/// Scripts load `hostmot2` before `hm2_eth`; alone it makes no pin.
+#[test]
+fn hostmot2_makes_nothing_and_takes_its_arguments() {
+    let mut bench = Bench::new();
+    bench.load::<Hostmot2>(&["debug_idrom=1", "use_serial_numbers=0"]).unwrap();
+    assert!(bench.names().is_empty());
+    let refused = Bench::new().load::<Hostmot2>(&["use_serial_numbers=1"]).unwrap_err();
+    assert!(refused.contains("use_serial_numbers"), "{refused}");
 }
 
 #[test]
