@@ -94,6 +94,23 @@ impl Inside {
         }
     }
 
+    /// Puts a packet that the card has not sent before its next answer.
+    #[cfg(test)]
+    pub(crate) fn inject(&mut self, packet: &[u8]) {
+        let mut strange = OnTheWay { len: packet.len(), ..OnTheWay::NONE };
+        for (to, from) in strange.bytes.iter_mut().zip(packet) {
+            *to = *from;
+        }
+        self.come(&strange);
+    }
+
+    /// Returns the answer that was taken last.
+    #[cfg(test)]
+    pub(crate) fn last_answer(&self) -> &[u8] {
+        let [.., last] = &self.answers;
+        last.bytes.get(..last.len).unwrap_or_default()
+    }
+
     fn take(&mut self, into: &mut [u8]) -> usize {
         let [answer, ..] = &self.answers;
         if self.waiting == 0 {

@@ -4,6 +4,7 @@ mod cycles;
 mod listing;
 mod losses;
 mod names;
+mod noise;
 mod remotes;
 mod serial;
 

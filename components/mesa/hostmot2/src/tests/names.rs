@@ -55,18 +55,22 @@ fn item(ty: &str, dir: &str, value: &str) -> String {
 /// Pins that LinuxCNC's driver does not have.
 const OWN: [&str; 4] = ["packet-round-trip", "packet-wait", ".fault", ".dither"];
 
-fn ours(bench: &Bench) -> Items {
-    let value = |name: &str, ty: &str| match ty {
+/// Returns the value of an item as text.
+pub(super) fn value(bench: &Bench, name: &str, ty: &str) -> String {
+    match ty {
         "bit" => bench.get::<bool>(name).to_string().to_uppercase(),
-        "float" => digits(bench.get(name)),
+        "float" => bench.get::<f64>(name).to_string(),
         "s32" => bench.get::<i32>(name).to_string(),
         "u32" => bench.get::<u32>(name).to_string(),
         _ => panic!("{name}: {ty}"),
-    };
+    }
+}
+
+fn ours(bench: &Bench) -> Items {
     let items = bench.names().into_iter().map(|line| {
         let words: Vec<_> = line.split(' ').collect();
         let [name, ty, dir] = words[..] else { panic!("{line}") };
-        (name.to_owned(), item(ty, dir, &value(name, ty)))
+        (name.to_owned(), item(ty, dir, &value(bench, name, ty)))
     });
     let is_own =
         |name: &String| name.contains(".sim.") || OWN.iter().any(|own| name.ends_with(own));
