@@ -99,7 +99,7 @@ fn gaps_before_the_first_cycle_are_none() {
     assert!(rig.is("motion.motion-enabled"));
 }
 
-/// What a driver counts when its hardware is lost may be more than what moved.
+/// A driver may count more than what moved when its hardware is lost.
 #[test]
 fn a_joint_that_moved_when_hardware_was_lost_is_unhomed_unless_a_sensor_measures_it() {
     for (measured, homed) in
