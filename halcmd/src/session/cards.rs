@@ -55,7 +55,7 @@ impl Session<'_> {
     }
 }
 
-/// Returns the kinds of cards that PnCconf's entries name: `[HOSTMOT2]BOARD = 7i96s`, `[HMOT]CARD0 = hm2_7i96s.0`.
+/// Returns the kinds of cards that `PnCconf`'s entries name: `[HOSTMOT2]BOARD = 7i96s`, `[HMOT]CARD0 = hm2_7i96s.0`.
 fn configured(ini: &Ini) -> Vec<String> {
     let cards = (0..MAX_CARDS).filter_map(|n| ini.get("HMOT", &format!("CARD{n}")));
     let kinds = cards.filter_map(|card| card.strip_prefix("hm2_")?.split('.').next());

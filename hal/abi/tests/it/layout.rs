@@ -62,7 +62,7 @@ fn table() -> Result<String, std::fmt::Error> {
         ArgValue { size given int float text ints texts len }
         StreamRef { ring depth width }
         ServiceRef { table uses n_uses }
-        CallHost { size flags ctx message now fail arg reply ticket awaited ask_value take_value gaps }
+        CallHost { size flags ctx message now fail arg reply ticket awaited ask_value take_value gaps hardware failed_hardware }
         Host { size abi_minor flags index personality prefix ctx calls fail arg item funct thread task command open stop stream offer find bind worker snapshot measured }
         WorkerSpec { size flags name doc period_ns run state free uses n_uses items }
         SnapshotSpec { size version name doc fields }
