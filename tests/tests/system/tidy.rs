@@ -11,7 +11,7 @@ use syn::visit::{self, Visit};
 /// Returns the file without its tests.
 fn code(path: &Path) -> String {
     let text = std::fs::read_to_string(path).unwrap();
-    text.split("#[cfg(test)]").next().unwrap().to_owned()
+    text.split("\n#[cfg(test)]").next().unwrap().to_owned()
 }
 
 /// Returns the folder and the manifest of each crate of the workspace, by name.

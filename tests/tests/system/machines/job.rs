@@ -1,5 +1,5 @@
 //! Jobs: a program on a whole machine, from `--run` to the step pulses.
-#![expect(clippy::indexing_slicing, reason = "tests")]
+#![expect(clippy::indexing_slicing, clippy::panic, reason = "tests")]
 
 use hal_tests::{programs::root, scratch::Scratch, vcd::Vcd};
 

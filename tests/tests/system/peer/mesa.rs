@@ -4,6 +4,8 @@
 //! sampled (`tests/mesa/oracle` records both). Here ours runs the same machines with the same card over UDP. The card's time goes on by
 //! one period with each packet that reads, so that the computer's own time changes nothing.
 
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
+
 use hal_tests::{
     programs::{programs, root},
     scratch::Scratch,
