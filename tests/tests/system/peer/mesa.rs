@@ -57,13 +57,6 @@ const KNOWN: &[Known] = &[
         why: "orders to the ports come in another order",
     },
     Known {
-        machine: "servo",
-        register: "MUXED_CONTROL",
-        cycles: 2,
-        most: 0x50,
-        why: "ours disarms in the cycle in which the index is seen, theirs in the next one",
-    },
-    Known {
         machine: "motion",
         register: "STEP_RATE[1]",
         cycles: usize::MAX,
