@@ -70,7 +70,11 @@ fn ours(bench: &Bench) -> Items {
     let items = bench.names().into_iter().map(|line| {
         let words: Vec<_> = line.split(' ').collect();
         let [name, ty, dir] = words[..] else { panic!("{line}") };
-        (name.to_owned(), item(ty, dir, &value(bench, name, ty)))
+        let value = match ty {
+            "float" => digits(bench.get(name)),
+            _ => value(bench, name, ty),
+        };
+        (name.to_owned(), item(ty, dir, &value))
     });
     let is_own =
         |name: &String| name.contains(".sim.") || OWN.iter().any(|own| name.ends_with(own));
