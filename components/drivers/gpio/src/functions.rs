@@ -5,7 +5,7 @@ use crate::{
     encoder::Encoder,
 };
 use hal_component::{Clock, Gives, In, Out, ParamRw, Period, Takes, Touch, Update};
-use port::{LineEdge, LinePins, Lost, Report};
+use port::{LineEdge, LinePins, Lost, Report, pause, reset_time};
 use std::sync::{
     Arc,
     atomic::Ordering::{Acquire, Release},
@@ -178,7 +178,7 @@ pub(crate) struct GpioReset {
 
 impl Update for GpioReset {
     fn update(&mut self, period: Period) {
-        let wait = self.wait(period);
+        let wait = reset_time(self.time, period);
         let mut is_fault = false;
         for (group, report) in self.device.groups().iter().zip(&mut self.reports) {
             let is_marked = |place: &usize| {
@@ -197,33 +197,6 @@ impl Update for GpioReset {
             note(report, done, group.outputs_gone, WRITING_FAILED);
         }
         self.fault.set(self.written.note(RESETTING, is_fault));
-    }
-}
-
-impl GpioReset {
-    /// Returns the nanoseconds between write and reset, at most a quarter of the period; corrects the parameter if it
-    /// is longer.
-    fn wait(&self, period: Period) -> u32 {
-        let quarter = period.ns() / 4;
-        let most = u32::try_from(quarter).unwrap_or(if quarter < 0 { 0 } else { u32::MAX });
-        if self.time.get() > most {
-            self.time.set(most);
-        }
-        self.time.get()
-    }
-}
-
-/// Waits on a real clock until `wait` nanoseconds after `since`. Each reading of the clock takes at least a nanosecond,
-/// so the loop is bounded even if the clock stands still.
-fn pause(clock: Clock, since: i64, wait: u32) {
-    if clock.is_virtual() {
-        return;
-    }
-    for _ in 0..wait {
-        if clock.now_ns().wrapping_sub(since) >= i64::from(wait) {
-            return;
-        }
-        core::hint::spin_loop();
     }
 }
 

@@ -5,7 +5,7 @@ use crate::{
     lines::{self, Input, Output, Pulse},
 };
 use hal_component::{Clock, Gives, Out, ParamRw, Period, Takes, Touch, Update};
-use port::{Driven, Report, Shown};
+use port::{Driven, Report, Shown, pause, reset_time};
 use std::sync::Arc;
 
 /// Pins of the simulated registers that the write function sets.
@@ -82,7 +82,7 @@ pub(crate) struct Reset {
 
 impl Update for Reset {
     fn update(&mut self, period: Period) {
-        let wait = self.wait(period);
+        let wait = self.time.map_or(0, |time| reset_time(time, period));
         let mut done = Ok(());
         for (register, pulses) in [(Register::Data, &self.data), (Register::Control, &self.control)]
         {
@@ -95,34 +95,6 @@ impl Update for Reset {
             done = done.and(self.written.put(&self.device, self.clock, register, rest));
         }
         self.report.note(done, WRITING_FAILED);
-    }
-}
-
-impl Reset {
-    /// Returns the nanoseconds between write and reset, at most a quarter of the period; corrects the parameter if it
-    /// is longer.
-    fn wait(&self, period: Period) -> u32 {
-        let Some(time) = self.time else { return 0 };
-        let most =
-            u32::try_from(period.ns() / 4).unwrap_or(if period.ns() < 0 { 0 } else { u32::MAX });
-        if time.get() > most {
-            time.set(most);
-        }
-        time.get()
-    }
-}
-
-/// Waits on a real clock until `wait` nanoseconds after `since`. Each reading of the clock takes at least a nanosecond,
-/// so the loop is bounded even if the clock stands still.
-fn pause(clock: Clock, since: i64, wait: u32) {
-    if clock.is_virtual() {
-        return;
-    }
-    for _ in 0..wait {
-        if clock.now_ns().wrapping_sub(since) >= i64::from(wait) {
-            return;
-        }
-        core::hint::spin_loop();
     }
 }
 

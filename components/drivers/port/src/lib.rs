@@ -4,12 +4,14 @@
 //! [`Simulated`] implements it with registers whose bits are pins. A driver of lines uses the trait [`Lines`], which
 //! [`SimulatedLines`] implements with pins, and [`ReplayedLines`] with the calls that [`RecordedLines`] recorded. A
 //! driver of packets uses [`Exchange`]. A [`Shadow`] keeps the value last written to a register, and may be shared by
-//! functions in different threads; a [`Report`] reports a device that fails.
+//! functions in different threads; a [`Report`] reports a device that fails. [`reset_time`] and
+//! [`pause`] are for functions that end pulses.
 #![forbid(unsafe_code)]
 
 mod exchange;
 mod lines;
 mod report;
+mod reset;
 mod shadow;
 mod simulated;
 mod simulated_lines;
@@ -18,6 +20,7 @@ mod tape;
 pub use exchange::Exchange;
 pub use lines::{LineEdge, Lines};
 pub use report::Report;
+pub use reset::{pause, reset_time};
 pub use shadow::Shadow;
 pub use simulated::{Driven, Shown, Simulated};
 pub use simulated_lines::{LinePins, SimulatedChip, SimulatedLine, SimulatedLines};

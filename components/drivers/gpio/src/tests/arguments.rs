@@ -1,20 +1,20 @@
 //! Arguments: what each kind of mistake says, and what right ones mean.
 
 use crate::{
-    config::{Bias, Drive, GpioConfig, MARKS, Place, Setting, parse},
+    config::{BadLines, Bias, Drive, GpioConfig, MARKS, Place, Setting, parse},
     gpio::HalGpio,
     pi::PiGpio,
 };
 use hal_bench::Bench;
 
 /// Returns what the arguments mean.
-fn read(args: &str) -> Result<GpioConfig, String> {
+fn read(args: &str) -> Result<GpioConfig, BadLines> {
     let list = |arg: &str| {
         let words = args.split_whitespace().filter_map(|word| word.split_once('='));
         let found = words.filter(|(name, _)| *name == arg).flat_map(|(_, list)| list.split(','));
         found.map(str::to_owned).collect()
     };
-    parse(list).map_err(|why| why.to_string())
+    parse(list)
 }
 
 const BAD: &[(&str, &str)] = &[
@@ -106,10 +106,11 @@ const BAD: &[(&str, &str)] = &[
 #[test]
 fn each_mistake_is_named_with_its_remedy() {
     for (args, says) in BAD {
-        assert_eq!(read(args).unwrap_err(), *says, "{args}");
+        assert_eq!(read(args).unwrap_err().to_string(), *says, "{args}");
     }
     let many: Vec<String> = (0..129).map(|n| format!("L{n}")).collect();
-    assert_eq!(read(&format!("inputs={}", many.join(","))).unwrap_err(), "more than 128 lines");
+    let refused = read(&format!("inputs={}", many.join(","))).unwrap_err();
+    assert_eq!(refused.to_string(), "more than 128 lines");
     assert_eq!(read(&format!("inputs={}", many[1..].join(","))).unwrap().lines.len(), 128);
 }
 

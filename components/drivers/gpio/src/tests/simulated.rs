@@ -6,7 +6,6 @@ use crate::{
     pi::{HEADER, PiGpio},
 };
 use hal_bench::{Bench, trace::replay};
-use hal_component::{Builder, Clock, Component, Error, Out, Period, Touch, Update};
 
 #[test]
 fn inputs_outputs_and_their_inverses() {
@@ -58,43 +57,16 @@ fn a_step_pulse_in_every_period() {
     assert_eq!(rows, 6);
 }
 
-/// Component that copies the clock to a pin.
-#[derive(Touch)]
-struct Stamp {
-    clock: Clock,
-    now: Out<i64>,
-}
-
-impl Update for Stamp {
-    fn update(&mut self, _: Period) {
-        self.now.set(self.clock.now_ns());
-    }
-}
-
-impl Component for Stamp {
-    const NAME: &'static str = "stamp";
-    const DOC: &'static str = "Machine time.";
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let stamp = Self { clock: b.clock(), now: b.item("now", "Nanoseconds.", 0)? };
-        b.function("", "Reads the clock.", stamp)
-    }
-}
-
 /// Returns the nanoseconds of a reset with this time, in a period of 20 us, and the time that it sets.
 fn reset_takes(mut bench: Bench, asked: u32) -> (i64, u32) {
     bench.load::<HalGpio>(&["outputs=A", "reset=A"]).unwrap();
-    bench.create::<Stamp>(&[]).unwrap();
-    let now = || {
-        bench.run("stamp.0", MS);
-        bench.get::<i64>("stamp.0.now")
-    };
     bench.set("hal_gpio.reset_ns", asked);
     bench.set("hal_gpio.A-out", true);
     bench.run("hal_gpio.write", 20_000);
-    let written = now();
+    let written = bench.now_ns();
     bench.run("hal_gpio.reset", 20_000);
     assert!(!bench.get::<bool>("hal_gpio.sim.A"));
-    (now() - written, bench.get("hal_gpio.reset_ns"))
+    (bench.now_ns() - written, bench.get("hal_gpio.reset_ns"))
 }
 
 #[test]

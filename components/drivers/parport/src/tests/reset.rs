@@ -3,7 +3,6 @@
 use super::{MS, load, set, sim};
 use crate::Parport;
 use hal_bench::Bench;
-use hal_component::{Builder, Clock, Component, Error, Out, Period, Touch, Update};
 
 /// Makes a step in every period: high in write, low in reset.
 #[test]
@@ -74,47 +73,20 @@ fn reset_time_is_a_quarter_period_at_most() {
     }
 }
 
-/// Component that copies the clock to a pin.
-#[derive(Touch)]
-struct Stamp {
-    clock: Clock,
-    now: Out<i64>,
-}
-
-impl Update for Stamp {
-    fn update(&mut self, _: Period) {
-        self.now.set(self.clock.now_ns());
-    }
-}
-
-impl Component for Stamp {
-    const NAME: &'static str = "stamp";
-    const DOC: &'static str = "Machine time.";
-    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let stamp = Self { clock: b.clock(), now: b.item("now", "Nanoseconds.", 0)? };
-        b.function("", "Reads the clock.", stamp)
-    }
-}
-
 /// Returns the duration of a reset that comes `later` than its write, for a pin that is high or idle.
 fn reset_takes(mut bench: Bench, later: i64, high: bool) -> i64 {
     bench.load::<Parport>(&["cfg=378"]).unwrap();
-    bench.create::<Stamp>(&[]).unwrap();
-    let now = || {
-        bench.run("stamp.0", MS);
-        bench.get::<i64>("stamp.0.now")
-    };
     set(&bench, &["pin-02-out"], high);
     set(&bench, &["pin-02-out-reset"], true);
     bench.set("parport.0.reset-time", 5_000_u32);
     bench.pass(1_000_000);
     bench.run("parport.0.write", 100_000);
-    let written = now();
+    let written = bench.now_ns();
     bench.pass(later);
     assert_eq!(sim(&bench, "data"), u32::from(high));
     bench.run("parport.0.reset", 100_000);
     assert_eq!(sim(&bench, "data"), 0);
-    now() - written
+    bench.now_ns() - written
 }
 
 #[test]
