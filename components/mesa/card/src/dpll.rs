@@ -5,6 +5,15 @@
 
 use hal_firmware::registers as r;
 
+// Numbers of registers.
+const BASE_RATE: u8 = r::DPLL_BASE_RATE.index;
+const PHASE_ERROR: u8 = r::DPLL_PHASE_ERROR.index;
+const CONTROL_0: u8 = r::DPLL_CONTROL_0.index;
+const CONTROL_1: u8 = r::DPLL_CONTROL_1.index;
+const TIMERS_12: u8 = r::DPLL_TIMERS_12.index;
+const TIMERS_34: u8 = r::DPLL_TIMERS_34.index;
+const SYNC: u8 = r::DPLL_SYNC.index;
+
 const WIDTH: u32 = 42;
 const TURN: i64 = 1 << WIDTH;
 const LIMIT: i64 = 0x0070_0000;
@@ -119,13 +128,6 @@ impl Dpll {
     }
 
     pub(crate) fn read(&mut self, register: u8) -> u32 {
-        const BASE_RATE: u8 = r::DPLL_BASE_RATE.index;
-        const PHASE_ERROR: u8 = r::DPLL_PHASE_ERROR.index;
-        const CONTROL_0: u8 = r::DPLL_CONTROL_0.index;
-        const CONTROL_1: u8 = r::DPLL_CONTROL_1.index;
-        const TIMERS_12: u8 = r::DPLL_TIMERS_12.index;
-        const TIMERS_34: u8 = r::DPLL_TIMERS_34.index;
-        const SYNC: u8 = r::DPLL_SYNC.index;
         let [one, two, three, four] = self.timers.map(u32::from);
         let [prescale, ..] = self.prescale.to_le_bytes();
         let correction = u32::try_from(self.correction() & 0x00FF_FFFF).unwrap_or(0);
@@ -146,13 +148,6 @@ impl Dpll {
     }
 
     pub(crate) fn write(&mut self, register: u8, value: u32) {
-        const BASE_RATE: u8 = r::DPLL_BASE_RATE.index;
-        const PHASE_ERROR: u8 = r::DPLL_PHASE_ERROR.index;
-        const CONTROL_0: u8 = r::DPLL_CONTROL_0.index;
-        const CONTROL_1: u8 = r::DPLL_CONTROL_1.index;
-        const TIMERS_12: u8 = r::DPLL_TIMERS_12.index;
-        const TIMERS_34: u8 = r::DPLL_TIMERS_34.index;
-        const SYNC: u8 = r::DPLL_SYNC.index;
         let [low_0, low_1, high_0, high_1] = value.to_le_bytes();
         let (low, high) =
             (u16::from_le_bytes([low_0, low_1]), u16::from_le_bytes([high_0, high_1]));

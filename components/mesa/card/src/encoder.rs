@@ -6,6 +6,14 @@
 use crate::timer::{Latched, Stamps};
 use hal_firmware::registers as r;
 
+// Numbers of registers.
+const COUNT: u8 = r::ENCODER_COUNT.index;
+const CONTROL: u8 = r::ENCODER_CONTROL.index;
+const DIVISOR: u8 = r::ENCODER_STAMP_DIVISOR.index;
+const STAMP: u8 = r::ENCODER_STAMP.index;
+const TIMER: u8 = r::ENCODER_TIMER.index;
+const FILTER_RATE: u8 = r::ENCODER_FILTER_RATE.index;
+
 /// Bits of the control register.
 const INDEX_POLARITY: u16 = 1 << 3;
 const LATCH_ON_INDEX: u16 = 1 << 4;
@@ -133,11 +141,6 @@ impl Counters {
     }
 
     pub(crate) fn read(&self, register: u8, instance: u8) -> u32 {
-        const COUNT: u8 = r::ENCODER_COUNT.index;
-        const CONTROL: u8 = r::ENCODER_CONTROL.index;
-        const DIVISOR: u8 = r::ENCODER_STAMP_DIVISOR.index;
-        const STAMP: u8 = r::ENCODER_STAMP.index;
-        const TIMER: u8 = r::ENCODER_TIMER.index;
         let one = self.all.get(usize::from(instance));
         let is_latched = self.latched.is_enabled();
         match register {
@@ -152,10 +155,6 @@ impl Counters {
     }
 
     pub(crate) fn write(&mut self, register: u8, instance: u8, value: u32) {
-        const CONTROL: u8 = r::ENCODER_CONTROL.index;
-        const DIVISOR: u8 = r::ENCODER_STAMP_DIVISOR.index;
-        const FILTER_RATE: u8 = r::ENCODER_FILTER_RATE.index;
-        const TIMER: u8 = r::ENCODER_TIMER.index;
         match register {
             CONTROL => {
                 if let Some(one) = self.all.get_mut(usize::from(instance)) {

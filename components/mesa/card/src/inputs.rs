@@ -6,6 +6,13 @@
 
 use hal_firmware::registers as r;
 
+// Numbers of registers.
+const CONTROL: u8 = r::INPUTS_CONTROL.index;
+const FILTER: u8 = r::INPUTS_FILTER.index;
+const FILTERED: u8 = r::INPUTS_FILTERED.index;
+const RAW: u8 = r::INPUTS_RAW.index;
+const WHEELS: u8 = r::INPUTS_WHEELS.index;
+
 /// Filtered inputs of a module.
 #[derive(Debug)]
 pub(crate) struct FilteredInputs {
@@ -111,11 +118,6 @@ impl FilteredInputs {
     }
 
     pub(crate) fn read(&self, register: u8) -> u32 {
-        const CONTROL: u8 = r::INPUTS_CONTROL.index;
-        const FILTER: u8 = r::INPUTS_FILTER.index;
-        const FILTERED: u8 = r::INPUTS_FILTERED.index;
-        const RAW: u8 = r::INPUTS_RAW.index;
-        const WHEELS: u8 = r::INPUTS_WHEELS.index;
         match register {
             CONTROL => self.control,
             FILTER => self.long,
@@ -127,9 +129,6 @@ impl FilteredInputs {
     }
 
     pub(crate) fn write(&mut self, register: u8, value: u32) {
-        const CONTROL: u8 = r::INPUTS_CONTROL.index;
-        const FILTER: u8 = r::INPUTS_FILTER.index;
-        const WHEELS: u8 = r::INPUTS_WHEELS.index;
         match register {
             CONTROL => self.control = value & !0x1F | self.control & 0x1F,
             FILTER => self.long = value,

@@ -4,6 +4,13 @@
 
 use hal_firmware::registers as r;
 
+// Numbers of registers.
+const DIRECTION: u8 = r::PORT_DIRECTION.index;
+const DATA: u8 = r::PORT_DATA.index;
+const SOURCE: u8 = r::PORT_SOURCE.index;
+const OPEN_DRAIN: u8 = r::PORT_OPEN_DRAIN.index;
+const INVERT: u8 = r::PORT_INVERT.index;
+
 /// Port of at most 32 pins.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Port {
@@ -47,7 +54,6 @@ impl Port {
 
     /// Returns a register other than the levels of the pins.
     pub(crate) const fn read(&self, register: u8) -> u32 {
-        const DIRECTION: u8 = r::PORT_DIRECTION.index;
         match register {
             DIRECTION => self.direction,
             _ => 0,
@@ -55,11 +61,6 @@ impl Port {
     }
 
     pub(crate) const fn write(&mut self, register: u8, value: u32) {
-        const DATA: u8 = r::PORT_DATA.index;
-        const DIRECTION: u8 = r::PORT_DIRECTION.index;
-        const SOURCE: u8 = r::PORT_SOURCE.index;
-        const OPEN_DRAIN: u8 = r::PORT_OPEN_DRAIN.index;
-        const INVERT: u8 = r::PORT_INVERT.index;
         match register {
             DATA => self.data = value,
             DIRECTION => self.direction = value,

@@ -4,6 +4,10 @@
 
 use hal_firmware::registers as r;
 
+// Numbers of registers.
+const DATA: u8 = r::SSR_DATA.index;
+const RATE: u8 = r::SSR_RATE.index;
+
 /// Relays of a module, whose drivers are fed through transformers by a square wave.
 #[derive(Debug, Default)]
 pub(crate) struct Relays {
@@ -41,8 +45,6 @@ impl Relays {
     }
 
     pub(crate) const fn read(&self, register: u8) -> u32 {
-        const DATA: u8 = r::SSR_DATA.index;
-        const RATE: u8 = r::SSR_RATE.index;
         match register {
             DATA => self.data,
             RATE => self.rate & 0x1FFF,
@@ -51,8 +53,6 @@ impl Relays {
     }
 
     pub(crate) const fn write(&mut self, register: u8, value: u32) {
-        const DATA: u8 = r::SSR_DATA.index;
-        const RATE: u8 = r::SSR_RATE.index;
         match register {
             DATA => self.data = value,
             RATE => self.rate = value,

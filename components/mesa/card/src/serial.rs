@@ -5,6 +5,14 @@
 use crate::remote::Remote;
 use hal_firmware::registers as r;
 
+// Numbers of registers.
+const COMMAND: u8 = r::SERIAL_COMMAND.index;
+const DATA: u8 = r::SERIAL_DATA.index;
+const STATUS: u8 = r::SERIAL_STATUS.index;
+const USER_0: u8 = r::SERIAL_USER_0.index;
+const USER_1: u8 = r::SERIAL_USER_1.index;
+const USER_2: u8 = r::SERIAL_USER_2.index;
+
 /// Channels of a port at most.
 pub(crate) const CHANNELS: usize = 8;
 /// Bits of a command.
@@ -124,12 +132,6 @@ impl SerialPort {
     }
 
     pub(crate) fn read(&self, register: u8, channel: usize) -> u32 {
-        const COMMAND: u8 = r::SERIAL_COMMAND.index;
-        const DATA: u8 = r::SERIAL_DATA.index;
-        const STATUS: u8 = r::SERIAL_STATUS.index;
-        const USER_0: u8 = r::SERIAL_USER_0.index;
-        const USER_1: u8 = r::SERIAL_USER_1.index;
-        const USER_2: u8 = r::SERIAL_USER_2.index;
         let link = self.links.get(channel);
         let [first, second, third] = link.map_or([0; 3], |link| link.to);
         match register {
@@ -144,12 +146,6 @@ impl SerialPort {
     }
 
     pub(crate) fn write(&mut self, register: u8, channel: usize, value: u32) {
-        const COMMAND: u8 = r::SERIAL_COMMAND.index;
-        const DATA: u8 = r::SERIAL_DATA.index;
-        const STATUS: u8 = r::SERIAL_STATUS.index;
-        const USER_0: u8 = r::SERIAL_USER_0.index;
-        const USER_1: u8 = r::SERIAL_USER_1.index;
-        const USER_2: u8 = r::SERIAL_USER_2.index;
         let [low, ..] = value.to_le_bytes();
         let link = self.links.get_mut(channel);
         match (register, link) {

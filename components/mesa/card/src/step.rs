@@ -7,6 +7,19 @@
 use crate::timer::Latched;
 use hal_firmware::registers as r;
 
+// Numbers of registers.
+const ACCUMULATOR: u8 = r::STEP_ACCUMULATOR.index;
+const TIMER: u8 = r::STEP_TIMER.index;
+const RATE: u8 = r::STEP_RATE.index;
+const MODE: u8 = r::STEP_MODE.index;
+const SETUP: u8 = r::STEP_SETUP.index;
+const HOLD: u8 = r::STEP_HOLD.index;
+const LENGTH: u8 = r::STEP_LENGTH.index;
+const SPACE: u8 = r::STEP_SPACE.index;
+const TABLE_DATA: u8 = r::STEP_TABLE_DATA.index;
+const TABLE_LENGTH: u8 = r::STEP_TABLE_LENGTH.index;
+const MASTER_RATE: u8 = r::STEP_MASTER_RATE.index;
+
 /// Bits of the registers of times.
 const TIME: u32 = 0x3FFF;
 /// Clock periods from a step to the next at least, beyond the pulse's length and space.
@@ -102,8 +115,6 @@ impl Generators {
 
     pub(crate) fn read(&self, register: u8, instance: u8) -> u32 {
         let Some(one) = self.all.get(usize::from(instance)) else { return 0 };
-        const ACCUMULATOR: u8 = r::STEP_ACCUMULATOR.index;
-        const TIMER: u8 = r::STEP_TIMER.index;
         match register {
             ACCUMULATOR if self.latched.is_enabled() => one.latch,
             ACCUMULATOR => one.read(),
@@ -113,17 +124,6 @@ impl Generators {
     }
 
     pub(crate) fn write(&mut self, register: u8, instance: u8, value: u32) {
-        const RATE: u8 = r::STEP_RATE.index;
-        const ACCUMULATOR: u8 = r::STEP_ACCUMULATOR.index;
-        const MODE: u8 = r::STEP_MODE.index;
-        const SETUP: u8 = r::STEP_SETUP.index;
-        const HOLD: u8 = r::STEP_HOLD.index;
-        const LENGTH: u8 = r::STEP_LENGTH.index;
-        const SPACE: u8 = r::STEP_SPACE.index;
-        const TABLE_DATA: u8 = r::STEP_TABLE_DATA.index;
-        const TABLE_LENGTH: u8 = r::STEP_TABLE_LENGTH.index;
-        const MASTER_RATE: u8 = r::STEP_MASTER_RATE.index;
-        const TIMER: u8 = r::STEP_TIMER.index;
         match register {
             MASTER_RATE => self.master_rate = value,
             TIMER => self.latched = Latched::from_register(value),

@@ -5,6 +5,11 @@
 
 use hal_firmware::registers as r;
 
+// Numbers of registers.
+const TIMEOUT: u8 = r::WATCHDOG_TIMEOUT.index;
+const STATUS: u8 = r::WATCHDOG_STATUS.index;
+const RESET: u8 = r::WATCHDOG_RESET.index;
+
 const OFF: u32 = 0x8000_0000;
 /// First byte of what is written to let the time begin again.
 const COOKIE: u8 = 0x5A;
@@ -41,8 +46,6 @@ impl Watchdog {
     }
 
     pub(crate) fn read(&self, register: u8) -> u32 {
-        const TIMEOUT: u8 = r::WATCHDOG_TIMEOUT.index;
-        const STATUS: u8 = r::WATCHDOG_STATUS.index;
         match register {
             TIMEOUT => self.timer,
             STATUS => u32::from(self.has_bitten),
@@ -51,9 +54,6 @@ impl Watchdog {
     }
 
     pub(crate) fn write(&mut self, register: u8, value: u32) {
-        const TIMEOUT: u8 = r::WATCHDOG_TIMEOUT.index;
-        const STATUS: u8 = r::WATCHDOG_STATUS.index;
-        const RESET: u8 = r::WATCHDOG_RESET.index;
         match register {
             TIMEOUT => {
                 self.time = value;

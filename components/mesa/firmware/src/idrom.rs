@@ -181,10 +181,11 @@ impl Identification {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    const GOOD: Identification = Identification {
+    /// Identification of a card.
+    pub(crate) const GOOD: Identification = Identification {
         layout: 3,
         modules: 0x40,
         pins: 0x200,

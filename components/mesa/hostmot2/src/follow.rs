@@ -1,5 +1,7 @@
 //! Realtime. The speed of a step generator for the next period, from a position or a velocity that it shall have.
 
+use crate::numbers::within;
+
 /// Limits of a step generator in units; 0 for no limit of the acceleration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
@@ -76,19 +78,6 @@ pub(crate) fn velocity(actual: f64, command: f64, bounds: Bounds, period: f64) -
         command
     };
     within(wish, -bounds.speed, bounds.speed)
-}
-
-/// Returns `x` limited to two bounds; 0 if it is not a number.
-fn within(x: f64, low: f64, high: f64) -> f64 {
-    if x < low {
-        low
-    } else if x > high {
-        high
-    } else if x.is_nan() {
-        0.0
-    } else {
-        x
-    }
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ mod making;
 mod module;
 mod modules;
 mod names;
+mod numbers;
 mod plan;
 mod simulated;
 #[cfg(test)]

@@ -159,7 +159,7 @@ const BUSY: Lost = Lost(16);
 /// Returns the card of a kind, or of a family by the name that its cards share, with a firmware that has what is asked of it:
 /// one of the usual firmwares if one has, else the first of them with further modules, whose I/O pins nobody sees.
 ///
-/// What is asked is a limit of `config`, or else a number of modules in `wanted`.
+/// A kind of module must have as many instances as its limit in `config`, or without a limit as many as `wanted` says.
 pub(crate) fn board(kind: &str, config: &CardConfig, wanted: &[(Tag, u8)]) -> Option<Board> {
     let asked_of = |entry: &Limit| {
         let of = wanted.iter().filter(|row| entry.tags.contains(&row.0)).map(|row| row.1);

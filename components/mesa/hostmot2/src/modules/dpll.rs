@@ -4,6 +4,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Reads, Writes},
+    numbers::whole,
     plan::{Place, ReadAnswer},
 };
 use hal_component::{Error, In, Out, Touch, pins};
@@ -93,40 +94,19 @@ impl Writes for Following {
     fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
         let p = &self.pins;
         let khz = frequency(p.base_freq, cycle);
-        let size = p.ddsize.get().clamp_to(1, 62);
+        let size = p.ddsize.get().clamp(1, 62);
         let span = libm::scalbn(1.0, i32::try_from(size).unwrap_or(42));
         let rate = span * khz * 1000.0 / self.hz;
         // A divisor of the clock keeps the rate large and thereby fine.
-        let prescale = saturated(FINE / rate).clamp_to(1, 255);
+        let prescale = whole(FINE / rate, 255).max(1);
         p.prescale.set(prescale);
-        self.base_rate.put(to, saturated(rate * f64::from(prescale)));
-        self.control_0.put(to, prescale << 24 | p.plimit.get().clamp_to(0, 0x00FF_FFFF));
-        self.control_1.put(to, p.time_const.get().clamp_to(0, 0xFFFF) << 16);
+        self.base_rate.put(to, whole(rate * f64::from(prescale), u32::MAX));
+        self.control_0.put(to, prescale << 24 | p.plimit.get().min(0x00FF_FFFF));
+        self.control_1.put(to, p.time_const.get().min(0xFFFF) << 16);
         let timer = |us: In<f64>| saturated_half(-us.get() * khz / 1000.0 * PARTS);
         self.timers_12.put(to, timer(p.timer_2) << 16 | timer(p.timer_1));
         self.timers_34.put(to, timer(p.timer_4) << 16 | timer(p.timer_3));
     }
-}
-
-/// Limits of whole numbers.
-trait ClampTo {
-    /// Returns the number limited to two bounds.
-    fn clamp_to(self, low: Self, high: Self) -> Self;
-}
-
-impl ClampTo for u32 {
-    fn clamp_to(self, low: Self, high: Self) -> Self {
-        self.max(low).min(high)
-    }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the conversion saturates"
-)]
-const fn saturated(x: f64) -> u32 {
-    x as u32
 }
 
 /// Returns a signed number of 16 bits.

@@ -6,6 +6,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Writes},
+    numbers::whole,
 };
 use core::sync::atomic::Ordering::Release;
 use counter::{Armed, Commands, Counter, Counters, Counting, Feedback, Probe, Tick, bits};
@@ -121,13 +122,13 @@ impl Touch for Timer {
 impl Writes for Counts {
     fn write(&mut self, to: &mut Outgoing<'_>, _: Cycle) {
         let rate = if self.hires.get() { 10e6 } else { 2e6 };
-        let ticks = divisor(self.clock, rate, 65_535.0);
+        let ticks = divisor(self.clock, rate, 65_535);
         self.divisor.put(to, ticks);
         let tick = (f64::from(ticks) + 2.0) / self.clock;
         self.tick.store(tick.to_bits(), Release); // Pairs with Acquire in `read`.
-        let rate = divisor(self.clock, f64::from(self.sample_frequency.get()), 4095.0);
+        let rate = divisor(self.clock, f64::from(self.sample_frequency.get()), 4095);
         let skew = self.skew.map_or(0.0, |ns| f64::from(ns.get()) * self.clock * 1e-9);
-        self.filter.put(to, rate | whole(skew) << 28);
+        self.filter.put(to, rate | whole(skew, 15) << 28);
         if let Some(Timer(timer, register)) = &mut self.timer {
             register.put(to, super::timer(*timer));
         }
@@ -137,25 +138,9 @@ impl Writes for Counts {
     }
 }
 
-/// Returns a number of four bits.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the conversion saturates"
-)]
-fn whole(x: f64) -> u32 {
-    (x as u32).min(15)
-}
-
 /// Returns the register of a rate: periods of the clock less two.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "it is within the limits"
-)]
-fn divisor(clock: f64, rate: f64, most: f64) -> u32 {
-    let divisor = libm::floor(clock / rate + 0.5) - 2.0;
-    if divisor >= 1.0 { if divisor < most { divisor as u32 } else { most as u32 } } else { 0 }
+fn divisor(clock: f64, rate: f64, most: u32) -> u32 {
+    whole(libm::floor(clock / rate + 0.5) - 2.0, most)
 }
 
 /// Creates the pins of all counters.

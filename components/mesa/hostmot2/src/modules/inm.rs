@@ -4,6 +4,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Reads, Writes},
+    numbers::whole,
     plan::{Place, ReadAnswer},
 };
 use hal_component::{Error, In, Out, ParamRo, ParamRw, Touch};
@@ -204,16 +205,6 @@ impl Scan {
 /// Returns the bits of a row, the first at bit 0.
 fn bits(row: impl Iterator<Item = bool>) -> u32 {
     (0..32).zip(row).fold(0, |all, (n, bit)| all | u32::from(bit) << n)
-}
-
-/// Returns a number limited to what a register holds.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the conversion saturates"
-)]
-fn whole(x: f64, most: u32) -> u32 {
-    (x as u32).min(most)
 }
 
 /// Creates the pins of all inputs.

@@ -4,6 +4,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Writes},
+    numbers::whole,
 };
 use hal_component::{Error, In, ParamRw, Touch, pins};
 use hal_firmware::{Tag, registers};
@@ -77,19 +78,10 @@ fn width(clock: f64, frequency: u32) -> Width {
         let rate =
             libm::floor(f64::from(frequency) * RATE_STEPS * f64::from(1_u32 << bits) / clock);
         if rate < RATE_STEPS {
-            return Width { bits, rate: whole(if rate < 1.0 { 1.0 } else { rate }) };
+            return Width { bits, rate: whole(rate, 65_535).max(1) };
         }
     }
     Width { bits: 9, rate: 65_535 }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "it is not negative and small"
-)]
-const fn whole(x: f64) -> u32 {
-    x as u32
 }
 
 impl Writes for Generators {
@@ -97,7 +89,7 @@ impl Writes for Generators {
         let width = width(self.clock, self.pwm_frequency.get());
         self.pwm_rate.put(to, width.rate);
         let density = libm::floor(f64::from(self.pdm_frequency.get()) * RATE_STEPS / self.clock);
-        self.pdm_rate.put(to, whole(if density < 65_535.0 { density } else { 65_535.0 }));
+        self.pdm_rate.put(to, whole(density, 65_535));
         let mut enable = 0;
         for (n, instance) in self.instances.iter_mut().enumerate() {
             enable |= if instance.pins.enable.get() { 1 << n } else { 0 };
@@ -122,12 +114,13 @@ impl Instance {
         let dithers = self.pins.dither.get() && form != 3;
         let fraction = if dithers { FRACTION } else { 1.0 };
         let most = f64::from((1_u32 << bits) - 1) * fraction;
-        let value = whole(if self.pins.offset_mode.get() {
+        let value = if self.pins.offset_mode.get() {
             let signed = if backward { -size } else { size };
-            libm::floor(f64::midpoint(signed, 1.0) * most + 0.5)
+            f64::midpoint(signed, 1.0) * most + 0.5
         } else {
-            libm::floor(size * most)
-        });
+            size * most
+        };
+        let value = whole(value, u32::MAX);
         // Sixteenths of a step stand below the steps.
         let value = if dithers { value << 12 } else { value << 16 };
         to.put(self.value, value | u32::from(backward) << 31);

@@ -4,6 +4,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Writes},
+    numbers::whole,
 };
 use hal_component::{Error, In, Touch};
 use hal_firmware::{Tag, registers};
@@ -40,22 +41,13 @@ impl Relays {
     fn write(&mut self, to: &mut Outgoing<'_>) {
         // Half a period of the chopper, in periods of the clock less two.
         let half = libm::floor(self.clock / (2.0 * f64::from(self.rate.get().max(1)))) - 2.0;
-        self.rate_register.put(to, whole(half) | ENABLED);
+        self.rate_register.put(to, whole(half, 4095) | ENABLED);
         let on = |(relay, invert): &(Relay, In<bool>)| {
             if relay.on.get() == invert.get() { 0 } else { relay.bit }
         };
         let data = self.relays.iter().map(on).fold(0, |all, bit| all | bit);
         self.data.put(to, data);
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the conversion saturates"
-)]
-fn whole(x: f64) -> u32 {
-    (x as u32).min(4095)
 }
 
 /// Function half that writes.

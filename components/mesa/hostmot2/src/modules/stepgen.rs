@@ -5,6 +5,7 @@ use crate::{
     link::{Kept, Outgoing},
     making::Making,
     module::{Cycle, Reads, Writes},
+    numbers::{low, per_unit, whole},
     plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::{
@@ -98,23 +99,8 @@ impl Counter {
         let parts = if self.reset.get() { 0 } else { parts };
         self.counted.store(parts, Release); // Pairs with Acquire in `write`.
         self.feedback.counts.set(low(parts >> 16));
-        self.feedback.position.set(parts as f64 / PARTS / scale(self.scale));
+        self.feedback.position.set(parts as f64 / PARTS / per_unit(self.scale));
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "the pin goes round")]
-const fn low(counts: i64) -> i32 {
-    counts as i32
-}
-
-/// Returns the steps per unit; corrects 0 and NaN.
-fn scale(scale: ParamRw<f64>) -> f64 {
-    let value = scale.get();
-    if value.is_finite() && value.abs() >= 1e-20 {
-        return value;
-    }
-    scale.set(1.0);
-    1.0
 }
 
 /// Timing of the pulses: a parameter in nanoseconds and its register.
@@ -135,22 +121,13 @@ impl Timing {
         let ticks = libm::ceil(f64::from(self.ns.get()) * clock * 1e-9 - 1e-6);
         let ticks = if ticks > MOST_TICKS { MOST_TICKS } else { ticks };
         let ns = libm::floor(ticks * 1e9 / clock + 0.5);
-        let rounded = whole(ns);
+        let rounded = whole(ns, u32::MAX);
         if self.ns.get() != rounded {
             self.ns.set(rounded);
         }
-        self.register.put(to, whole(ticks));
+        self.register.put(to, whole(ticks, u32::MAX));
         ns
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "it is not negative and small"
-)]
-const fn whole(x: f64) -> u32 {
-    x as u32
 }
 
 /// Half of a generator that writes.
@@ -183,7 +160,7 @@ struct Generator {
 impl Generator {
     /// Returns the value of the rate register.
     fn rate(&mut self, to: &mut Outgoing<'_>, clock: f64, period: f64) -> i32 {
-        let scale = scale(self.commands.scale);
+        let scale = per_unit(self.commands.scale);
         let [length, space, _, _] = self.timings.each_mut().map(|timing| timing.write(to, clock));
         self.put_form(to);
         let most = 1e9 / (length + space).max(1e9 / clock * 2.0) / scale.abs();
@@ -346,7 +323,7 @@ fn generator(
         let about = format!(
             "{about}, in nanoseconds: rounded up to periods of the card's clock, at most 16383 of them"
         );
-        let most = whole(libm::floor(MOST_TICKS * 1e9 / clock + 0.5));
+        let most = whole(MOST_TICKS * 1e9 / clock + 0.5, u32::MAX);
         Ok(Timing { ns: m.b.item(&format!("{name}.{pin}"), &about, most)?, register })
     };
     let timings = [

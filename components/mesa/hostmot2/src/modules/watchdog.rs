@@ -4,6 +4,7 @@ use crate::{
     link::{Kept, Outgoing, Renewals},
     making::Making,
     module::{Cycle, Reads, Writes},
+    numbers::whole,
     plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::{
@@ -17,7 +18,7 @@ use hal_firmware::{Tag, registers};
 pub(crate) const RESET: u32 = 0x5A00_0000;
 
 /// Longest time that the register holds: bit 31 switches the watchdog off.
-const MOST: f64 = 2_147_483_647.0;
+const MOST: u32 = 0x7FFF_FFFF;
 
 /// State that the writing half leaves for the reading one.
 #[derive(Debug, Default)]
@@ -98,22 +99,13 @@ impl Writes for Keep {
             self.renewals.renew();
         }
         let ticks = libm::floor(f64::from(self.timeout.get()) * 1e-9 * self.clock) - 1.0;
-        self.period.put(to, whole(if ticks < 1.0 { 1.0 } else { ticks }));
+        self.period.put(to, whole(ticks, MOST).max(1));
         if self.status.put(to, 0) {
             self.keeper.released.store(true, Release); // Pairs with `read`.
         }
         to.put(self.reset, RESET);
         self.keeper.runs.store(true, Release); // Pairs with `read`.
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "it is within the limits"
-)]
-fn whole(x: f64) -> u32 {
-    if x < MOST { x as u32 } else { MOST as u32 }
 }
 
 /// Creates the pins of the watchdog.

@@ -2,6 +2,7 @@
 
 use crate::{
     module::{Cycle, Reads},
+    numbers::{low, per_unit},
     plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::{AtomicBool, Ordering::Acquire};
@@ -176,7 +177,7 @@ impl Counter {
         if self.commands.reset.get() {
             s.zero = s.raw;
         }
-        let scale = scale(self.commands.scale);
+        let scale = per_unit(self.commands.scale);
         s.follow(moved, at, stamp, self.commands.vel_timeout.get());
         let out = &self.feedback;
         out.rawcounts.set(low(s.raw));
@@ -220,21 +221,6 @@ impl Counting {
             self.velocity = libm::copysign(1.0 / since, self.velocity);
         }
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "the pin goes round")]
-const fn low(counts: i64) -> i32 {
-    counts as i32
-}
-
-/// Returns the counts per unit; corrects 0 and NaN.
-fn scale(scale: ParamRw<f64>) -> f64 {
-    let value = scale.get();
-    if value.is_finite() && value.abs() >= 1e-20 {
-        return value;
-    }
-    scale.set(1.0);
-    1.0
 }
 
 /// Function half that reads.

@@ -1,5 +1,6 @@
 //! Realtime. Process data of a remote as pins.
 
+use crate::numbers::within;
 use hal_component::{In, Io, Out, ParamRw, Touch, Uses};
 
 /// Process data of one direction, the first bit lowest.
@@ -210,7 +211,7 @@ const fn mask(bits: u32) -> u32 {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the low half")]
-const fn low(word: Word) -> u32 {
+pub(super) const fn low(word: Word) -> u32 {
     word as u32
 }
 
@@ -218,19 +219,6 @@ const fn low(word: Word) -> u32 {
 const fn extended(raw: u32, bits: u32) -> i32 {
     let unused = 32_u32.saturating_sub(bits);
     if unused >= 32 { 0 } else { (raw << unused).cast_signed() >> unused }
-}
-
-/// Returns a value limited to two bounds; 0 for NaN.
-fn within(x: f64, low: f64, high: f64) -> f64 {
-    if x < low {
-        low
-    } else if x > high {
-        high
-    } else if x.is_nan() {
-        0.0
-    } else {
-        x
-    }
 }
 
 /// Returns the number of so many bits for a part of the whole range; 0 for NaN.

@@ -7,7 +7,7 @@
 //! | runs, failed | `run` is FALSE | off |
 
 use super::{
-    data::Word,
+    data::{Word, low},
     parts::{Exchanged, PortPins, Remote, Seen},
     settings::RemoteSetting,
     talk::{Addresses, CHANNELS, EXCHANGE, START, START_SETUP, STOP_ALL},
@@ -355,9 +355,4 @@ fn put(to: &mut Outgoing<'_>, at: &[u16; CHANNELS], channel: usize, value: u32) 
     if let Some(address) = at.get(channel) {
         to.put(*address, value);
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "the low half")]
-const fn low(word: Word) -> u32 {
-    word as u32
 }
