@@ -47,16 +47,10 @@ pub(super) fn test(
     asked: &Search,
     ask: &mut AskUser<'_>,
 ) -> Result<String, String> {
-    let (number, joint) = find(answers, &asked.axis)?;
-    let name = joint.axis.as_deref().unwrap_or(&asked.axis);
-    let timing = timing(answers).map_err(|(joint, possible)| {
-        format!("joint {joint}: too fast for this computer's jitter; a velocity of {possible:.3} is possible")
-    })?;
-    let settings = settings(joint, &timing, asked);
     let simulated = asked.stall.is_some() || asked.is_virtual;
-    if !simulated && joint.step.is_none() {
-        return Err(format!("axis {}: the answers have no step and direction for it", name));
-    }
+    let Tested { number, joint, name, timing } =
+        tested(answers, &asked.axis, simulated).map_err(|why| why.to_string())?;
+    let settings = settings(joint, &timing, asked);
     let clock = if simulated { ClockKind::Virtual } else { ClockKind::Real };
     let mut engine = Alone::new(clock, None)?;
     engine.script("axis test", &wiring::axis(answers, &timing, joint, asked.stall.is_some()))?;
@@ -92,22 +86,70 @@ pub(super) fn test(
     Ok(told(name, unit, number, &borne))
 }
 
-/// Finds the joint of an axis, by its letter or number.
-fn find<'a>(answers: &'a Answers, axis: &str) -> Result<(usize, &'a Joint), String> {
-    if answers.kind == Motors::Servos {
-        return Err("servos have encoders: they lose no steps that a search could find".to_owned());
+/// Joint that is tested, with its number, its axis, and the timing of the steps.
+struct Tested<'a> {
+    number: usize,
+    joint: &'a Joint,
+    name: &'a str,
+    timing: Timing,
+}
+
+/// Reason why an axis cannot be tested.
+enum Untestable<'a> {
+    /// The motors are servos.
+    Servos,
+    /// No joint has this letter or number.
+    Unknown { axis: &'a str, answers: &'a Answers },
+    /// Steps of a joint come faster than the computer can make them.
+    TooFast { joint: usize, possible: f64 },
+    /// The answers have no lines for the steps of this axis.
+    NoStep { axis: &'a str },
+}
+
+impl core::fmt::Display for Untestable<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Servos => {
+                f.write_str("servos have encoders: they lose no steps that a search could find")
+            }
+            Self::Unknown { axis, answers } => {
+                let joints = answers.joint.iter().enumerate();
+                let names = joints.map(|(n, j)| j.axis.clone().unwrap_or(n.to_string()));
+                let names = names.collect::<Vec<_>>().join(", ");
+                write!(f, "--test '{axis}': the answers have {names}")
+            }
+            Self::TooFast { joint, possible } => write!(
+                f,
+                "joint {joint}: too fast for this computer's jitter; a velocity of {possible:.3} is possible"
+            ),
+            Self::NoStep { axis } => {
+                write!(f, "axis {axis}: the answers have no step and direction for it")
+            }
+        }
     }
-    let joints: Vec<&Joint> = answers.joint.iter().collect();
-    let is_axis =
-        |j: &&Joint| j.axis.as_deref().is_some_and(|name| name.eq_ignore_ascii_case(axis));
-    let by_letter = joints.iter().position(is_axis);
-    let number = by_letter.or_else(|| axis.parse().ok());
-    let found = number.and_then(|n| Some((n, *joints.get(n)?)));
-    found.ok_or_else(|| {
-        let names = joints.iter().enumerate().map(|(n, j)| j.axis.clone().unwrap_or(n.to_string()));
-        let names = names.collect::<Vec<_>>().join(", ");
-        format!("--test '{axis}': the answers have {names}")
-    })
+}
+
+/// Finds what is tested: the joint of an axis, by its letter or number. A simulated one needs no lines.
+fn tested<'a>(
+    answers: &'a Answers,
+    axis: &'a str,
+    simulated: bool,
+) -> Result<Tested<'a>, Untestable<'a>> {
+    if answers.kind == Motors::Servos {
+        return Err(Untestable::Servos);
+    }
+    let is_axis = |j: &Joint| j.axis.as_deref().is_some_and(|name| name.eq_ignore_ascii_case(axis));
+    let by_letter = answers.joint.iter().position(is_axis);
+    let found = by_letter.or_else(|| axis.parse().ok());
+    let found = found.and_then(|n| Some((n, answers.joint.get(n)?)));
+    let (number, joint) = found.ok_or(Untestable::Unknown { axis, answers })?;
+    let name = joint.axis.as_deref().unwrap_or(axis);
+    let timing =
+        timing(answers).map_err(|(joint, possible)| Untestable::TooFast { joint, possible })?;
+    if !simulated && joint.step.is_none() {
+        return Err(Untestable::NoStep { axis: name });
+    }
+    Ok(Tested { number, joint, name, timing })
 }
 
 /// Returns the settings of a search; what is not given follows from the answers.

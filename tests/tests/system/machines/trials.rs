@@ -7,7 +7,7 @@ use hal_tests::{
     scratch::{Output, Scratch},
 };
 use serde_json::Value;
-use std::fs::File;
+use std::fs::{self, File};
 
 fn run(scratch: &Scratch, line: &str) -> Output {
     let words: Vec<&str> = line.split(' ').collect();
@@ -109,5 +109,16 @@ fn a_search_that_cannot_be_is_refused() {
         let output = search(options);
         assert_eq!((output.stdout.as_str(), output.status), ("", Some(1)), "{options}");
         assert!(output.stderr.contains(why), "{options}: {}", output.stderr);
+    }
+    let scratch = Scratch::copy_of(&root().join("tests/setup"));
+    let printer = fs::read_to_string(root().join("configs/printer/printer.setup")).unwrap();
+    scratch.write("slow.setup", &printer.replace("latency = 11732", "latency = 200000"));
+    for (answers, why) in [
+        ("servo.toml", "servos have encoders: they lose no steps that a search could find"),
+        ("slow.setup", "too fast for this computer's jitter; a velocity of "),
+    ] {
+        let output = run(&scratch, &format!("halsetup {answers} --test X --simulate 100,100"));
+        assert_eq!((output.stdout.as_str(), output.status), ("", Some(1)), "{answers}");
+        assert!(output.stderr.contains(why), "{answers}: {}", output.stderr);
     }
 }
