@@ -132,8 +132,9 @@ pub struct CallHost {
     /// Since minor 12: realtime. Tells that a part of the component's hardware has failed (1) or works again (0). Each
     /// part that has failed is reported once, and once more when it works again.
     pub hardware: Option<unsafe extern "C" fn(*const c_void, failed: u32)>,
-    /// Since minor 12: realtime. Returns the number of parts of hardware, of all components, that have failed now.
-    pub failed_hardware: Option<unsafe extern "C" fn(*const c_void) -> u32>,
+    /// Since minor 12: realtime. Returns the number of parts of hardware, of all components, that have failed now, in the low
+    /// half, and the number of failures so far, which goes round, in the high half.
+    pub failed_hardware: Option<unsafe extern "C" fn(*const c_void) -> u64>,
 }
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for CallHost {

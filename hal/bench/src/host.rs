@@ -264,17 +264,12 @@ pub(super) unsafe extern "C" fn gaps(ctx: *const c_void) -> u32 {
 /// # Safety
 /// Called by a component through the records that [`Bench`] made.
 pub(super) unsafe extern "C" fn hardware(ctx: *const c_void, failed: u32) {
-    let failing = &table(ctx).borrow().failed_hardware;
-    if failed == 0 {
-        failing.fetch_sub(1, Relaxed);
-    } else {
-        failing.fetch_add(1, Relaxed);
-    }
+    table(ctx).borrow().note_hardware(failed != 0);
 }
 
 /// # Safety
 /// Called by a component through the records that [`Bench`] made.
-pub(super) unsafe extern "C" fn failed_hardware(ctx: *const c_void) -> u32 {
+pub(super) unsafe extern "C" fn failed_hardware(ctx: *const c_void) -> u64 {
     table(ctx).borrow().failed_hardware.load(Relaxed)
 }
 

@@ -8,7 +8,7 @@ use hal_component::abi::{
 use std::{
     cell::{Cell, RefCell},
     collections::BTreeMap,
-    sync::atomic::{AtomicI64, AtomicU8, AtomicU32},
+    sync::atomic::{AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed},
 };
 
 /// A pin or parameter on the bench.
@@ -55,7 +55,7 @@ pub(super) struct Table {
     pub(super) failed: String,
     pub(super) now: AtomicI64,
     pub(super) gaps: AtomicU32,
-    pub(super) failed_hardware: AtomicU32,
+    pub(super) failed_hardware: AtomicU64,
     pub(super) tick: i64,
     pub(super) said: RefCell<Vec<String>>,
     pub(super) fault: RefCell<String>,
@@ -70,6 +70,17 @@ pub(super) struct Table {
 
 /// Arguments as given, checked against their declaration, and the lists that argument values point
 /// to.
+/// One failure of hardware in the count of failures so far, which is the high half.
+pub(super) const FAILURE: u64 = 1 << 32;
+
+impl Table {
+    /// Counts a part of hardware that has failed, or that works again.
+    pub(super) fn note_hardware(&self, failed: bool) {
+        let change = if failed { FAILURE | 1 } else { u64::MAX };
+        self.failed_hardware.fetch_add(change, Relaxed);
+    }
+}
+
 #[derive(Default)]
 pub(super) struct Args {
     pub(super) specs: Vec<ArgSpec>,

@@ -1,6 +1,6 @@
 //! The clock of the bench.
 
-use crate::Bench;
+use crate::{Bench, table::FAILURE};
 use std::sync::atomic::Ordering::Relaxed;
 
 impl Bench {
@@ -17,15 +17,13 @@ impl Bench {
 
     /// Lets a part of the hardware fail, or work again.
     pub fn fail_hardware(&self, failed: bool) {
-        let failing = &self.table.borrow().failed_hardware;
-        let change = if failed { 1 } else { u32::MAX };
-        failing.fetch_add(change, Relaxed);
+        self.table.borrow().note_hardware(failed);
     }
 
     /// Returns the number of parts of the hardware that have failed.
     #[must_use]
-    pub fn failed_hardware(&self) -> u32 {
-        self.table.borrow().failed_hardware.load(Relaxed)
+    pub fn failed_hardware(&self) -> u64 {
+        self.table.borrow().failed_hardware.load(Relaxed) % FAILURE
     }
 
     /// Counts a gap in time.

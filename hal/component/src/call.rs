@@ -95,12 +95,23 @@ impl Hardware {
         failed
     }
 
-    /// Returns whether any part of any driver's hardware has failed.
+    /// Returns the failures of all drivers' hardware.
     #[must_use]
-    pub fn has_failed_anywhere(&self) -> bool {
+    pub fn failures(&self) -> Failures {
         // SAFETY: this is the engine's function with the engine's context.
-        self.host.failed_hardware.is_some_and(|failed| unsafe { failed(self.host.ctx) } > 0)
+        let both = self.host.failed_hardware.map_or(0, |failed| unsafe { failed(self.host.ctx) });
+        let [a, b, c, d, e, f, g, h] = both.to_le_bytes();
+        Failures { now: u32::from_le_bytes([a, b, c, d]), ever: u32::from_le_bytes([e, f, g, h]) }
     }
+}
+
+/// Failures of all drivers' hardware.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Failures {
+    /// Number of parts that have failed now.
+    pub now: u32,
+    /// Number of failures so far, which goes round. It tells of a failure that has begun and ended between two looks.
+    pub ever: u32,
 }
 
 impl Touch for Hardware {

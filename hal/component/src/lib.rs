@@ -68,7 +68,7 @@ mod worker;
 
 pub use args::Arg;
 pub use builder::Builder;
-pub use call::{Call, Clock, HalValues, Hardware, Messages, TicketHandle};
+pub use call::{Call, Clock, Failures, HalValues, Hardware, Messages, TicketHandle};
 pub use channels::Channels;
 pub use decl::{Decl, Error};
 pub use exchange::{RingReader, RingWriter, SeqReader, SeqWriter};

@@ -170,6 +170,18 @@ impl Ini {
         }
     }
 
+    /// Returns the letter of each joint's axis, in the order of the joints: those that `trivkins coordinates=` of
+    /// `[KINS]KINEMATICS` states, else those of `[TRAJ]COORDINATES`. Returns `None` if neither is there.
+    #[must_use]
+    pub fn joint_letters(&self) -> Option<String> {
+        let mut words = self.get("KINS", "KINEMATICS").unwrap_or_default().split_whitespace();
+        let stated = (words.next() == Some("trivkins"))
+            .then(|| words.find_map(|word| word.strip_prefix("coordinates=")))
+            .flatten();
+        let letters = stated.or_else(|| self.get("TRAJ", "COORDINATES"))?;
+        Some(letters.replace(char::is_whitespace, "").to_ascii_uppercase())
+    }
+
     /// Returns whether the file has LinuxCNC's old format, with `[AXIS_0]` and without `[JOINT_0]`.
     /// Pins then have their old names.
     #[must_use]

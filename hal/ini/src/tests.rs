@@ -242,3 +242,17 @@ fn the_unit_of_length_is_the_inch_or_the_millimetre() {
         assert_eq!(found.ok(), unit, "{entry}");
     }
 }
+
+#[test]
+fn joints_have_the_letters_of_the_kinematics_or_of_the_trajectory() {
+    for (text, letters) in [
+        ("", None),
+        ("[TRAJ]\nCOORDINATES = x y z\n", Some("XYZ")),
+        ("[TRAJ]\nCOORDINATES = XY\n[KINS]\nKINEMATICS = trivkins coordinates=yx\n", Some("YX")),
+        ("[TRAJ]\nCOORDINATES = XY\n[KINS]\nKINEMATICS = corexykins coordinates=yx\n", Some("XY")),
+        ("[KINS]\nKINEMATICS = trivkins kinstype=b coordinates=XYYZ\n", Some("XYYZ")),
+    ] {
+        let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
+        assert_eq!(ini.joint_letters().as_deref(), letters, "{text}");
+    }
+}

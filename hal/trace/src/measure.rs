@@ -56,15 +56,7 @@ struct Stretch {
 /// Returns a value as a number. Returns `None` for a port and for a float that is not finite.
 #[must_use]
 pub fn number(value: Value) -> Option<f64> {
-    match value {
-        Value::Bit(b) => Some(f64::from(u8::from(b))),
-        Value::Float(f) => Some(f).filter(|f| f.is_finite()),
-        Value::S32(i) => Some(f64::from(i)),
-        Value::U32(i) => Some(f64::from(i)),
-        Value::S64(i) => Some(i as f64),
-        Value::U64(i) => Some(i as f64),
-        Value::Port(_) => None,
-    }
+    (!matches!(value, Value::Port(_))).then(|| value.number()).filter(|number| number.is_finite())
 }
 
 /// Measures a channel between two times. A change exactly at `from` counts as the initial value. No

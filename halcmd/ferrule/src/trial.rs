@@ -156,7 +156,7 @@ fn attempt(given: &Try, ini: &Ini, folder: &Path) -> Result<Output, Failure> {
 
 /// Returns a program with one short move of the first axis, from its home to the middle of its travel.
 fn line(ini: &Ini) -> String {
-    let letters = ini.get("TRAJ", "COORDINATES").unwrap_or("X").to_ascii_uppercase();
+    let letters = ini.joint_letters().unwrap_or_default();
     let letter = letters.chars().find(char::is_ascii_uppercase).unwrap_or('X');
     let number = |section: &str, name: &str| -> Option<f64> {
         ini.get(section, name)?.split_whitespace().next()?.parse().ok()

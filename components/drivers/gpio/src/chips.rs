@@ -6,6 +6,7 @@ use crate::{
     refused::Refused,
     request::{FoundLine, LineRequest, plan},
 };
+use libc::{EACCES, EBUSY, ENODEV, ENOENT, ENOTTY, ENXIO, EPERM};
 use port::{Lines, Lost};
 use std::collections::BTreeMap;
 
@@ -45,14 +46,6 @@ pub(crate) struct LineFacts {
     pub(crate) consumer: Label,
     pub(crate) is_held: bool,
 }
-
-const EPERM: i32 = 1;
-const ENOENT: i32 = 2;
-const ENXIO: i32 = 6;
-const EACCES: i32 = 13;
-const EBUSY: i32 = 16;
-const ENODEV: i32 = 19;
-const ENOTTY: i32 = 25;
 
 /// Largest number of lines of a chip that is looked at. The kernel's numbers stay far below.
 const MOST_LOOKED_AT: u32 = 4096;

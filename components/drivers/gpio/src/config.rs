@@ -107,7 +107,7 @@ impl fmt::Display for BadLines {
             ),
             Self::TooLong(arg, name) => write!(
                 f,
-                "{arg}= has the name '{name}…': expected names of at most {} characters, as the kernel's",
+                "{arg}= has the name '{name}…': expected names of at most {} bytes, as the kernel's",
                 Label::MOST
             ),
             Self::Twice(name) => write!(

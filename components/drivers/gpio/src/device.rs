@@ -35,9 +35,18 @@ pub(crate) struct LineGroup {
     pub(crate) initial: u64,
     /// Levels last written.
     pub(crate) written: AtomicU64,
-    /// Messages about a chip that is gone, with its inputs and with its outputs.
-    pub(crate) inputs_gone: &'static str,
-    pub(crate) outputs_gone: &'static str,
+    /// Messages about a chip that does not answer, with its inputs and with its outputs.
+    pub(crate) inputs_failed: ChipMessages,
+    pub(crate) outputs_failed: ChipMessages,
+}
+
+/// Messages about a chip that does not answer; each names its lines.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChipMessages {
+    /// Message about a chip that is gone.
+    pub(crate) gone: &'static str,
+    /// Message about another error, whose number stands in place of `{}`.
+    pub(crate) other: &'static str,
 }
 
 /// Time of the last write, and functions that a chip did not answer; shared by all functions.
@@ -138,17 +147,17 @@ impl Device {
             inputs: request.mask(|s| !s.is_output && !s.has_edges),
             outputs: request.mask(|s| s.is_output),
             written: AtomicU64::new(0),
-            inputs_gone: self.gone(&request, chip, false),
-            outputs_gone: self.gone(&request, chip, true),
+            inputs_failed: self.messages(&request, chip, false),
+            outputs_failed: self.messages(&request, chip, true),
             encoder: (number < self.config.encoders.len()).then_some(number),
             places: request.lines,
             lines,
         }
     }
 
-    /// Returns the message about a chip that is gone, with its inputs or outputs. It lives as long as the process, since
-    /// messages do.
-    fn gone(&self, request: &LineRequest, chip: &str, outputs: bool) -> &'static str {
+    /// Returns the messages about a chip that does not answer, with its inputs or outputs. They live as long as the process,
+    /// since messages do.
+    fn messages(&self, request: &LineRequest, chip: &str, outputs: bool) -> ChipMessages {
         /// Number of lines that a message names.
         const NAMED: usize = 16;
         let lines = request.lines.iter().filter_map(|index| self.config.lines.get(*index));
@@ -160,16 +169,28 @@ impl Device {
         if names.len() > NAMED {
             list.push_str(&format!(" and {} more", names.len() - NAMED));
         }
-        let text = if outputs {
-            format!("{chip} is gone: nothing drives its outputs {list}")
-        } else if request.mask(|setting| setting.has_edges) != 0 {
-            format!("{chip} is gone: nothing counts the edges of {list}")
-        } else {
-            format!("{chip} is gone: its inputs {list} keep their values")
-        };
         // Braces mark pins and numbers in messages.
-        let text = format!("{text}; load the machine again when it is back");
-        Box::leak(text.replace('{', "(").replace('}', ")").into_boxed_str())
+        let list = list.replace('{', "(").replace('}', ")");
+        let (gone, other) = if outputs {
+            (
+                format!("nothing drives its outputs {list}"),
+                format!("when writing its outputs {list}: it is tried again"),
+            )
+        } else if request.mask(|setting| setting.has_edges) != 0 {
+            (
+                format!("nothing counts the edges of {list}"),
+                format!("when reading the edges of {list}: counts keep their values"),
+            )
+        } else {
+            (
+                format!("its inputs {list} keep their values"),
+                format!("when reading its inputs {list}: they keep their values"),
+            )
+        };
+        let gone = format!("{chip} is gone: {gone}; load the machine again when it is back");
+        let other = format!("{chip}: error {{}} {other}");
+        let keep = |text: String| &*Box::leak(text.into_boxed_str());
+        ChipMessages { gone: keep(gone), other: keep(other) }
     }
 
     /// Makes all outputs inactive. Every group is tried.

@@ -1,7 +1,7 @@
 //! Realtime. Functions: read, write and reset.
 
 use crate::{
-    device::{Device, LineGroup, Written},
+    device::{ChipMessages, Device, LineGroup, Written},
     encoder::Encoder,
 };
 use hal_component::{Clock, Gives, In, Out, ParamRw, Period, Takes, Touch, Update};
@@ -45,7 +45,7 @@ impl Update for GpioRead {
             if group.inputs != 0 {
                 let done = take(group, &self.inputs);
                 is_fault |= done.is_err();
-                note(report, done, group.inputs_gone, READING_FAILED);
+                note(report, done, group.inputs_failed);
             }
         }
         self.fault.set(self.written.note(READING, is_fault));
@@ -85,7 +85,7 @@ impl Update for GpioCapture {
             let done = count(group, encoder, &mut self.edges.0);
             encoder.tell(period);
             is_fault |= done.is_err();
-            note(report, done, group.inputs_gone, COUNTING_FAILED);
+            note(report, done, group.inputs_failed);
         }
         self.fault.set(self.written.note(COUNTING, is_fault));
     }
@@ -153,7 +153,7 @@ impl Update for GpioWrite {
             let on = (0..64).zip(&group.places).filter(|(_, place)| is_on(place));
             let done = group.put(on.map(|(bit, _)| 1 << bit).sum());
             is_fault |= done.is_err();
-            note(report, done, group.outputs_gone, WRITING_FAILED);
+            note(report, done, group.outputs_failed);
         }
         self.written.at_ns.store(self.clock.now_ns(), Release); // Pairs with `GpioReset`.
         self.fault.set(self.written.note(WRITING, is_fault));
@@ -188,13 +188,15 @@ impl Update for GpioReset {
             let resets: u64 = marked.map(|(bit, _)| 1 << bit).sum();
             let last = group.last();
             if last & resets == 0 {
+                // Nothing is left of a failure to write: the next write tells again.
+                note(report, Ok(()), group.outputs_failed);
                 continue;
             }
             let since = self.written.at_ns.load(Acquire); // Pairs with `GpioWrite`.
             pause(self.clock, since, wait);
             let done = group.put(last & !resets);
             is_fault |= done.is_err();
-            note(report, done, group.outputs_gone, WRITING_FAILED);
+            note(report, done, group.outputs_failed);
         }
         self.fault.set(self.written.note(RESETTING, is_fault));
     }
@@ -206,15 +208,7 @@ const WRITING: u32 = 2;
 const RESETTING: u32 = 4;
 const COUNTING: u32 = 8;
 
-/// Error number of a chip that is gone (ENODEV).
-const GONE: i32 = 19;
-
-const READING_FAILED: &str = "error {} when reading GPIO lines: inputs keep their values";
-const COUNTING_FAILED: &str =
-    "error {} when reading the edges of GPIO lines: counts keep their values";
-const WRITING_FAILED: &str = "error {} when writing GPIO lines: it is tried again";
-
 /// Records the result of an access; a chip that is gone has a message of its own.
-fn note(report: &mut Report, done: Result<(), Lost>, gone: &'static str, other: &'static str) {
-    report.note(done, if done == Err(Lost(GONE)) { gone } else { other });
+fn note(report: &mut Report, done: Result<(), Lost>, messages: ChipMessages) {
+    report.note(done, if done == Err(Lost::GONE) { messages.gone } else { messages.other });
 }

@@ -55,7 +55,8 @@ waits at most a quarter of the period, and not at all in virtual time. The param
 
 The lines need a user in group `gpio`, and Linux 5.10 or later. A line that another program holds is
 refused with its name. `hal_gpio.fault` is TRUE while a chip does not answer, for instance because it
-was unplugged: inputs keep their values then, so wire it to the e-stop.
+was unplugged: inputs keep their values then, and the motion controller is off. Wire the pin to the
+e-stop for what moves without that controller.
 
 All outputs are FALSE from the moment of the load, and go to FALSE when the machine stops, and before
 the lines are released, also by a signal or a crash. A `kill -9` leaves no time for that: the kernel

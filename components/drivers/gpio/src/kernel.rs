@@ -7,7 +7,7 @@ use crate::{
     chips::{ChipFacts, Chips, LineFacts, OpenChip},
     config::{Bias, Drive, Setting},
     label::Label,
-    request::{self, LineRequest, MOST_ATTRIBUTES, MOST_LINES, QUEUE},
+    request::{self, LineRequest, MOST_ATTRIBUTES, MOST_TOGETHER, QUEUE},
 };
 use core::marker::PhantomData;
 use port::{LineEdge, Lines, Lost};
@@ -82,7 +82,7 @@ impl OpenChip for Chip {
         if has_edges {
             set_nonblocking(&lines)?;
         }
-        let mut offsets = [0; MOST_LINES];
+        let mut offsets = [0; MOST_TOGETHER];
         for (to, from) in offsets.iter_mut().zip(&request.offsets) {
             *to = *from;
         }
@@ -94,7 +94,7 @@ impl OpenChip for Chip {
 #[derive(Debug)]
 struct KernelLines {
     lines: File,
-    offsets: [u32; MOST_LINES],
+    offsets: [u32; MOST_TOGETHER],
     count: usize,
     has_edges: bool,
 }
@@ -128,7 +128,7 @@ impl Lines for KernelLines {
         for (edge, event) in room.iter_mut().zip(events.iter().take(count)) {
             let mut lines = self.offsets.iter().take(self.count);
             // An edge of no requested line, which the kernel does not send, has no bit.
-            let bit = lines.position(|offset| *offset == event.offset).unwrap_or(MOST_LINES);
+            let bit = lines.position(|offset| *offset == event.offset).unwrap_or(MOST_TOGETHER);
             *edge = LineEdge {
                 at_ns: event.at_ns,
                 number: event.number,
@@ -283,7 +283,7 @@ struct LineConfig {
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct KernelRequest {
-    offsets: [u32; MOST_LINES],
+    offsets: [u32; MOST_TOGETHER],
     consumer: [u8; 32],
     config: LineConfig,
     lines: u32,
@@ -294,7 +294,7 @@ struct KernelRequest {
 
 impl KernelRequest {
     const EMPTY: Self = Self {
-        offsets: [0; MOST_LINES],
+        offsets: [0; MOST_TOGETHER],
         consumer: [0; 32],
         config: LineConfig {
             flags: 0,

@@ -1,7 +1,7 @@
 //! GPIO lines of Linux, by version 2 of the interface of its character devices.
 //!
 //! The arguments become a `config`, whose lines are found on the `chips` and requested as few times as possible
-//! (`request`). The functions access a `device`, whose lines are real, simulated or replayed behind the trait
+//! (`request`). The functions access a `device`, whose lines are real or simulated behind the trait
 //! [`port::Lines`]. The kernel is accessed in `kernel`, the only module with unsafe code: it needs five device requests
 //! and one read, with which a cycle neither allocates nor waits.
 #![deny(unsafe_code)]

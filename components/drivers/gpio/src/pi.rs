@@ -65,8 +65,8 @@ Where LinuxCNC writes the registers of the board, this uses the kernel's GPIO in
 model from the B+ to the 5 works, and a line that a driver holds (I2C, SPI, the serial port) is refused
 with its name. `hal_gpio` does more on the same lines: bias, debounce, encoders, a reset function.
 
-The lines need a user in group `gpio`. `hal_pi_gpio.fault` is TRUE while the chip does not answer. All
-outputs are FALSE from the moment of the load, and go to FALSE when the machine stops, and before the
+The lines need a user in group `gpio`. `hal_pi_gpio.fault` is TRUE while the chip does not answer: the
+motion controller is off then. All outputs are FALSE from the moment of the load, and go to FALSE when the machine stops, and before the
 lines are released. Simulated lines are the pins `hal_pi_gpio.sim.pin-NN`.
 
 # Pins

@@ -3,7 +3,7 @@
 use crate::config::{EncoderLines, Setting};
 
 /// Largest number of lines of a request.
-pub(crate) const MOST_LINES: usize = 64;
+pub(crate) const MOST_TOGETHER: usize = 64;
 /// Largest number of attributes of a request.
 pub(crate) const MOST_ATTRIBUTES: usize = 10;
 /// Number of edges that the kernel keeps for a request; it keeps no more.
@@ -41,19 +41,14 @@ impl LineRequest {
     fn has_room_for(&self, line: FoundLine) -> bool {
         let mut settings = self.settings.clone();
         settings.push(line.setting);
-        settings.len() <= MOST_LINES && attributes(&settings) <= MOST_ATTRIBUTES
+        settings.len() <= MOST_TOGETHER && attributes(&settings) <= MOST_ATTRIBUTES
     }
 
     /// Returns the bits of the lines for which `holds` is true.
     pub(crate) fn mask(&self, holds: impl Fn(&Setting) -> bool) -> u64 {
-        mask(&self.settings, holds)
+        let bit = |(at, setting): (u32, &Setting)| if holds(setting) { 1 << at } else { 0 };
+        (0..64).zip(&self.settings).map(bit).sum()
     }
-}
-
-/// Returns the bits of the settings for which `holds` is true.
-pub(crate) fn mask(settings: &[Setting], holds: impl Fn(&Setting) -> bool) -> u64 {
-    let bit = |(at, setting): (u32, &Setting)| if holds(setting) { 1 << at } else { 0 };
-    (0..64).zip(settings).map(bit).sum()
 }
 
 /// Returns the settings without the debounce time, each once and in order; the first is that of the request.

@@ -1,4 +1,4 @@
-//! Tests of the driver on simulated lines, on fake chips, and on replayed edges.
+//! Tests of the driver on simulated lines, on fake chips, and on edges from memory.
 //!
 //! `fake` has chips that refuse as a kernel does; `opening` has a row for each refusal, `arguments` one for each bad
 //! argument, `simulated` tables of pins, and `edges` encoders.

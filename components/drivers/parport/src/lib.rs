@@ -56,8 +56,9 @@ register is written only when it changes. `parport.N.reset`, after them in the s
 outputs with `-out-reset` to rest `reset-time` after the write: a step pulse in every period.
 
 A real port needs the kernel's drivers `parport_pc` and `ppdev` and a user in group `lp`; mode `x`
-needs root or CAP_SYS_RAWIO, and each message says the command. Simulated ports show their registers as `parport.N.sim.*`: raw bits as the chip has
-them, of which bit 7 of `status` and bits 0, 1 and 3 of `control` are the opposite of the line's
+needs root or CAP_SYS_RAWIO. The message of a refused load has the command that gives the right. While
+a port does not answer, the motion controller is off. Simulated ports show their registers as
+`parport.N.sim.*`: raw bits as the chip has them, of which bit 7 of `status` and bits 0, 1 and 3 of `control` are the opposite of the line's
 level.
 
 When the machine stops, every output goes to the level of FALSE.

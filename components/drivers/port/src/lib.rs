@@ -64,6 +64,8 @@ pub struct Lost(pub i32);
 impl Lost {
     /// Error for a register space that does not exist (ENXIO).
     pub const NONE: Self = Self(6);
+    /// Error of a device that is gone (ENODEV).
+    pub const GONE: Self = Self(19);
 }
 
 impl core::fmt::Display for Lost {

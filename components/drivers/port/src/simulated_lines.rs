@@ -7,8 +7,6 @@ use core::sync::atomic::{
 };
 use hal_component::{Builder, Clock, Decl, Error, In, Out, Touch, Uses};
 
-/// Error number of a device that has vanished (ENODEV).
-const GONE: i32 = 19;
 /// Largest number of lines that are requested together.
 const MOST: usize = 64;
 
@@ -127,7 +125,7 @@ impl SimulatedLines {
     }
 
     fn answer(&self) -> Result<(), Lost> {
-        if self.chip.vanished.get() { Err(Lost(GONE)) } else { Ok(()) }
+        if self.chip.vanished.get() { Err(Lost::GONE) } else { Ok(()) }
     }
 
     /// Returns the levels of the inputs that have lasted for their debounce times.

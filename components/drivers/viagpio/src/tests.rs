@@ -240,6 +240,7 @@ fn another_chip_is_left_alone() {
         write(&bench, 15);
         assert_eq!(names.map(|n| sim(&bench, n)), before, "{identity:x}");
         assert_eq!(bench.said(), ["error 6 when writing viagpio: it is tried again"]);
+        assert_eq!(bench.failed_hardware(), 1);
     }
 }
 

@@ -101,14 +101,9 @@ pub(crate) fn coordinates(ini: &Ini, letters: &str) -> Vec<Axis> {
     axes(ini.get("TRAJ", "COORDINATES").unwrap_or(letters))
 }
 
-/// Returns the axis of each joint: those of the kinematics where `[KINS]KINEMATICS` states them, else `letters`.
+/// Returns the axis of each joint; `letters` are those of a machine whose INI file states none.
 pub(crate) fn joint_axes(ini: &Ini, letters: &[Axis]) -> Vec<Axis> {
-    let kinematics = ini.get("KINS", "KINEMATICS").unwrap_or_default();
-    let mut words = kinematics.split_whitespace();
-    let stated = (words.next() == Some("trivkins"))
-        .then(|| words.find_map(|word| word.strip_prefix("coordinates=")))
-        .flatten();
-    stated.map_or_else(|| letters.to_vec(), axes)
+    ini.joint_letters().map_or_else(|| letters.to_vec(), |letters| axes(&letters))
 }
 
 fn axes(text: &str) -> Vec<Axis> {

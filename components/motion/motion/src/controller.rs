@@ -56,9 +56,9 @@ pub(crate) struct Controller {
     /// Number of gaps in time up to the last cycle.
     #[state]
     pub(crate) gaps: Option<u32>,
-    /// True while a driver has lost its hardware.
+    /// Number of failures of drivers' hardware up to the last cycle.
     #[state]
-    pub(crate) has_lost: bool,
+    pub(crate) failures: Option<u32>,
     /// Number of cycles so far.
     #[state]
     pub(crate) cycle: u64,
@@ -91,14 +91,19 @@ impl Controller {
         self.state.now_ns = now;
         let before = self.state.inputs;
         self.state.read_pins(&self.pins);
-        self.state.inputs.lockout = self.interlock.read();
+        let failures = self.interlock.failures();
+        // A failure that has ended since the last cycle counts too.
+        let has_failed = self
+            .failures
+            .replace(failures.ever)
+            .map_or(failures.now > 0, |last| last != failures.ever);
+        self.state.inputs.lockout = self.interlock.read(has_failed || failures.now > 0);
         self.state.has_risen = false;
         let gaps = self.clock.gaps();
         if self.gaps.replace(gaps).is_some_and(|last| last != gaps) {
             self.state.note_unseen(Unseen::Gap, &self.pins);
         }
-        let has_lost = self.interlock.has_lost_hardware();
-        if !core::mem::replace(&mut self.has_lost, has_lost) && has_lost {
+        if has_failed {
             self.state.note_unseen(Unseen::Hardware, &self.pins);
         }
         self.state.obey_line();

@@ -198,7 +198,7 @@ fn make(b: &mut Builder<'_>) -> Result<(Handler, Controller), Error> {
         clock: b.clock(),
         last_ns: None,
         gaps: None,
-        has_lost: false,
+        failures: None,
         cycle: 0,
         outputs: outputs::Outputs::default(),
         status,

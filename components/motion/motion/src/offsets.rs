@@ -52,7 +52,7 @@ impl State {
             return Some(TravelLimits::default());
         }
         let at = *self.pose.get(n)?;
-        // The room in front of a jog is that jog's.
+        // The offset may not take the travel that a jog in progress still needs.
         let is_jogged = axis.teleop.is_jog();
         let (lowest, highest) = if is_jogged { axis.teleop.tp.extent(self.dt) } else { (at, at) };
         let limits = self.axis_limits(n).ok()?;

@@ -45,15 +45,7 @@ impl Record {
     /// Returns a value of a field as a number; 0 where there is none.
     #[must_use]
     pub fn number(&self, name: &str, n: usize) -> f64 {
-        match self.all(name).get(n) {
-            Some(Value::Float(f)) => *f,
-            Some(Value::Bit(on)) => f64::from(u8::from(*on)),
-            Some(Value::S32(i)) => f64::from(*i),
-            Some(Value::U32(u)) => f64::from(*u),
-            Some(Value::S64(i)) => *i as f64,
-            Some(Value::U64(u) | Value::Port(u)) => *u as f64,
-            None => 0.0,
-        }
+        self.all(name).get(n).map_or(0.0, Value::number)
     }
 
     /// Returns a value of a field as a count.

@@ -190,15 +190,8 @@ impl<'g> Look<'g> {
     /// Returns the value of an item of any type as a float. Returns `None` for a port.
     fn number(&self, item: Ix) -> Option<f64> {
         let item = self.graph.item(item)?;
-        match Value::from_bits(item.ty, item.bits()) {
-            Value::Bit(b) => Some(f64::from(u8::from(b))),
-            Value::Float(x) => Some(x),
-            Value::S32(n) => Some(f64::from(n)),
-            Value::U32(n) => Some(f64::from(n)),
-            Value::S64(n) => Some(n as f64),
-            Value::U64(n) => Some(n as f64),
-            Value::Port(_) => None,
-        }
+        let value = Value::from_bits(item.ty, item.bits());
+        (!matches!(value, Value::Port(_))).then(|| value.number())
     }
 
     /// Returns the value of the item with this name as a float.

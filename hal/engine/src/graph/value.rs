@@ -59,15 +59,8 @@ impl Model {
     /// Returns the value of a pin, a parameter or a signal as a number; `None` if there is none of this name, or if it is a
     /// port.
     pub(crate) fn number(&self, name: &str) -> Option<f64> {
-        match self.get_item(name).or_else(|_| self.get_signal(name)).ok()? {
-            Value::Bit(on) => Some(f64::from(u8::from(on))),
-            Value::Float(value) => Some(value),
-            Value::S32(value) => Some(value.into()),
-            Value::U32(value) => Some(value.into()),
-            Value::S64(value) => Some(value as f64),
-            Value::U64(value) => Some(value as f64),
-            Value::Port(_) => None,
-        }
+        let value = self.get_item(name).or_else(|_| self.get_signal(name)).ok()?;
+        (!matches!(value, Value::Port(_))).then(|| value.number())
     }
 
     /// Executes `sets`. For a port it sets the size of the queue, which is possible only once.

@@ -150,8 +150,8 @@ pub(crate) struct Shared {
     pub(crate) cause: Cause,
     pub(crate) mailbox: Mailbox,
     pub(crate) gaps: Gaps,
-    /// Number of parts of hardware, of all components, that have failed now.
-    pub(crate) failed_hardware: AtomicU32,
+    /// Number of parts of hardware, of all components, that have failed now, and of failures so far in the high half.
+    pub(crate) failed_hardware: AtomicU64,
     pub(crate) questions: Questions,
     /// Stop actions of all loaded components, which threads other than the control thread may run.
     pub(crate) stops: ArcSwap<Vec<Arc<Code<CommandRun>>>>,
@@ -181,7 +181,7 @@ impl Shared {
             cause: Cause::new(),
             mailbox: Mailbox::new(),
             gaps: Gaps::new(),
-            failed_hardware: AtomicU32::new(0),
+            failed_hardware: AtomicU64::new(0),
             questions: Questions::default(),
             stops: ArcSwap::from_pointee(Vec::default()),
             stopping: AtomicBool::new(false),

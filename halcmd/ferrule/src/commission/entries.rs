@@ -71,7 +71,7 @@ impl Slow {
         let count =
             count.ok_or_else(|| unsuited("[KINS]JOINTS: 1 to 16 joints are commissioned"))?;
         let kinematics = ini.get("KINS", "KINEMATICS").unwrap_or_default();
-        let letters = ini.get("TRAJ", "COORDINATES").unwrap_or("XYZ").replace(' ', "");
+        let letters = ini.joint_letters().unwrap_or_else(|| "XYZ".to_owned());
         let unit = if ini.is_inch() == Ok(true) { "inch" } else { "mm" };
         let mut joints = Vec::new();
         for n in (0_u32..).take_while(|n| f64::from(*n) < count) {
@@ -260,6 +260,20 @@ mod tests {
             assert_eq!(ini.get(section, name), Some(want), "[{section}]{name}");
         }
         assert_eq!(ini.entries().count(), 14);
+    }
+
+    /// The kinematics say which axis a joint moves.
+    #[test]
+    fn a_joint_has_the_letter_of_the_axis_that_it_moves() {
+        for (kinematics, name) in
+            [("trivkins coordinates=YX", "Y"), ("trivkins", "X"), ("corexykins", "joint 0")]
+        {
+            let text = TEXT.replace("trivkins coordinates=X", kinematics);
+            let text = text.replace("COORDINATES = X", "COORDINATES = XY");
+            let ini = Ini::parse("m.ini", text.as_bytes()).unwrap();
+            let slow = Slow::of(Path::new("m.ini"), &ini).unwrap();
+            assert_eq!(slow.joints[0].name, name, "{kinematics}");
+        }
     }
 
     #[test]

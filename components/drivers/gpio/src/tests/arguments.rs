@@ -35,7 +35,7 @@ const BAD: &[(&str, &str)] = &[
     (
         "inputs=A23456789012345678901234567890123",
         "inputs= has the name 'A234567890123456789012345678901…': expected names of at most \
-         31 characters, as the kernel's",
+         31 bytes, as the kernel's",
     ),
     (
         "inputs=A,A",

@@ -191,7 +191,7 @@ fn a_backward_speed_stays_backward() {
     assert!((bench.get::<f64>("hal_gpio.encoder.0.velocity") + 250.0).abs() < 1e-9);
 }
 
-/// A recording of the calls is replayed with the same result.
+/// A recording has each call with its answer, and can be read again.
 #[test]
 fn a_recording_replays() {
     let (bench, lines) = encoder("A:B");

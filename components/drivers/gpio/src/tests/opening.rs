@@ -237,26 +237,51 @@ fn a_chip_that_vanishes_is_reported_with_its_lines() {
     run();
     assert_eq!(bench.said(), [edges, inputs, outputs]);
     assert_eq!(pins(), [true, true]);
+    assert_eq!(bench.failed_hardware(), 3);
     change(0, None);
     run();
     assert_eq!((pins(), bench.said().len()), ([false, false], 0));
+    assert_eq!(bench.failed_hardware(), 0);
 }
 
 #[test]
 fn other_errors_are_reported_with_their_number() {
-    let chips = named(&["A", "B"]);
+    let chips = named(&["A", "B", "C"]);
     let mut bench = Bench::new().with_hardware();
-    load(&mut bench, &chips, &["inputs=A", "outputs=B"]).unwrap();
-    *chips.requested.lock().unwrap()[0].1.inner().lost.lock().unwrap() = Some(Lost(5));
-    bench.run("hal_gpio.read", MS);
-    bench.run("hal_gpio.write", MS);
+    load(&mut bench, &chips, &["inputs=A", "outputs=B", "encoders=C"]).unwrap();
+    for (_, lines) in chips.requested.lock().unwrap().iter() {
+        *lines.inner().lost.lock().unwrap() = Some(Lost(5));
+    }
+    for function in ["read", "write", "capture-position"] {
+        bench.run(&format!("hal_gpio.{function}"), MS);
+    }
     assert_eq!(
         bench.said(),
         [
-            "error 5 when reading GPIO lines: inputs keep their values",
-            "error 5 when writing GPIO lines: it is tried again"
+            "gpiochip0: error 5 when reading its inputs A: they keep their values",
+            "gpiochip0: error 5 when writing its outputs B: it is tried again",
+            "gpiochip0: error 5 when reading the edges of C: counts keep their values",
         ]
     );
+}
+
+/// A reset that failed is done with when nothing is left to reset.
+#[test]
+fn a_failed_reset_keeps_motion_off_until_nothing_is_left_to_reset() {
+    let chips = named(&["A"]);
+    let mut bench = Bench::new().with_hardware();
+    load(&mut bench, &chips, &["outputs=A", "reset=A"]).unwrap();
+    let lines = chips.requested.lock().unwrap()[0].1.clone();
+    bench.set("hal_gpio.A-out", true);
+    bench.run("hal_gpio.write", MS);
+    *lines.inner().lost.lock().unwrap() = Some(Lost(5));
+    bench.run("hal_gpio.reset", MS);
+    assert_eq!(bench.failed_hardware(), 1);
+    *lines.inner().lost.lock().unwrap() = None;
+    bench.set("hal_gpio.A-out", false);
+    bench.run("hal_gpio.write", MS);
+    bench.run("hal_gpio.reset", MS);
+    assert_eq!((bench.failed_hardware(), bench.get::<bool>("hal_gpio.fault")), (0, false));
 }
 
 /// A message has room for the names of a few outputs.
@@ -293,6 +318,7 @@ fn the_header_is_found_by_the_label_of_its_chip() {
         assert_eq!(open(&chips, 28), Err(Refused::Beyond { chip: 4, offset: 28, lines: 28 }));
     }
     assert_eq!(open(&named(&["GPIO2"]), 2), Err(Refused::NoHeader));
+    assert!(Refused::NoHeader.to_string().contains("use hal_gpio on other boards"));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! started), and when a driver has lost its hardware. What the machine did meanwhile is unknown, and nothing may go on by
 //! itself.
 
+use super::interlock::Lockout;
 use crate::{joint::Joint, pins::Pins, state::State};
 use hal_safety::Event;
 
@@ -18,9 +19,7 @@ impl Unseen {
     const fn cause(self) -> &'static str {
         match self {
             Self::Gap => "motion stopped: the process stood still",
-            Self::Hardware => {
-                "motion stopped: a driver has lost its hardware, which its own message names"
-            }
+            Self::Hardware => Lockout::Hardware.cause(),
         }
     }
 

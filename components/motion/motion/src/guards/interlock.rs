@@ -1,7 +1,7 @@
 //! Realtime. The e-stop of iocontrol, and hardware that a driver has lost: meanwhile the machine is off and stays off.
 
 use crate::commands::refusal::Refusal;
-use hal_component::{Builder, Error, Hardware, InterlockRef, Touch};
+use hal_component::{Builder, Error, Failures, Hardware, InterlockRef, Touch};
 
 /// The interlock; absent where a script keeps its own wiring.
 #[derive(Debug, Touch)]
@@ -39,18 +39,18 @@ impl Interlock {
         self.found.is_some()
     }
 
-    /// Returns whether a driver has lost its hardware.
-    pub(crate) fn has_lost_hardware(&self) -> bool {
-        self.hardware.has_failed_anywhere()
+    /// Returns the failures of the drivers' hardware, once in each cycle.
+    pub(crate) fn failures(&self) -> Failures {
+        self.hardware.failures()
     }
 
-    /// Reads the interlock, once in each cycle.
-    pub(crate) fn read(&self) -> Option<Lockout> {
+    /// Reads the interlock, once in each cycle. `is_lost` is true if hardware has failed since the last one.
+    pub(crate) fn read(&self, is_lost: bool) -> Option<Lockout> {
         let estop = self.found.as_ref().map(InterlockRef::state);
         match estop.map(|estop| (estop.commanded, estop.open)) {
             Some((true, _)) => Some(Lockout::Commanded),
             Some((false, true)) => Some(Lockout::Open),
-            _ if self.has_lost_hardware() => Some(Lockout::Hardware),
+            _ if is_lost => Some(Lockout::Hardware),
             _ => None,
         }
     }

@@ -125,3 +125,25 @@ fn a_joint_that_moved_when_hardware_was_lost_is_unhomed_unless_a_sensor_measures
         assert_eq!(rig.which(&HOMED), homed, "{measured:?}");
     }
 }
+
+/// A driver in a faster thread may have lost its hardware, and have it again, between two cycles.
+#[test]
+fn a_loss_that_ends_before_the_next_cycle_switches_motion_off() {
+    let mut rig = Rig::homed(&[]);
+    rig.strict = false;
+    rig.say("motion.jog joint=0 velocity=20");
+    rig.cycles(200);
+    rig.bench.fail_hardware(true);
+    rig.bench.fail_hardware(false);
+    rig.cycle();
+    assert!(!rig.is("motion.motion-enabled"));
+    assert_eq!(rig.which(&HOMED), HOMED[1..]);
+    let lost = "joint 0 is no longer homed: it moved when a driver lost its hardware, and only its own \
+        steps are counted";
+    let cause = "motion stopped: a driver has lost its hardware, which its own message names";
+    assert_eq!(rig.bench.said(), [cause, lost]);
+    let before = rig.places();
+    rig.cycles(200);
+    assert_eq!(rig.places(), before, "nothing resumes");
+    rig.done("motion.enable");
+}

@@ -104,17 +104,20 @@ impl Look<'_> {
                 continue;
             }
             let name = self.graph.item(pin).map_or("", |i| i.name.as_str());
-            let port = name.rsplit_once('.').map_or(name, |(port, _)| port);
-            let resets = self.graph.funct_named(&format!("{port}.reset"));
+            // The name of a line may have dots: hal_gpio.gpiochip0.17-out.
+            let ports = name.rmatch_indices('.').filter_map(|(at, _)| name.get(..at));
+            let resets = ports
+                .map(|port| format!("{port}.reset"))
+                .find_map(|reset| self.graph.funct_named(&reset).map(|ix| (ix, reset)));
             let at = self.set_at(space).or_else(|| self.loaded_at(space));
             let marked = self.number_of(&format!("{name}-reset"));
             match (resets, marked) {
-                (Some(reset), Some(marked)) => {
+                (Some((reset, reset_name)), Some(marked)) => {
                     let runs = self.graph.threads_of(reset).contains(&thread);
                     if runs && marked == 0.0 {
                         self.unmarked(p, name, pin);
                     } else if !runs && marked == 0.0 {
-                        self.no_reset(p, at, Some(format!("{port}.reset")), name);
+                        self.no_reset(p, at, Some(reset_name), name);
                     }
                 }
                 _ => self.no_reset(p, at, None, name),
