@@ -8,7 +8,7 @@
 
 use hal_tests::{
     programs::{programs, root},
-    scratch::Scratch,
+    scratch::{Scratch, until},
 };
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -129,7 +129,8 @@ fn ours(name: &str) -> (Writes, String) {
     scratch.write("machine.hal", machine);
     let mut card = scratch.command(&[], programs().join("hm2card").to_str().unwrap());
     card.args(["--address", &address, "--record", "record"]);
-    let card = scratch.start(card.args(comment(&text, "card").split(' ')));
+    let card = scratch.start(card.args(comment(&text, "card").split(' '))).lasting("hm2card");
+    until("the card listens", || card.said().0.contains(&address));
     // A busy computer is late; the card waits.
     let output = scratch.halrun(&["--stuck-time", "60s", "-f", "machine.hal"]);
     assert_eq!(output.status, Some(0), "{name}: {}", output.stderr);

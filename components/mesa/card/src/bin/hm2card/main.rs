@@ -148,6 +148,8 @@ fn run(arguments: &Arguments) -> std::io::Result<()> {
         play,
         clock: now(),
     };
+    // Whoever started the program waits for this line: a packet before it would be refused.
+    writeln!(std::io::stdout(), "{} at {}", arguments.board, server.socket.local_addr()?)?;
     let mut packet = [0; MAX_PACKET];
     loop {
         let (length, from) = server.socket.recv_from(&mut packet)?;
