@@ -1,6 +1,11 @@
 //! Kinds of Mesa's cards that a machine's files name: in simulation and in `check` no card can be asked for its pins.
 
-use crate::{Command, Session, ini::Ini, programs::halrun::folders::Folders};
+use crate::{
+    Command, Session,
+    ini::Ini,
+    language::vars::{Values, replace},
+    programs::halrun::folders::Folders,
+};
 use hal_ini::file::whole;
 use hal_protocol::Request;
 use std::{
@@ -36,22 +41,25 @@ impl Session<'_> {
     fn card_kinds(&self) -> Vec<String> {
         let mut cards = Cards::default();
         let mut seen = BTreeSet::new();
+        let ini = self.own_ini.as_ref().or(self.ini);
+        let values = Values { environment: self.environment, ini };
         let mut files: Vec<PathBuf> = vec![self.place().0.into()];
-        if let Some(ini) = self.ini {
+        if let Some(ini) = ini {
             let entries = ["HALFILE", "POSTGUI_HALFILE"].map(|name| ini.all("HAL", name));
             files.extend(entries.into_iter().flatten().filter_map(|entry| {
                 let folders = Folders::of(Path::new(&entry.file));
                 Some(folders.find(entry.value.split_whitespace().next()?)?.1)
             }));
             for entry in ini.all("HAL", "HALCMD") {
-                cards.add(&entry.value, self.ini);
+                cards.add(&entry.value, values);
             }
         }
         for file in files {
-            look(&file, self.ini, &mut seen, &mut cards);
+            look(&file, values, &mut seen, &mut cards);
         }
+        cards.sort();
         let kinds: Vec<String> = cards.0.iter().map(NamedCard::words).collect();
-        if kinds.is_empty() { self.ini.map(configured).unwrap_or_default() } else { kinds }
+        if kinds.is_empty() { ini.map(configured).unwrap_or_default() } else { kinds }
     }
 }
 
@@ -100,9 +108,25 @@ impl NamedCard {
 }
 
 impl Cards {
+    /// Sorts the cards of each kind by their numbers, as the driver gives them.
+    fn sort(&mut self) {
+        for at in 0..self.0.len() {
+            for later in at + 1..self.0.len() {
+                if let Ok([a, b]) = self.0.get_disjoint_mut([at, later])
+                    && a.kind == b.kind
+                    && b.number < a.number
+                {
+                    core::mem::swap(a, b);
+                }
+            }
+        }
+    }
+
     /// Adds the cards that a line names.
-    fn add(&mut self, line: &str, ini: Option<&Ini>) {
-        let code = expanded(line.split('#').next().unwrap_or_default(), ini);
+    fn add(&mut self, line: &str, values: Values<'_>) {
+        let code = line.split('#').next().unwrap_or_default();
+        // A line with a variable that is missing is refused when it is executed.
+        let code = replace(code, values).unwrap_or_else(|_| code.to_owned());
         for text in code.split("hm2_").skip(1) {
             let Some((kind, number, rest)) = card(text) else { continue };
             let is_it = |card: &NamedCard| card.kind == kind && card.number == number;
@@ -116,7 +140,11 @@ impl Cards {
                 continue;
             };
             if let Some((port, channel, remote)) = remote(rest) {
-                card.remotes.insert((port, channel), remote);
+                // Other pins have the same names in both halves of a 7I77.
+                let known = card.remotes.entry((port, channel)).or_insert_with(|| remote.clone());
+                if remote == "7i77-analog" {
+                    *known = remote;
+                }
             }
             if let Some((module, number)) = module(rest) {
                 let count = card.modules.entry(module).or_default();
@@ -127,16 +155,16 @@ impl Cards {
 }
 
 /// Adds the cards of a file and of those that it sources.
-fn look(path: &Path, ini: Option<&Ini>, seen: &mut BTreeSet<PathBuf>, cards: &mut Cards) {
+fn look(path: &Path, values: Values<'_>, seen: &mut BTreeSet<PathBuf>, cards: &mut Cards) {
     if seen.len() >= MAX_FILES || !path.is_file() || !seen.insert(path.to_owned()) {
         return;
     }
     let Ok(text) = whole(path) else { return };
     let here = path.parent().unwrap_or_else(|| Path::new(""));
     for line in String::from_utf8_lossy(&text).lines() {
-        cards.add(line, ini);
+        cards.add(line, values);
         if let Some(file) = line.trim().strip_prefix("source ") {
-            look(&hal_ini::beside(here, file.trim()), ini, seen, cards);
+            look(&hal_ini::beside(here, file.trim()), values, seen, cards);
         }
     }
 }
@@ -150,6 +178,9 @@ fn module(rest: &str) -> Option<(&'static str, u8)> {
     (number.len() == 2 && parts.next().is_some()).then_some((kind, number.parse().ok()?))
 }
 
+/// Beginnings of the names of pins that only the analogue half of a 7I77 has.
+const ANALOGUE: [&str; 3] = ["analogout", "analogena", "spinena"];
+
 /// Reads `REMOTE.PORT.CHANNEL.PIN`, such as `7i77.0.1.analogout0`: port, channel, and the kind of the remote.
 fn remote(rest: &str) -> Option<(u8, u8, String)> {
     let mut parts = rest.split(|c: char| c.is_whitespace() || c == '.');
@@ -159,38 +190,10 @@ fn remote(rest: &str) -> Option<(u8, u8, String)> {
         .is_some_and(|n| n.len() == 2 && n.chars().all(|c| c.is_ascii_digit()));
     let (port, channel) = (port.parse().ok()?, channel.parse().ok()?);
     // A 7I77 has its analogue outputs on a channel of their own.
-    let is_analogue = kind == "7i77" && parts.next()?.starts_with("analog");
+    let is_analogue = kind == "7i77"
+        && parts.next().is_some_and(|pin| ANALOGUE.iter().any(|begin| pin.starts_with(begin)));
     let kind = if is_analogue { "7i77-analog" } else { kind };
     (is_kind && port < 8 && channel < 8).then(|| (port, channel, kind.to_owned()))
-}
-
-/// Returns a line with the entries of the INI file in place of `[SECTION](NAME)` and `[SECTION]NAME`.
-fn expanded(line: &str, ini: Option<&Ini>) -> String {
-    let mut parts = line.split('[');
-    let mut whole = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let found = part.split_once(']').and_then(|(section, rest)| {
-            let (name, rest) = match rest.strip_prefix('(') {
-                Some(rest) => rest.split_once(')')?,
-                None => {
-                    let end = |c: char| !(c.is_ascii_alphanumeric() || c == '_');
-                    rest.split_at(rest.find(end).unwrap_or(rest.len()))
-                }
-            };
-            Some((ini?.get(section, name)?, rest))
-        });
-        match found {
-            Some((value, rest)) => {
-                whole.push_str(value);
-                whole.push_str(rest);
-            }
-            None => {
-                whole.push('[');
-                whole.push_str(part);
-            }
-        }
-    }
-    whole
 }
 
 /// Reads `KIND.NUMBER.` and returns both, and what follows.
@@ -213,12 +216,15 @@ mod tests {
         // (line, cards: kind with remotes, number)
         let rows: &[(&str, &[(&str, u32)])] = &[
             ("net x hm2_7i92.0.gpio.000.in hm2_7I92.1.gpio.000.in", &[("7i92", 0), ("7i92", 1)]),
+            ("net x hm2_7i92.1.gpio.000.in hm2_7i92.0.gpio.000.in", &[("7i92", 0), ("7i92", 1)]),
             ("setp hm2_[HOSTMOT2](BOARD).0.watchdog.timeout_ns 5", &[("7i96s", 0)]),
-            ("setp hm2_[HOSTMOT2]BOARD.2.watchdog.timeout_ns 5", &[("7i96s", 2)]),
+            ("setp hm2_[HOSTMOT2](BOARD).2.watchdog.timeout_ns 5", &[("7i96s", 2)]),
+            // The name of the entry is BOARD.2.watchdog.timeout_ns: there is none.
+            ("setp hm2_[HOSTMOT2]BOARD.2.watchdog.timeout_ns 5", &[]),
             ("setp hm2_[HOSTMOT2](X).0.a 5", &[]),
             ("setp hm2_[HOSTMOT2](Y).0.a 5", &[]),
             ("addf [HOSTMOT2](CARD).read servo", &[("7i95", 1)]),
-            ("addf [HOSTMOT2]CARD.read servo # [", &[("7i95", 1)]),
+            ("addf [HOSTMOT2](CARD).read servo # [", &[("7i95", 1)]),
             ("[HOSTMOT2 [HOSTMOT2] [](", &[]),
             ("# hm2_7i76e.0.read", &[]),
             ("loadrt hm2_eth board_ip=10.10.10.10", &[]),
@@ -228,6 +234,11 @@ mod tests {
                 "net x hm2_7i92.0.7i77.0.1.analogout0 hm2_7i92.0.7i77.0.0.input-00",
                 &[("7i92 0.0=7i77 0.1=7i77-analog", 0)],
             ),
+            (
+                "net x hm2_7i92.0.7i77.0.0.analogin0 hm2_7i92.0.7i77.0.1.analogout0 hm2_7i92.0.7i77.0.1.x",
+                &[("7i92 0.0=7i77 0.1=7i77-analog", 0)],
+            ),
+            ("net x hm2_7i92.0.7i77.0.1.spinena", &[("7i92 0.1=7i77-analog", 0)]),
             ("net x hm2_7i76e.0.7i76.0.0.input-01-not", &[("7i76e 0.0=7i76", 0)]),
             ("net x hm2_7i76e.0.7i84.0.9.input-01", &[("7i76e", 0)]),
             (
@@ -238,7 +249,8 @@ mod tests {
         ];
         for (line, expected) in rows {
             let mut cards = Cards::default();
-            cards.add(line, Some(&ini));
+            cards.add(line, Values { environment: &|_| None, ini: Some(&ini) });
+            cards.sort();
             let found: Vec<_> = cards.0.iter().map(|card| (card.words(), card.number)).collect();
             let expected: Vec<_> = expected.iter().map(|(k, n)| ((*k).to_owned(), *n)).collect();
             assert_eq!(found, expected, "{line}");
