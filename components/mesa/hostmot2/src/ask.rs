@@ -1,5 +1,6 @@
 //! Questions to a card before anything runs: each is one packet and its answer.
 
+use crate::link::MAX_STRANGE;
 use core::time::Duration;
 use hal_firmware::{
     BadIdentification, COOKIE, COOKIE_AT, IDENTIFICATION_AT, Identification, MAX_MODULES, Module,
@@ -13,6 +14,9 @@ const ATTEMPTS: u32 = 5;
 
 /// Longest wait for one answer.
 const WITHIN: Duration = Duration::from_millis(200);
+
+/// Longest wait for answers to a question that was repeated.
+const QUIET: Duration = Duration::from_millis(10);
 
 /// The account that a card gives of itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -139,6 +143,16 @@ pub(crate) fn registers<const N: usize>(
     Ok(words)
 }
 
+/// Discards packets that have come, and those that come within a time after the last; a flood of them has an end.
+fn discard(card: &dyn Exchange, within: Duration) {
+    let mut packet = [0; MAX_PACKET];
+    for _ in 0..MAX_STRANGE {
+        if !matches!(card.receive(&mut packet, within), Ok(n) if n > 0) {
+            break;
+        }
+    }
+}
+
 /// Sends a packet until its answer comes, and returns that.
 pub(crate) fn ask<'a>(
     card: &dyn Exchange,
@@ -147,12 +161,18 @@ pub(crate) fn ask<'a>(
 ) -> Result<&'a [u8], Unusable> {
     let expected = packet.answer_bytes();
     let mut lost = None;
-    for _ in 0..ATTEMPTS {
+    for attempt in 0..ATTEMPTS {
         // Answers to earlier questions came too late.
-        while matches!(card.receive(answer, Duration::ZERO), Ok(n) if n > 0) {}
+        discard(card, Duration::ZERO);
         let come = card.send(packet.bytes()).and_then(|()| card.receive(answer, WITHIN));
         match come {
-            Ok(n) if n == expected => return Ok(answer.get(..n).unwrap_or_default()),
+            Ok(n) if n == expected => {
+                // Each repetition of the question may be answered as well.
+                if attempt > 0 {
+                    discard(card, QUIET);
+                }
+                return Ok(answer.get(..n).unwrap_or_default());
+            }
             Ok(_) => {}
             Err(error) => lost = Some(error),
         }

@@ -40,6 +40,7 @@ enum Wrong {
     Port,
     Firmware,
     Missing,
+    Width,
 }
 
 impl core::fmt::Display for BadConfig<'_> {
@@ -55,6 +56,7 @@ impl core::fmt::Display for BadConfig<'_> {
             }
             Wrong::Number => f.write_str("expected a whole number from -1 on behind '='"),
             Wrong::Large(most) => write!(f, "at most {most}"),
+            Wrong::Width => f.write_str("expected 1 to 8 I/O pins, or -1"),
             Wrong::Port => f.write_str(
                 "expected up to eight letters: 0 to 9 for the mode of each channel, x for one that \
                  is not used",
@@ -93,7 +95,7 @@ const LIMITS: &[Limit] = &[
     Limit { name: "num_sserials", tags: &[] },
 ];
 
-/// Entries for modules without a driver here: only the number 0 and -1 can be had.
+/// Entries for modules without a driver here: they accept only 0 and -1.
 const ABSENT: &[&str] = &[
     "num_resolvers",
     "num_3pwmgens",
@@ -139,7 +141,7 @@ impl CardConfig {
         }
         if name == "stepgen_width" {
             self.step_width = number(value, 8)?;
-            return Ok(());
+            return if self.step_width == Some(0) { Err(Wrong::Width) } else { Ok(()) };
         }
         if let Some(port) = name.strip_prefix("sserial_port_") {
             let port = port.parse().ok().filter(|port| *port < 8).ok_or(Wrong::Unknown)?;

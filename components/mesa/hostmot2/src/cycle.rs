@@ -77,7 +77,8 @@ const LATE: &str =
     "card {}: no answer in packet-read-timeout (receiving): its inputs keep their values";
 const MISSED: &str =
     "card {}: it had missed the last packet of writes (sending): all is written again";
-const FAILED: &str = "card {}: the network does not take the packet of reads (error {}): the inputs keep their values";
+const FAILED: &str =
+    "card {}: the network reports error {} in place of an answer: its inputs keep their values";
 const GIVEN_UP: &str = "card {}: packet-error-level has reached packet-error-limit: the card is abandoned \
 (io_error), and its watchdog makes all its outputs inputs; when the cause is known, set io_error to 0 \
 to begin again";
@@ -114,13 +115,12 @@ impl Read {
             Outcome::Answered { answer, written, times } => {
                 self.health.round_trip.set(times.round_trip);
                 self.health.waited.set(times.waited);
-                // Before the first write, there is nothing that the card could have missed.
-                let fresh = written || !self.state.began;
-                self.state.began = true;
+                let began = core::mem::replace(&mut self.state.began, true);
                 for part in &mut self.parts {
-                    part.read(answer, cycle, fresh);
+                    part.read(answer, cycle, written);
                 }
-                if fresh {
+                // What was missed before a new beginning is no new error.
+                if written || !began {
                     self.good();
                 } else {
                     self.bad(MISSED, Lost::NONE);

@@ -155,6 +155,8 @@ fn create_card(
     };
     modules::make(&mut making)?;
     let world = simulated.as_ref().map(|card| world::make(&mut making, card)).transpose()?;
+    let ports = making.channels.iter().filter(|channels| **channels != 0).count();
+    making.used.push((Tag::SmartSerial, u8::try_from(ports).unwrap_or(u8::MAX)));
     let listing = listing::of(&name, &address.to_string(), &card, &making.used, &making.taken);
     let stop = stop(&making)?;
     let (plan, raw, mut reads, writes) =
@@ -289,10 +291,9 @@ const LIGHTS: u8 = 4;
 fn used(card: &Described, config: &CardConfig, name: &str) -> Result<Vec<(Tag, u8)>, Error> {
     let mut used = Vec::new();
     for module in &card.modules {
-        let Some(tag) = module.kind() else { continue };
-        if tag == Tag::SmartSerial {
+        let Some(tag) = module.kind().filter(|tag| modules::COUNTED.contains(tag)) else {
             continue;
-        }
+        };
         // One instance of lights has those of the board.
         let instances = if tag == Tag::Led { LIGHTS } else { module.instances };
         used.push((tag, instances));

@@ -102,8 +102,9 @@ impl Link {
         }
     }
 
-    /// Lets the time of a simulated card pass in a cycle without a question.
+    /// Passes a cycle without a question: forgets one under way, and lets the time of a simulated card pass.
     pub(crate) fn pass(&self) {
+        self.waits.store(false, Release); // Pairs with Acquire in `ask`.
         self.device.advance(self.clock.now_ns());
     }
 
@@ -192,7 +193,7 @@ impl Link {
 }
 
 /// Most packets that are looked at for the answer of one cycle.
-const MAX_STRANGE: u32 = 64;
+pub(crate) const MAX_STRANGE: u32 = 64;
 
 /// Returns the sequence number after `n`, which is never 0.
 const fn after(n: u16) -> u16 {

@@ -62,24 +62,19 @@ pub(crate) fn of(
         mhz(it.clock_high)
     );
     for module in &card.modules {
-        let count = |tag| used.iter().find(|row| row.0 == tag).map_or(0, |row| row.1);
-        let _ = match module.kind() {
-            Some(tag) => writeln!(
-                text,
-                "  module {:<12} version {}, {} there, {} used",
-                tag.name(),
-                module.version,
-                module.instances,
-                count(tag).min(module.instances)
-            ),
-            None => writeln!(
-                text,
-                "  module {:<12} version {}, {} there: not driven",
-                format!("of tag {}", module.tag),
-                module.version,
-                module.instances
-            ),
+        let count = |tag| used.iter().find(|row| row.0 == tag).map(|row| row.1);
+        let kind = module.kind();
+        let name =
+            kind.map_or_else(|| format!("of tag {}", module.tag), |tag| tag.name().to_owned());
+        let use_of = match kind.and_then(count) {
+            Some(used) => format!(", {} used", used.min(module.instances)),
+            None => ": not driven".to_owned(),
         };
+        let _ = writeln!(
+            text,
+            "  module {name:<12} version {}, {} there{use_of}",
+            module.version, module.instances
+        );
     }
     let terminals = terminals(card);
     for (io, pin) in card.pins.iter().enumerate() {

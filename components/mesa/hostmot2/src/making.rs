@@ -109,7 +109,7 @@ impl Making<'_, '_> {
         Ok(f64::from(hz))
     }
 
-    /// Returns the name of a pin: `hm2_7i92.0.stepgen.00.` and what follows, without the last dot if nothing does.
+    /// Returns the name of a pin of the card: `hm2_7i92.0.` and `part`.
     pub(crate) fn at(&self, part: &str) -> String {
         format!("{}.{part}", self.name)
     }

@@ -18,6 +18,7 @@ pub(crate) use watchdog::RESET;
 
 use crate::making::Making;
 use hal_component::{Error, In};
+use hal_firmware::Tag;
 
 /// Creates the pins of one kind of module.
 type Make = fn(&mut Making<'_, '_>) -> Result<(), Error>;
@@ -35,10 +36,28 @@ const ALL: &[Make] = &[
     // Before the I/O pins, which the used channels take.
     sserial::make,
     ioport::make,
-    // Behind the rest: a packet that lets its time begin again has brought all of it.
+    // Behind the rest: a packet that lets its time begin again has all of it, or the last part where a cycle needs several packets.
     watchdog::make,
     // Last: its place in the question changes.
     raw::make,
+];
+
+/// Kinds whose instances the entries of `config` limit. The ports of smart serial are counted where they are asked for their
+/// remotes; the I/O pins of all other kinds, which nothing here drives, are free.
+pub(crate) const COUNTED: &[Tag] = &[
+    Tag::Watchdog,
+    Tag::IoPort,
+    Tag::Encoder,
+    Tag::MuxedEncoder,
+    Tag::MuxedEncoderSelect,
+    Tag::StepGenerator,
+    Tag::Pwm,
+    Tag::Dpll,
+    Tag::Inputs,
+    Tag::InputMux,
+    Tag::Outputs,
+    Tag::Led,
+    Tag::Ssr,
 ];
 
 /// Creates the pins of all modules.

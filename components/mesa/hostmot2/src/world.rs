@@ -69,7 +69,7 @@ impl Turning {
     /// Returns the place in counts.
     fn place(&self) -> i64 {
         let place = libm::floor(self.position.get() * self.scale.get() + 0.5);
-        // What is beyond all encoders is no place.
+        // A position beyond 1e15 counts, or NaN, counts as 0.
         let place = if place.abs() < 1e15 { whole(place) } else { 0 };
         i64::from(self.counts.get()).wrapping_add(place)
     }

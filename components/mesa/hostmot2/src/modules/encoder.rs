@@ -8,7 +8,7 @@ use crate::{
     module::{Cycle, Writes},
     numbers::whole,
 };
-use core::sync::atomic::Ordering::Release;
+use core::sync::atomic::Ordering::{Acquire, Release};
 use counter::{Armed, Commands, Counter, Counters, Counting, Feedback, Probe, Tick, bits};
 use hal_component::{Error, Gives, In, Touch, Uses};
 use hal_firmware::{Module, Register, Tag, registers};
@@ -86,6 +86,12 @@ impl Arming {
         set(c.filter.get(), bits::FILTER);
         // Writing 0 clears the error.
         set(c.quad_error_enable.get(), bits::ERROR);
+        // The card has cleared its bit if it has latched: the register then holds another value than the last one written.
+        let index_done = index && !self.armed.index.load(Acquire);
+        let probe_done = probe && !self.armed.probe.load(Acquire);
+        if index_done || probe_done {
+            self.control.forget();
+        }
         self.control.put(to, control);
         // Pairs with Acquire in `read`.
         self.armed.index.store(index, Release);
@@ -177,7 +183,8 @@ fn make_kind(m: &mut Making<'_, '_>, kind: &CounterKind) -> Result<(), Error> {
         None => None,
     };
     let clock = m.clock(&module)?;
-    let (gives, takes) = m.b.shared(Tick::new(0));
+    // Before the first write, time stamps count at 2 MHz.
+    let (gives, takes) = m.b.shared(Tick::new(0.5e-6_f64.to_bits()));
     let stamp = m.read(&module, kind.stamp, 0)?;
     m.reads.push(Box::new(Counters {
         counters: reads,

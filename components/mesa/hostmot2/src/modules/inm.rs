@@ -242,7 +242,7 @@ fn bank(
     }
     let about = "Rate of the samples, in hertz; values out of range saturate";
     let rate = m.b.item(&format!("{name}.scan_rate"), about, 20_000)?;
-    let about = "Samples that must agree with the short filter; 0 to 31";
+    let about = "Samples that must agree with the short filter; 0 to 63";
     let fast = m.b.item(&format!("{name}.fast_scans"), about, 5)?;
     let about = "Samples that must agree with the long filter; 0 to 1023";
     let long = m.b.item(&format!("{name}.slow_scans"), about, 500)?;

@@ -124,7 +124,7 @@ impl Instance {
         // Sixteenths of a step stand below the steps.
         let value = if dithers { value << 12 } else { value << 16 };
         to.put(self.value, value | u32::from(backward) << 31);
-        // Symmetrical pulses, double buffered.
+        // Form of the outputs.
         let form = match form {
             2 => 2 << 3,
             3 => PDM,
@@ -163,7 +163,8 @@ impl Instance {
 pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let Some((module, used)) = m.module(Tag::Pwm) else { return Ok(()) };
     let mut instances = Vec::new();
-    for instance in 0..used {
+    // The register of enables has 32 bits.
+    for instance in 0..used.min(32) {
         let name = m.at(&format!("pwmgen.{instance:02}"));
         instances.push(Instance {
             pins: Generator::make(m.b, &name)?,

@@ -8,8 +8,8 @@ use crate::{
     plan::{Place, ReadAnswer},
 };
 use core::sync::atomic::{
-    AtomicBool,
-    Ordering::{AcqRel, Acquire, Release},
+    AtomicBool, AtomicU32,
+    Ordering::{Acquire, Relaxed, Release},
 };
 use hal_component::{Error, Gives, Hardware, Io, Messages, ParamRw, Takes, Touch};
 use hal_firmware::{Tag, registers};
@@ -21,12 +21,14 @@ pub(crate) const RESET: u32 = 0x5A00_0000;
 const MOST: u32 = 0x7FFF_FFFF;
 
 /// State that the writing half leaves for the reading one.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Keeper {
     /// True from the first write on.
     runs: AtomicBool,
-    /// True when the status has been written to 0.
-    released: AtomicBool,
+    /// True from a release until an answer shows that the card has received it, or it is given up.
+    releases: AtomicBool,
+    /// Number of releases, the one at the beginning included.
+    count: AtomicU32,
 }
 
 /// Function half that reads.
@@ -39,8 +41,9 @@ struct Status {
     /// The card's I/O pins: failed while they are inputs.
     hardware: Hardware,
     keeper: Takes<Keeper>,
+    /// Number of the release after which a bite was said last.
     #[state]
-    was_said: bool,
+    said: u32,
     #[state]
     number: f64,
 }
@@ -48,12 +51,15 @@ struct Status {
 impl Reads for Status {
     fn read(&mut self, answer: ReadAnswer<'_>, _: Cycle, fresh: bool) {
         // Before the first write, what the status says is of an earlier program. Pairs with `write`.
-        let bitten = self.keeper.runs.load(Acquire) && answer.get(self.status) & 1 != 0;
-        // Once it was said, a person may clear the pin; the card's status follows with the write of that cycle.
-        if fresh && self.keeper.released.swap(false, AcqRel) {
-            self.was_said = false;
+        let runs = self.keeper.runs.load(Acquire);
+        let bitten = runs && answer.get(self.status) & 1 != 0;
+        if fresh && runs {
+            self.keeper.releases.store(false, Release); // Pairs with `write`.
         }
-        if bitten && !core::mem::replace(&mut self.was_said, bitten) {
+        // A card that may have missed its release says what it said before. Pairs with `write`.
+        let is_new = bitten && !self.keeper.releases.load(Acquire);
+        let count = self.keeper.count.load(Acquire); // Pairs with `write`.
+        if is_new && core::mem::replace(&mut self.said, count) != count {
             self.has_bit.set(true);
             self.messages.error(BITTEN, &[self.number]);
         }
@@ -78,15 +84,18 @@ struct Keep {
     #[state]
     period: Kept,
     #[state]
-    status: Kept,
+    status: u16,
     #[state]
     reset: u16,
     #[state]
     was_bitten: bool,
+    /// Seconds since the release under way began.
+    #[state]
+    since: f64,
 }
 
 impl Writes for Keep {
-    fn write(&mut self, to: &mut Outgoing<'_>, _: Cycle) {
+    fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
         let is_bitten = self.has_bit.get();
         if is_bitten {
             // Nothing keeps the watchdog quiet until a person has looked.
@@ -95,13 +104,24 @@ impl Writes for Keep {
         }
         if self.was_bitten {
             self.was_bitten = false;
-            self.status.forget();
+            self.since = 0.0;
+            let count = self.keeper.count.load(Relaxed); // Only this function writes it.
+            self.keeper.count.store(count.wrapping_add(1).max(1), Release); // Pairs with `read`.
+            self.keeper.releases.store(true, Release); // Pairs with `read`.
             self.renewals.renew();
         }
-        let ticks = libm::floor(f64::from(self.timeout.get()) * 1e-9 * self.clock) - 1.0;
+        let timeout = f64::from(self.timeout.get()) * 1e-9;
+        let ticks = libm::floor(timeout * self.clock) - 1.0;
         self.period.put(to, whole(ticks, MOST).max(1));
-        if self.status.put(to, 0) {
-            self.keeper.released.store(true, Release); // Pairs with `read`.
+        // Not renewed like other registers: a bite that no answer has shown yet would end unseen. A release that no answer
+        // confirms is repeated only until the card may have bitten again. Pairs with `read`.
+        if self.keeper.releases.load(Acquire) {
+            if self.since == 0.0 || self.since < timeout {
+                to.put(self.status, 0);
+            } else {
+                self.keeper.releases.store(false, Release); // Pairs with `read`.
+            }
+            self.since += cycle.period;
         }
         to.put(self.reset, RESET);
         self.keeper.runs.store(true, Release); // Pairs with `read`.
@@ -118,14 +138,18 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let about =
         "Longest time between two runs of the write function, in nanoseconds; 0 to 2^32 - 1";
     let timeout: ParamRw<u32> = m.b.item(&timeout, about, 5_000_000)?;
-    let (gives, takes) = m.b.shared(Keeper::default());
+    let (gives, takes) = m.b.shared(Keeper {
+        runs: AtomicBool::new(false),
+        releases: AtomicBool::new(true),
+        count: AtomicU32::new(1),
+    });
     let status = Status {
         status: m.read(&module, registers::WATCHDOG_STATUS, 0)?,
         has_bit,
         messages: m.b.messages(),
         hardware: m.b.hardware(),
         keeper: takes,
-        was_said: false,
+        said: 0,
         number: m.number,
     };
     let keep = Keep {
@@ -135,9 +159,10 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
         renewals: m.renewals.clone(),
         clock: m.clock(&module)?,
         period: Kept::new(m.address(&module, registers::WATCHDOG_TIMEOUT, 0)?),
-        status: Kept::new(m.address(&module, registers::WATCHDOG_STATUS, 0)?),
+        status: m.address(&module, registers::WATCHDOG_STATUS, 0)?,
         reset: m.address(&module, registers::WATCHDOG_RESET, 0)?,
         was_bitten: false,
+        since: 0.0,
     };
     m.reads.push(Box::new(status));
     m.writes.push(Box::new(keep));

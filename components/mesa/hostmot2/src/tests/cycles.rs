@@ -1,6 +1,6 @@
 //! Effects of commands at a simulated card's terminals, and of its terminals on pins.
 
-use super::Rig;
+use super::{PERIOD, Rig};
 
 #[test]
 fn a_step_generator_goes_where_it_shall() {
@@ -207,4 +207,48 @@ fn pulse_width_has_the_duty_of_its_value() {
     rig.set("pwmgen.00.enable", false);
     rig.cycles(2);
     assert_eq!(rig.float("sim.pwmgen.00.duty").to_bits(), 0);
+}
+
+/// The index is wanted again before the cycle that it came in has written.
+#[test]
+fn an_index_that_is_armed_again_at_once_is_the_next_one() {
+    let rig = Rig::new("7i92");
+    rig.set("sim.encoder.00.counts-per-index", 100_u32);
+    rig.cycles(2);
+    rig.set("encoder.00.index-enable", true);
+    let mut zeros = Vec::new();
+    for n in 0..60 {
+        rig.set("sim.encoder.00.counts", 7 * n);
+        rig.bench.pass(PERIOD);
+        rig.bench.run(&rig.at("read"), PERIOD);
+        if !rig.bit("encoder.00.index-enable") {
+            zeros.push(rig.int("encoder.00.rawcounts") - rig.int("encoder.00.count"));
+            rig.set("encoder.00.index-enable", true);
+        }
+        rig.bench.run(&rig.at("write"), PERIOD);
+    }
+    let apart: Vec<i32> = zeros.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(zeros.len() >= 4 && apart.iter().all(|way| *way == 100), "{zeros:?}");
+}
+
+/// Before the first write the rate of the time stamps is not known; a speed must be a number all the same.
+#[test]
+fn an_encoder_that_turns_before_the_first_write_has_a_speed() {
+    let rig = Rig::new("7i92");
+    for n in 1..5 {
+        rig.set("sim.encoder.00.counts", 5 * n);
+        rig.bench.pass(PERIOD);
+        rig.bench.run(&rig.at("read"), PERIOD);
+        assert!(rig.float("encoder.00.velocity").is_finite(), "{n}");
+    }
+}
+
+/// The register of enables has a bit for each of 32 generators.
+#[test]
+fn more_generators_than_the_register_has_bits_are_left_alone() {
+    let rig = Rig::with("7i92", "num_pwmgens=40");
+    let is_there = |pin| rig.bench.names().iter().any(|line| line.starts_with(&rig.at(pin)));
+    assert!(is_there("pwmgen.31.") && !is_there("pwmgen.32."));
+    rig.set("pwmgen.31.enable", true);
+    rig.cycles(3);
 }

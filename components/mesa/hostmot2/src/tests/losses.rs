@@ -1,6 +1,6 @@
 //! Packets that are lost, late, doubled or cut; a card that is gone, and one that comes back.
 
-use super::Rig;
+use super::{PERIOD, Rig};
 
 #[test]
 fn one_lost_packet_in_a_hundred_moves_nothing_else() {
@@ -133,8 +133,8 @@ fn the_watchdog_bites_when_nothing_is_written() {
     rig.cycles(10);
     assert!(rig.bit("sim.out-010"));
     for n in 0..10 {
-        rig.bench.pass(super::PERIOD);
-        rig.bench.run(&rig.at("read"), super::PERIOD);
+        rig.bench.pass(PERIOD);
+        rig.bench.run(&rig.at("read"), PERIOD);
         // After 5,000,000 ns.
         assert_eq!(rig.bit("sim.watchdog-bitten"), n >= 4, "{n}");
     }
@@ -175,7 +175,7 @@ fn a_stop_makes_all_outputs_inputs_at_once() {
     rig.cycles(10);
     rig.bench.stop();
     rig.bench.pass(1000);
-    rig.bench.run(&rig.at("read"), super::PERIOD);
+    rig.bench.run(&rig.at("read"), PERIOD);
     assert!(rig.bit("sim.watchdog-bitten") && !rig.bit("sim.out-010"));
 }
 
@@ -196,4 +196,69 @@ fn an_abandoned_card_goes_on_without_pulses() {
     rig.cycles(1000);
     assert!((rig.float(&steps) - before[0] - 5000.0).abs() < 1.0, "it counts");
     assert_eq!(rig.float(&emitted).to_bits(), before[1].to_bits(), "nothing moves");
+}
+
+/// A card whose outputs are off comes back only after a person has seen it.
+#[test]
+fn a_bite_never_ends_unseen_however_many_packets_are_lost() {
+    let rig = Rig::new("7i92");
+    rig.set("packet-error-limit", 1_000_000);
+    rig.cycles(2);
+    rig.set("sim.line.lost", 500_000_u32);
+    let (mut bites, mut was_seen, mut before) = (0, false, false);
+    for n in 0..50_000 {
+        rig.cycle();
+        let bitten = rig.bit("sim.watchdog-bitten");
+        was_seen |= rig.bit("watchdog.has_bit");
+        if bitten && !before {
+            bites += 1;
+        }
+        if before && !bitten {
+            assert!(was_seen, "{n}: outputs are on again, and nobody was told");
+            was_seen = false;
+        }
+        before = bitten;
+        if n % 50 == 0 {
+            rig.set("watchdog.has_bit", false);
+        }
+    }
+    assert!(bites > 100, "{bites}");
+}
+
+/// What was armed before the card was lost has not come because the card has forgotten it.
+#[test]
+fn an_index_that_was_armed_before_the_card_was_abandoned_does_not_count() {
+    for before_the_loss in [true, false] {
+        let rig = Rig::new("7i92");
+        rig.set("packet-error-limit", 6);
+        rig.cycles(2);
+        rig.set("encoder.00.index-enable", before_the_loss);
+        rig.cycles(2);
+        rig.set("sim.line.lost", 1_000_000_u32);
+        rig.cycles(10);
+        assert!(rig.bit("io_error"));
+        rig.set("encoder.00.index-enable", true);
+        rig.set("sim.line.lost", 0_u32);
+        rig.set("io_error", false);
+        rig.set("watchdog.has_bit", false);
+        rig.cycles(10);
+        assert!(rig.bit("encoder.00.index-enable"), "no index has come");
+    }
+}
+
+/// An answer to a question from before the loss is none to one behind it.
+#[test]
+fn a_question_of_before_the_loss_is_forgotten() {
+    let rig = Rig::new("7i92");
+    rig.cycles(2);
+    rig.set("sim.encoder.00.counts", 100);
+    rig.cycles(2);
+    rig.bench.run(&rig.at("read-request"), PERIOD);
+    rig.set("io_error", true);
+    rig.cycle();
+    rig.set("sim.encoder.00.counts", 200);
+    rig.cycles(5);
+    rig.set("io_error", false);
+    rig.cycle();
+    assert_eq!(rig.int("encoder.00.rawcounts"), 200);
 }

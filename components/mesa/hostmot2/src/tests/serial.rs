@@ -274,10 +274,14 @@ fn a_port_starts_however_many_packets_are_lost() {
     rig.set("sim.line.lost", 400_000_u32);
     for round in 0..200 {
         rig.set("sserial.port-0.run", true);
-        rig.cycles(60);
+        rig.cycles(500);
         assert_eq!(rig.word("sserial.port-0.port_state"), 3, "{round}");
+        // A card that has not received the start would have remotes that are not ready.
+        rig.cycles(200);
+        assert_eq!(rig.word("sserial.port-0.port_state"), 3, "{round}");
+        assert_eq!(rig.word("sserial.port-0.fault-count"), 0, "{round}");
         rig.set("sserial.port-0.run", false);
-        rig.cycles(60);
+        rig.cycles(500);
         assert_eq!(rig.word("sserial.port-0.port_state"), 0, "{round}");
     }
     assert_eq!(rig.bench.failed_hardware(), 0);

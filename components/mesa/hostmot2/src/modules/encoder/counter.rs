@@ -5,7 +5,10 @@ use crate::{
     numbers::{low, per_unit},
     plan::{Place, ReadAnswer},
 };
-use core::sync::atomic::{AtomicBool, Ordering::Acquire};
+use core::sync::atomic::{
+    AtomicBool,
+    Ordering::{Acquire, Release},
+};
 use hal_component::{In, Io, Messages, Out, ParamRw, Takes, Touch, pins};
 
 /// Bits of the control register.
@@ -166,6 +169,7 @@ impl Counter {
         if done(bits::LATCH_ON_INDEX, &self.armed.index) && self.commands.index_enable.get() {
             s.zero = latched(s.raw);
             self.commands.index_enable.set(false);
+            self.armed.index.store(false, Release); // Pairs with Acquire in `write`.
         }
         if let Some(probe) = &self.probe
             && probe.latch_enable.get()
@@ -173,6 +177,7 @@ impl Counter {
         {
             s.latched = latched(s.raw);
             probe.latch_enable.set(false);
+            self.armed.probe.store(false, Release); // Pairs with Acquire in `write`.
         }
         if self.commands.reset.get() {
             s.zero = s.raw;

@@ -20,7 +20,7 @@ pins! {
         command: Out<u32> = "port_state3", 0;
         /// Added to the level by a cycle with a fault.
         increment: ParamRw<u32> = "fault-inc", 10;
-        /// Taken from the level by a good cycle.
+        /// Taken from the level by each cycle.
         decrement: ParamRw<u32> = "fault-dec", 1;
         /// Level at which the port is stopped.
         limit: ParamRw<u32> = "fault-lim", 200;

@@ -81,6 +81,8 @@ pub(crate) struct PortState {
     missed: u32,
     /// Time that the command under way has taken.
     waited: f64,
+    /// True if no answer tells whether the card has received the command.
+    is_unsure: bool,
     /// Number of the present start.
     start: u32,
     /// True if the last cycle had an exchange.
@@ -96,6 +98,7 @@ impl PortState {
             answers: 0,
             missed: 0,
             waited: 0.0,
+            is_unsure: false,
             start: 0,
             exchanged: false,
             level: 0,
@@ -169,6 +172,7 @@ impl Port {
 
     /// Writes the registers of a step.
     fn send(&mut self, step: PortStep, to: &mut Outgoing<'_>) {
+        self.state.is_unsure = false;
         let at = self.at;
         let command = match step {
             PortStep::Stop | PortStep::GiveUp => STOP_ALL,
@@ -202,6 +206,7 @@ impl Port {
         self.state.waited += cycle.period;
         match news {
             News::Missed => self.send(step, to),
+            News::Came { command: 0, .. } if self.state.is_unsure => self.send(step, to),
             News::Came { command: 0, faults } => self.finish(step, faults, to),
             News::Came { command, .. } if self.state.waited > LONGEST => {
                 let [card, port] = self.number;
@@ -212,7 +217,8 @@ impl Port {
                     self.fail(to);
                 }
             }
-            News::None | News::Came { .. } => {}
+            News::None => self.state.is_unsure = true,
+            News::Came { .. } => {}
         }
     }
 
@@ -247,7 +253,9 @@ impl Port {
         };
         let (channel, next) = (setting.channel, done.map_or(0, |number| number + 1));
         let refused = faults >> channel & 1 == 1;
-        if !refused && setting.order(next).is_some() {
+        // The value counts as sent also if the remote refuses it, so that it is not sent again and again.
+        let order = setting.order(next);
+        if !refused && order.is_some() {
             return self.begin(PortStep::Order(nth, next), to);
         }
         setting.done();
