@@ -1,5 +1,5 @@
 /* A plugin by the binary interface of release 0.1 (1.11), written down here as it was then: nothing of today's sources is
- * in it. It doubles a number. It says no release, as plugins of others do. */
+ * in it. It doubles a number. It names no release, as plugins of other authors do. */
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -15,7 +15,7 @@ pub enum Fate {
     Cut(usize),
 }
 
-/// Faults of a line, in packets of a million.
+/// Faults of a line, in packets per million.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rates {
     /// Packets that are lost.

@@ -336,7 +336,7 @@ fn line(m: &mut Making<'_, '_>) -> Result<LinePins, Error> {
     let plugged = m.at("sim.line.plugged");
     let plugged = hidden(m, &plugged, "True while the cable is plugged in", true)?;
     let mut rate = |name: &str, what: &str| {
-        let about = format!("Packets of a million that {what}");
+        let about = format!("Packets per million that {what}");
         let name = m.at(&format!("sim.line.{name}"));
         hidden(m, &name, &about, 0)
     };

@@ -6,6 +6,7 @@ use hal_protocol::{Failure, FaultInfo, Place};
 use hal_tests::{
     machine::{Machine, bit, count, cycles, options, says, status, wait, without_fifo},
     scratch::until,
+    tools::report,
 };
 use std::sync::{
     Arc,
@@ -105,6 +106,9 @@ fn a_stuck_thread_loses_its_priority_until_it_comes_back() {
         text.rsplit(") ").next().unwrap().split(' ').nth(38).unwrap().to_owned()
     };
     let before = policy();
+    if before == "0" {
+        report("this user may not use SCHED_FIFO: the thread had no priority to lose");
+    }
     m.script("setp stuck.0.hold 1");
     wait(&mut m, "it is stuck", |m| status(m).fault.is_some());
     until("it is an ordinary thread", || policy() == "0");

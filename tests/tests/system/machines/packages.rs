@@ -33,7 +33,6 @@ fn said(command: &mut Command) -> (bool, String) {
 
 fn finds(tool: Tool) -> bool {
     let found = Command::new(tool.name).arg("--version").output();
-    let found = found.or_else(|_| Command::new("which").arg(tool.name).output());
     let found = found.is_ok_and(|o| o.status.success() || tool.name == MANDOC.name);
     tool.or_skip(found.then_some(())).is_some()
 }

@@ -112,7 +112,7 @@ fn a_search_that_cannot_be_is_refused() {
     }
     let scratch = Scratch::copy_of(&root().join("tests/setup"));
     let printer = fs::read_to_string(root().join("configs/printer/printer.setup")).unwrap();
-    scratch.write("slow.setup", &printer.replace("latency = 11732", "latency = 200000"));
+    scratch.write("slow.setup", printer.replace("latency = 11732", "latency = 200000"));
     for (answers, why) in [
         ("servo.toml", "servos have encoders: they lose no steps that a search could find"),
         ("slow.setup", "too fast for this computer's jitter; a velocity of "),

@@ -43,16 +43,16 @@ struct Arguments {
     /// Play of what happens at the card's terminals, by cycles.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
-    /// Packets of a million that are lost, in either direction.
+    /// Packets per million that are lost, in either direction.
     #[arg(long, default_value_t = 0, value_name = "N")]
     lose: u32,
-    /// Answers of a million that come behind the next one.
+    /// Answers per million that come behind the next one.
     #[arg(long, default_value_t = 0, value_name = "N")]
     delay: u32,
-    /// Packets of a million that come twice.
+    /// Packets per million that come twice.
     #[arg(long, default_value_t = 0, value_name = "N")]
     double: u32,
-    /// Packets of a million that lose their ends.
+    /// Packets per million that lose their ends.
     #[arg(long, default_value_t = 0, value_name = "N")]
     shorten: u32,
     /// Seed of the faults.
