@@ -59,9 +59,32 @@ const LINES: [(u8, &str, u8, bool); 17] = [
 /// Signals that pins without one have got; `None` while lines may still link those.
 type Made = Option<BTreeMap<String, String>>;
 
-/// Returns the simulated bit of an input of a parallel port or of a card, and whether it is the opposite of the pin.
+/// Returns the simulated bit of an input of a parallel port, of a card or of a GPIO chip, and whether it is the opposite of the
+/// pin.
 fn line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
-    port_line(wires, pin).or_else(|| card_line(wires, pin))
+    port_line(wires, pin).or_else(|| card_line(wires, pin)).or_else(|| gpio_line(wires, pin))
+}
+
+/// Components that drive GPIO lines.
+const GPIO: [&str; 2] = ["hal_gpio", "hal_pi_gpio"];
+
+/// Returns the simulated level of a GPIO line, and whether it is the opposite of the pin: `hal_gpio.GPIO5-in-not` shows the
+/// opposite of `hal_gpio.sim.GPIO5`, and of a line of `activelow` the level itself.
+fn gpio_line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
+    let wired = wires.pins.get(pin).filter(|wired| GPIO.contains(&wired.owner.as_str()))?;
+    let name = pin.strip_prefix(&wired.owner)?.strip_prefix('.')?;
+    let (name, not) = match name.strip_suffix("-in-not") {
+        Some(name) => (name, true),
+        None => (name.strip_suffix("-in")?, false),
+    };
+    let args = wires.args.get(&wired.owner).map_or("", String::as_str);
+    let lists = args.split_whitespace().filter_map(|arg| arg.strip_prefix("activelow="));
+    let is_low = lists.flat_map(|list| list.split(',')).any(|line| line == name);
+    let sim = format!("{}.sim.{name}", wired.owner);
+    let is_free = wires.pins.get(&sim).is_some_and(|pin| {
+        pin.direction == Direction::In && pin.signal.is_none() && pin.value == Value::Bit(false)
+    });
+    (wired.direction == Direction::Out && is_free).then_some((sim, not ^ is_low))
 }
 
 /// Component that drives Mesa's cards.

@@ -18,6 +18,8 @@ pub(crate) struct Wires {
     pub(super) pins: BTreeMap<String, Wired>,
     pub(super) signals: BTreeMap<String, SignalInfo>,
     pub(super) functs: BTreeSet<String>,
+    /// Arguments with which components were loaded, by component.
+    pub(super) args: BTreeMap<String, String>,
     /// First words of all names.
     firsts: BTreeSet<String>,
 }
@@ -35,6 +37,7 @@ impl Wires {
             _ => Vec::new(),
         });
         let (signals, functs) = (list(Kind::Signals, "*"), list(Kind::Functs, "*"));
+        let components = list(Kind::Components, "*");
         let mut wires = Self::default();
         for item in items.into_iter().flatten() {
             let wired = Wired {
@@ -50,6 +53,10 @@ impl Wires {
         }
         if let Ok(Reply::Signals(signals)) = signals {
             wires.signals = signals.into_iter().map(|s| (s.name.clone(), s)).collect();
+        }
+        if let Ok(Reply::Components(components)) = components {
+            let args = components.into_iter().filter_map(|c| Some((c.name, c.args?)));
+            wires.args = args.collect();
         }
         if let Ok(Reply::Functs(functs)) = functs {
             wires.functs = functs.into_iter().map(|f| f.name).collect();
