@@ -2,13 +2,13 @@
 
 use crate::{
     link::{Link, Outcome, Renewals},
+    making::Making,
     module::{Cycle, Reads, Writes},
     world::World,
 };
 use core::time::Duration;
 use hal_component::{Hardware, Io, Messages, Out, ParamRo, ParamRw, Period, Touch, Update, pins};
 use hal_lbp16::MAX_PACKET;
-use port::Lost;
 use std::sync::Arc;
 
 /// Shortest wait for an answer.
@@ -56,10 +56,29 @@ pub(crate) struct Read {
     pub(crate) messages: Messages,
     /// The card: failed while it is abandoned.
     pub(crate) hardware: Hardware,
+    /// Messages, with the card's name.
     #[state]
-    pub(crate) number: f64,
+    pub(crate) says: ReadSays,
     #[state]
     pub(crate) state: ReadState,
+}
+
+/// Messages of the function `read`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ReadSays {
+    late: &'static str,
+    missed: &'static str,
+    failed: &'static str,
+    given_up: &'static str,
+}
+
+impl ReadSays {
+    /// Makes them for a card.
+    pub(crate) fn of(making: &Making<'_, '_>) -> Self {
+        let [late, missed, failed, given_up] =
+            [LATE, MISSED, FAILED, GIVEN_UP].map(|text| making.says(text));
+        Self { late, missed, failed, given_up }
+    }
 }
 
 /// State of the function `read` between cycles.
@@ -73,13 +92,12 @@ pub(crate) struct ReadState {
     reported: bool,
 }
 
-const LATE: &str =
-    "card {}: no answer in packet-read-timeout (receiving): its inputs keep their values";
+const LATE: &str = "no answer in packet-read-timeout (receiving): its inputs keep their values";
 const MISSED: &str =
-    "card {}: it had missed the last packet of writes (sending): all is written again";
+    "the card had missed the last packet of writes (sending): all is written again";
 const FAILED: &str =
-    "card {}: the network reports error {} in place of an answer: its inputs keep their values";
-const GIVEN_UP: &str = "card {}: packet-error-level has reached packet-error-limit: the card is abandoned \
+    "the network reports error {} in place of an answer: its inputs keep their values";
+const GIVEN_UP: &str = "packet-error-level has reached packet-error-limit: the card is abandoned \
 (io_error), and its watchdog makes all its outputs inputs; when the cause is known, set io_error to 0 \
 to begin again";
 
@@ -123,11 +141,11 @@ impl Read {
                 if written || !began {
                     self.good();
                 } else {
-                    self.bad(MISSED, Lost::NONE);
+                    self.bad(self.says.missed, &[]);
                 }
             }
-            Outcome::Late => self.bad(LATE, Lost::NONE),
-            Outcome::Lost(lost) => self.bad(FAILED, lost),
+            Outcome::Late => self.bad(self.says.late, &[]),
+            Outcome::Lost(lost) => self.bad(self.says.failed, &[f64::from(lost.0)]),
         }
     }
 
@@ -149,13 +167,13 @@ impl Read {
         self.health.level.set(level);
     }
 
-    fn bad(&mut self, text: &'static str, lost: Lost) {
+    fn bad(&mut self, text: &'static str, error: &[f64]) {
         // What was lost is not known: all is written again.
         self.renewals.renew();
         self.health.error.set(true);
         self.health.total.set(self.health.total.get().wrapping_add(1));
         if !core::mem::replace(&mut self.state.reported, true) {
-            self.messages.warn(text, &[self.number, f64::from(lost.0)]);
+            self.messages.warn(text, error);
         }
         let limit = self.health.limit.get();
         let level =
@@ -166,7 +184,7 @@ impl Read {
             self.health.exceeded.set(true);
             self.health.io_error.set(true);
             self.hardware.note(true);
-            self.messages.error(GIVEN_UP, &[self.number]);
+            self.messages.error(self.says.given_up, &[]);
         }
     }
 
@@ -206,8 +224,9 @@ pub(crate) struct Write {
     /// Present around a simulated card.
     pub(crate) world: Option<World>,
     pub(crate) messages: Messages,
+    /// Message about a packet that the network does not take.
     #[state]
-    pub(crate) number: f64,
+    pub(crate) unsent: &'static str,
     #[state]
     pub(crate) reported: bool,
 }
@@ -226,7 +245,7 @@ impl Update for Write {
         match to.end() {
             Ok(()) => self.reported = false,
             Err(lost) if !core::mem::replace(&mut self.reported, true) => {
-                self.messages.warn(UNSENT, &[self.number, f64::from(lost.0)]);
+                self.messages.warn(self.unsent, &[f64::from(lost.0)]);
             }
             Err(_) => {}
         }
@@ -236,5 +255,6 @@ impl Update for Write {
     }
 }
 
-const UNSENT: &str =
-    "card {}: the network does not take the packet of writes (error {}); it is tried again";
+/// Text of [`Write::unsent`].
+pub(crate) const UNSENT: &str =
+    "the network does not take the packet of writes (error {}); it is tried again";

@@ -25,7 +25,7 @@ mod world;
 use crate::{
     ask::Described,
     config::CardConfig,
-    cycle::{EarlyQuestion, Health, Read, ReadState, Write},
+    cycle::{EarlyQuestion, Health, Read, ReadSays, ReadState, UNSENT, Write},
     link::{Link, Question, Renewals},
     listing::Listing,
     making::Making,
@@ -131,14 +131,12 @@ fn create_card(
     let card = ask::describe(&*device).map_err(|why| Error::new(format!("{address}: {why}")))?;
     let name = names.next(&card.board);
     let failed = |why: &dyn core::fmt::Display| Error::new(format!("{name}: {why}"));
-    let number = u32::try_from(index).map_or(0.0, f64::from);
     let renewals = Renewals::new();
     let used = used(&card, &config, &name)?;
     let health = Health::make(b, &name)?;
     let mut making = Making {
         b,
         name: &name,
-        number,
         renewals: renewals.clone(),
         raw_address: Arc::default(),
         device: &*device,
@@ -159,6 +157,7 @@ fn create_card(
     making.used.push((Tag::SmartSerial, u8::try_from(ports).unwrap_or(u8::MAX)));
     let listing = listing::of(&name, &address.to_string(), &card, &making.used, &making.taken);
     let stop = stop(&making)?;
+    let (says, unsent) = (ReadSays::of(&making), making.says(UNSENT));
     let (plan, raw, mut reads, writes) =
         (making.plan, making.raw_address, making.reads, making.writes);
     let question = plan.packet()?;
@@ -183,7 +182,7 @@ fn create_card(
         parts: writes,
         world: world.clone(),
         messages,
-        number,
+        unsent,
         reported: false,
     };
     let read = Read {
@@ -194,7 +193,7 @@ fn create_card(
         renewals: renewals.clone(),
         messages: b.messages(),
         hardware: b.hardware(),
-        number,
+        says,
         state: ReadState::default(),
     };
     b.function(&format!("{name}.read"), "Asks the card, and takes its answer", read)?;

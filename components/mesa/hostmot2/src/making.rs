@@ -18,8 +18,6 @@ pub(crate) struct Making<'m, 'h> {
     pub(crate) b: &'m mut Builder<'h>,
     /// Beginning of all names, such as `hm2_7i92.0`.
     pub(crate) name: &'m str,
-    /// Number of the card among all, for messages.
-    pub(crate) number: f64,
     pub(crate) renewals: Renewals,
     /// Address of the register that the raw pins read.
     pub(crate) raw_address: Arc<AtomicU16>,
@@ -41,7 +39,17 @@ pub(crate) struct Making<'m, 'h> {
     pub(crate) used: Vec<(Tag, u8)>,
 }
 
+/// Returns a text that lives as long as the log, which writes it later. Only loading makes such texts.
+pub(crate) fn said(text: String) -> &'static str {
+    text.leak()
+}
+
 impl Making<'_, '_> {
+    /// Returns a message that begins with the card's name.
+    pub(crate) fn says(&self, text: &str) -> &'static str {
+        said(format!("{}: {text}", self.name))
+    }
+
     /// Returns the module of a kind with the number of its instances that are used, if that is not 0.
     pub(crate) fn module(&self, tag: Tag) -> Option<(Module, u8)> {
         let used = self.used.iter().find(|row| row.0 == tag).map_or(0, |row| row.1);

@@ -13,7 +13,7 @@ use rustix::process::Signal;
 use std::{collections::BTreeSet, fmt::Write as _};
 
 /// Servo period of all machines, in nanoseconds.
-const PERIOD_NS: u64 = 1_000_000;
+pub(super) const PERIOD_NS: u32 = 1_000_000;
 /// The same in seconds.
 pub(super) const DT: f64 = 1e-3;
 /// Cycles that the ring of samples holds.
@@ -134,7 +134,7 @@ impl Rig {
             });
             return;
         }
-        self.client.call(Request::Run { ns: cycles as u64 * PERIOD_NS }).unwrap();
+        self.client.call(Request::Run { ns: cycles as u64 * u64::from(PERIOD_NS) }).unwrap();
         self.look();
     }
 

@@ -4,12 +4,12 @@ mod counter;
 
 use crate::{
     link::{Kept, Outgoing},
-    making::Making,
+    making::{Making, said},
     module::{Cycle, Writes},
     numbers::whole,
 };
 use core::sync::atomic::Ordering::{Acquire, Release};
-use counter::{Armed, Commands, Counter, Counters, Counting, Feedback, Probe, Tick, bits};
+use counter::{Armed, Commands, Counter, Counters, Counting, Feedback, Probe, Tick, WRONG, bits};
 use hal_component::{Error, Gives, In, Touch, Uses};
 use hal_firmware::{Module, Register, Tag, registers};
 
@@ -233,7 +233,7 @@ fn counter(
         probe: probe.clone(),
         armed: takes,
         messages: m.b.messages(),
-        number: [m.number, f64::from(instance)],
+        wrong: said(format!("{name}: {WRONG}")),
         state: Counting::default(),
     };
     let control = Kept::new(m.address(module, kind.control, instance)?);

@@ -24,7 +24,11 @@ use self::{
     port::{Port, PortState},
     talk::{Answered, BadPort, CHANNELS},
 };
-use crate::{config::ChannelUse, making::Making, plan::ReadPlan};
+use crate::{
+    config::ChannelUse,
+    making::{Making, said},
+    plan::ReadPlan,
+};
 use hal_component::Error;
 use hal_firmware::{Module, Tag};
 
@@ -156,11 +160,6 @@ fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<FoundRemote
     Ok(found)
 }
 
-/// Returns a text that lives as long as the log, which writes it later. Only loading makes such texts.
-fn said(text: String) -> &'static str {
-    text.leak()
-}
-
 /// Account of a remote, with the values of its parameters.
 type Account = Result<(Description, Vec<u32>), BadRemote>;
 
@@ -264,7 +263,10 @@ fn make_port(
         messages: m.b.messages(),
         exchanges,
         at,
-        number: [m.number, f64::from(port)],
+        unfinished: said(format!(
+            "{name}: command {{}} is not finished: the port is stopped; when the cause is known, set {name}.run to 0 \
+             and 1 to begin again"
+        )),
         state: PortState::new(),
     };
     Ok((inputs, writes))

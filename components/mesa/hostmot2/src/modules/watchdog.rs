@@ -44,8 +44,9 @@ struct Status {
     /// Number of the release after which a bite was said last.
     #[state]
     said: u32,
+    /// Message about a bite.
     #[state]
-    number: f64,
+    says: &'static str,
 }
 
 impl Reads for Status {
@@ -61,13 +62,13 @@ impl Reads for Status {
         let count = self.keeper.count.load(Acquire); // Pairs with `write`.
         if is_new && core::mem::replace(&mut self.said, count) != count {
             self.has_bit.set(true);
-            self.messages.error(BITTEN, &[self.number]);
+            self.messages.error(self.says, &[]);
         }
         self.hardware.note(bitten || self.has_bit.get());
     }
 }
 
-const BITTEN: &str = "card {}: its watchdog has bitten, because no packet of the write function came \
+const BITTEN: &str = "the card's watchdog has bitten, because no packet of the write function came \
     in watchdog.timeout_ns: all its I/O pins are inputs; when the cause is known, set watchdog.has_bit \
     to 0 to go on";
 
@@ -150,7 +151,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
         hardware: m.b.hardware(),
         keeper: takes,
         said: 0,
-        number: m.number,
+        says: m.says(BITTEN),
     };
     let keep = Keep {
         has_bit,

@@ -262,3 +262,53 @@ fn a_question_of_before_the_loss_is_forgotten() {
     rig.cycle();
     assert_eq!(rig.int("encoder.00.rawcounts"), 200);
 }
+
+/// Each message of a card that runs begins with the card's name.
+#[test]
+fn each_loss_is_said_with_the_name_of_the_card() {
+    let lost = |rig: &Rig, n: u32| rig.set("sim.line.lost", n);
+    // (cause, expected beginning)
+    type Cause = fn(&Rig, &dyn Fn(&Rig, u32));
+    let causes: [(Cause, &str); 4] = [
+        (
+            |rig, lost| {
+                lost(rig, 1_000_000);
+                rig.cycle();
+            },
+            "no answer in packet-read-timeout (receiving): its inputs keep their values",
+        ),
+        (
+            |rig, lost| {
+                rig.set("packet-error-limit", 1_000_000);
+                lost(rig, 300_000);
+                rig.cycles(200);
+            },
+            "the card had missed the last packet of writes (sending): all is written again",
+        ),
+        (
+            |rig, lost| {
+                lost(rig, 1_000_000);
+                rig.cycles(10);
+            },
+            "packet-error-level has reached packet-error-limit: the card is abandoned (io_error)",
+        ),
+        (
+            |rig, _| {
+                for _ in 0..10 {
+                    rig.bench.pass(PERIOD);
+                    rig.bench.run(&rig.at("read"), PERIOD);
+                }
+            },
+            "the card's watchdog has bitten, because no packet of the write function came",
+        ),
+    ];
+    for (cause, expected) in causes {
+        let rig = Rig::new("7i92");
+        rig.cycles(3);
+        cause(&rig, &lost);
+        let said = rig.bench.said();
+        let named = |line: &String| line.contains("hm2_7i92.0") && line.contains(expected);
+        assert!(said.iter().any(named), "{expected}: {said:?}");
+        assert!(said.iter().all(|line| !line.contains("{}")), "{said:?}");
+    }
+}

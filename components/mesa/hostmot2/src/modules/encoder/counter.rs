@@ -116,8 +116,9 @@ pub(super) struct Counter {
     pub(super) probe: Option<Probe>,
     pub(super) armed: Takes<Armed>,
     pub(super) messages: Messages,
+    /// Message about a change of both lines at once.
     #[state]
-    pub(super) number: [f64; 2],
+    pub(super) wrong: &'static str,
     #[state]
     pub(super) state: Counting,
 }
@@ -198,14 +199,15 @@ impl Counter {
         out.input_index.set(control & bits::INPUT_INDEX != 0);
         let is_wrong = self.commands.quad_error_enable.get() && control & bits::ERROR != 0;
         if is_wrong && !s.is_wrong {
-            self.messages.error(WRONG, &self.number);
+            self.messages.error(self.wrong, &[]);
         }
         s.is_wrong = is_wrong;
         out.quad_error.set(is_wrong);
     }
 }
 
-const WRONG: &str = "card {}: encoder {}: A and B changed together: counts are lost (a frequency above \
+/// Text of [`Counter::wrong`].
+pub(super) const WRONG: &str = "A and B changed together: counts are lost (a frequency above \
     what the filter lets through, or a bad line)";
 
 impl Counting {

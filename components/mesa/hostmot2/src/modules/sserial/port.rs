@@ -68,8 +68,9 @@ pub(crate) struct Port {
     pub(crate) exchanges: Out<i32>,
     #[state]
     pub(crate) at: Addresses,
+    /// Message about a command that has no end.
     #[state]
-    pub(crate) number: [f64; 2],
+    pub(crate) unfinished: &'static str,
     #[state]
     pub(crate) state: PortState,
 }
@@ -106,9 +107,6 @@ impl PortState {
         }
     }
 }
-
-const UNFINISHED: &str = "card {}: smart-serial port {} does not finish command {}: the port is stopped; when the \
-cause is known, set its pin run to 0 and 1 to begin again";
 
 impl Port {
     /// Runs one cycle.
@@ -209,8 +207,7 @@ impl Port {
             News::Came { command: 0, .. } if self.state.is_unsure => self.send(step, to),
             News::Came { command: 0, faults } => self.finish(step, faults, to),
             News::Came { command, .. } if self.state.waited > LONGEST => {
-                let [card, port] = self.number;
-                self.messages.error(UNFINISHED, &[card, port, f64::from(command)]);
+                self.messages.error(self.unfinished, &[f64::from(command)]);
                 if step == PortStep::GiveUp {
                     self.state.phase = PortPhase::Failed;
                 } else {
@@ -283,8 +280,7 @@ impl Port {
             }
             News::Came { command, .. } => {
                 if self.count(true) {
-                    let [card, port] = self.number;
-                    self.messages.error(UNFINISHED, &[card, port, f64::from(command)]);
+                    self.messages.error(self.unfinished, &[f64::from(command)]);
                     self.fail(to);
                 } else {
                     self.put_data(to, false);
