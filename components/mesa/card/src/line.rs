@@ -15,6 +15,19 @@ pub enum Fate {
     Cut(usize),
 }
 
+impl Fate {
+    /// Returns the lengths with which a packet of so many bytes arrives before the next one.
+    pub fn arrivals(self, bytes: usize) -> impl Iterator<Item = usize> {
+        let (bytes, times) = match self {
+            Self::Lost | Self::Late => (0, 0),
+            Self::Delivered => (bytes, 1),
+            Self::Doubled => (bytes, 2),
+            Self::Cut(bytes) => (bytes, 1),
+        };
+        core::iter::repeat_n(bytes, times)
+    }
+}
+
 /// Faults of a line, in packets per million.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rates {
@@ -38,12 +51,19 @@ pub struct FaultyLine {
 
 const MILLION: u64 = 1_000_000;
 
+/// Bits that small seeds are mixed with: those of the golden ratio.
+const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
+
 impl FaultyLine {
     /// Returns a line with these faults.
     #[must_use]
     pub const fn new(rates: Rates, seed: u64) -> Self {
-        // The generator stands still at 0.
-        Self { rates, seed: seed ^ 0x9E37_79B9_7F4A_7C15 | 1, is_broken: false }
+        // The generator stands still at 0, so the one seed that would begin there begins elsewhere.
+        let seed = match seed ^ SPREAD {
+            0 => SPREAD,
+            seed => seed,
+        };
+        Self { rates, seed, is_broken: false }
     }
 
     /// Cuts the cable, or joins it: a broken line loses everything.
@@ -109,6 +129,9 @@ mod tests {
         }
         assert_eq!(fates(7), counts);
         assert_ne!(fates(8), counts);
+        assert_ne!(fates(2), fates(3));
+        // A generator that stood still would give one fate alone.
+        assert!(fates(SPREAD).iter().all(|count| *count > 0));
         let mut broken = FaultyLine::new(Rates::default(), 1);
         assert_eq!(broken.carry(10), Fate::Delivered);
         broken.break_cable(true);

@@ -55,14 +55,13 @@ impl Inside {
 
     /// Carries a packet to the card, and its answer back.
     fn carry(&mut self, packet: &[u8]) {
-        match self.line.carry(packet.len()) {
-            Fate::Lost => {}
-            Fate::Cut(len) => self.ask(packet.get(..len).unwrap_or_default()),
-            Fate::Doubled => {
-                self.ask(packet);
-                self.ask(packet);
-            }
-            Fate::Delivered | Fate::Late => self.ask(packet),
+        // Questions do not overtake each other.
+        let fate = match self.line.carry(packet.len()) {
+            Fate::Late => Fate::Delivered,
+            fate => fate,
+        };
+        for len in fate.arrivals(packet.len()) {
+            self.ask(packet.get(..len).unwrap_or_default());
         }
     }
 
@@ -70,20 +69,18 @@ impl Inside {
         let mut answer = OnTheWay::NONE;
         let Some(len) = self.card.answer(packet, &mut answer.bytes) else { return };
         answer.len = len;
-        match self.line.carry(len) {
-            Fate::Lost => {}
-            Fate::Cut(len) => self.come(&OnTheWay { len, ..answer }),
-            Fate::Doubled => {
-                self.come(&answer);
-                self.come(&answer);
-            }
+        let fate = self.line.carry(len);
+        for len in fate.arrivals(len) {
+            self.come(&OnTheWay { len, ..answer });
+        }
+        match fate {
             Fate::Late => self.late = Some(answer),
             Fate::Delivered => {
-                self.come(&answer);
                 if let Some(late) = self.late.take() {
                     self.come(&late);
                 }
             }
+            Fate::Lost | Fate::Doubled | Fate::Cut(_) => {}
         }
     }
 

@@ -11,7 +11,7 @@ use std::{
     fs::File,
     io::{BufWriter, Write},
     net::{Ipv4Addr, SocketAddr, UdpSocket},
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::ExitCode,
     time::{Duration, SystemTime},
 };
@@ -91,7 +91,7 @@ fn main() -> ExitCode {
     match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            say(&format!("{}:{}: {error}", arguments.address, arguments.port));
+            say(&error.to_string());
             ExitCode::FAILURE
         }
     }
@@ -112,13 +112,43 @@ struct Server<'a> {
     clock: Duration,
 }
 
-fn run(arguments: &Arguments) -> std::io::Result<()> {
+/// Reason why the card cannot be simulated.
+#[derive(Debug)]
+enum Failure {
+    /// The system refuses: what was to be done, and why it was not.
+    System(String, std::io::Error),
+    /// The board has no such channel of smart serial.
+    NoChannel(&'static str, usize, usize),
+    /// A line of a play is no scene.
+    Play(PathBuf, play::BadScene),
+}
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::System(what, error) => write!(f, "{what}: {error}"),
+            Self::NoChannel(board, port, channel) => {
+                write!(f, "{board} has no smart-serial channel {port}.{channel}")
+            }
+            Self::Play(file, bad) => write!(f, "{}: {bad}", file.display()),
+        }
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// Returns a function that adds what was to be done.
+fn system(what: impl Display) -> impl FnOnce(std::io::Error) -> Failure {
+    let what = what.to_string();
+    move |error| Failure::System(what, error)
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(board) = Board::named(arguments.board) else { return Ok(()) };
     let mut card = Card::new(&board);
     for (port, channel, name) in &arguments.remote {
-        let known = Remote::named(name).is_some_and(|remote| card.plug(*port, *channel, remote));
-        if !known {
-            say(&format!("{} has no smart-serial channel {port}.{channel}", arguments.board));
+        if !Remote::named(name).is_some_and(|remote| card.plug(*port, *channel, remote)) {
+            return Err(Failure::NoChannel(arguments.board, *port, *channel));
         }
     }
     let rates = |late| Rates {
@@ -127,20 +157,21 @@ fn run(arguments: &Arguments) -> std::io::Result<()> {
         doubled: arguments.double,
         cut: arguments.shorten,
     };
-    let text = arguments.world.as_ref().map(std::fs::read_to_string).transpose()?;
-    let play = match Play::parse(&text.unwrap_or_default()) {
-        Ok(play) => play,
-        Err(bad) => {
-            let name = arguments.world.as_deref().unwrap_or(Path::new("")).display();
-            say(&format!("{name}: {bad}"));
-            return Err(std::io::ErrorKind::InvalidData.into());
+    let play = match &arguments.world {
+        Some(file) => {
+            let text = std::fs::read_to_string(file).map_err(system(file.display()))?;
+            Play::parse(&text).map_err(|bad| Failure::Play(file.clone(), bad))?
         }
+        None => Play::default(),
     };
+    let at = SocketAddr::from((arguments.address, arguments.port));
+    let record = arguments.record.as_ref();
+    let record = record.map(|file| File::create(file).map_err(system(file.display())));
     let mut server = Server {
         arguments,
         card,
-        socket: UdpSocket::bind((arguments.address, arguments.port))?,
-        record: arguments.record.as_ref().map(File::create).transpose()?.map(BufWriter::new),
+        socket: UdpSocket::bind(at).map_err(system(at))?,
+        record: record.transpose()?.map(BufWriter::new),
         there: FaultyLine::new(rates(0), arguments.seed),
         back: FaultyLine::new(rates(arguments.delay), arguments.seed.wrapping_add(1)),
         late: None,
@@ -149,19 +180,15 @@ fn run(arguments: &Arguments) -> std::io::Result<()> {
         clock: now(),
     };
     // Whoever started the program waits for this line: a packet before it would be refused.
-    writeln!(std::io::stdout(), "{} at {}", arguments.board, server.socket.local_addr()?)?;
+    writeln!(std::io::stdout(), "{} at {at}", arguments.board)
+        .map_err(system("standard output"))?;
     let mut packet = [0; MAX_PACKET];
     loop {
-        let (length, from) = server.socket.recv_from(&mut packet)?;
+        let (length, from) = server.socket.recv_from(&mut packet).map_err(system(at))?;
         let packet = packet.get(..length).unwrap_or_default();
-        match server.there.carry(length) {
-            Fate::Lost => {}
-            Fate::Doubled => {
-                server.take(packet, from)?;
-                server.take(packet, from)?;
-            }
-            Fate::Cut(length) => server.take(packet.get(..length).unwrap_or_default(), from)?,
-            Fate::Delivered | Fate::Late => server.take(packet, from)?,
+        for length in server.there.carry(length).arrivals(length) {
+            let packet = packet.get(..length).unwrap_or_default();
+            server.take(packet, from).map_err(system("record"))?;
         }
     }
 }
@@ -197,24 +224,24 @@ impl Server<'_> {
         }
         let answer = answer.get(..length).unwrap_or_default();
         let late = self.late.take();
-        match self.back.carry(length) {
-            Fate::Lost => {}
-            Fate::Late => self.late = Some(answer.to_owned()),
-            Fate::Doubled => {
-                self.socket.send_to(answer, from)?;
-                self.socket.send_to(answer, from)?;
-            }
-            Fate::Cut(length) => {
-                self.socket.send_to(answer.get(..length).unwrap_or_default(), from)?;
-            }
-            Fate::Delivered => {
-                self.socket.send_to(answer, from)?;
-            }
+        let fate = self.back.carry(length);
+        for length in fate.arrivals(length) {
+            self.send(answer.get(..length).unwrap_or_default(), from);
+        }
+        if fate == Fate::Late {
+            self.late = Some(answer.to_owned());
         }
         if let Some(late) = late {
-            self.socket.send_to(&late, from)?;
+            self.send(&late, from);
         }
         Ok(())
+    }
+
+    /// Sends an answer. One that does not go out is lost, as on a cable.
+    fn send(&self, answer: &[u8], to: SocketAddr) {
+        if let Err(error) = self.socket.send_to(answer, to) {
+            say(&format!("{to}: {error}"));
+        }
     }
 
     fn pass_time(&mut self, is_cycle: bool) {

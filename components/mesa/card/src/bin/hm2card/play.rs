@@ -17,6 +17,7 @@
 use hal_card::Card;
 
 /// Play with the cycles that are over.
+#[derive(Default)]
 pub(crate) struct Play {
     scenes: Vec<(u64, Scene)>,
     turns: Vec<(Shaft, i64)>,
@@ -97,8 +98,9 @@ impl Play {
                 Scene::Lose(loss) => self.losses.push(loss),
                 Scene::Probe(encoder, level) => card.set_probe(encoder, level),
                 Scene::Remote(port, channel, name, value) => {
-                    if let Some(remote) = card.remote_mut(port, channel) {
-                        remote.set(&name, value);
+                    let remote = card.remote_mut(port, channel);
+                    if !remote.is_some_and(|remote| remote.set(&name, value)) {
+                        crate::say(&format!("no remote {port}.{channel} with {name}"));
                     }
                 }
                 Scene::Cut(port, channel, is_cut) => card.cut(port, channel, is_cut),
