@@ -5,6 +5,7 @@ mod listing;
 mod losses;
 mod names;
 mod noise;
+mod reasons;
 mod remotes;
 mod serial;
 

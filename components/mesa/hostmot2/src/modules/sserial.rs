@@ -13,16 +13,15 @@ mod settings;
 mod talk;
 
 pub(crate) use self::{
-    describe::{Description, Element, Flow, Form},
-    talk::{Addresses, RemoteMemory, Talk},
+    describe::{BadRemote, Description, Element, Flow, Form},
+    talk::{Addresses, BadPort, RemoteMemory, Talk},
 };
 
 use self::{
-    describe::BadRemote,
     halves::{Incoming, Incomings, Inputs, Ports},
     parts::{Exchanged, PortPins, Remote, Seen, Texts},
     port::{Port, PortState},
-    talk::{Answered, BadPort, CHANNELS},
+    talk::{Answered, CHANNELS},
 };
 use crate::{
     config::ChannelUse,
