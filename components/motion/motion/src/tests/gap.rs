@@ -74,6 +74,22 @@ fn a_joint_that_moved_is_unhomed_unless_a_sensor_measures_it() {
     }
 }
 
+/// A joint that rests loses a volatile home with the power alone, and one that was not homed has none to lose.
+#[test]
+fn only_homed_joints_that_moved_are_said_to_have_moved() {
+    let mut rig = Rig::homed(&[]);
+    rig.say("motion.configure joint=1 volatile-home=1");
+    rig.say("motion.unhome joint=0");
+    rig.say("motion.jog joint=0 velocity=20");
+    rig.cycles(200);
+    assert_eq!(rig.which(&HOMED), HOMED[1..]);
+    stops(&mut rig, "a joint without a home");
+    assert_eq!(
+        (rig.which(&HOMED), rig.bench.said()),
+        (HOMED[2..].to_vec(), vec![CAUSE.to_owned()])
+    );
+}
+
 #[test]
 fn a_gap_of_a_machine_at_rest_unhomes_nothing_and_one_that_is_off_only_refuses_old_orders() {
     let mut rig = Rig::homed(&[]);
