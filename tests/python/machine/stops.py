@@ -7,7 +7,8 @@ import linuxcnc
 channel = _machine.Channel()
 motion = _machine.Page(channel, "motion.status")
 command = linuxcnc.command()
-errors = []
+stat = linuxcnc.stat()
+states = {linuxcnc.STATE_ESTOP: "e-stop", linuxcnc.STATE_ESTOP_RESET: "off", linuxcnc.STATE_ON: "on"}
 
 
 def until(is_so):
@@ -52,10 +53,14 @@ for name, stop in [
     assert done()
     until(lambda: motion["velocity"] == 0.0)
     print(name, "rests", rests(), "on", motion["enabled"], "e-stop", motion["estop"], "queue", motion["queue"])
+    stat.poll()
+    print(states[stat.task_state], bool(stat.estop), stat.task_mode == linuxcnc.MODE_MANUAL, stat.paused,
+          stat.interp_state == linuxcnc.INTERP_IDLE, stat.wait, stat.feedrate, repr(stat.file), len(stat.position))
 command.auto(linuxcnc.AUTO_RESUME)
 assert done()
 until(lambda: motion["velocity"] > 2.9)
 print("resumed")
 command.auto(linuxcnc.AUTO_RUN)
 print(command.wait_complete(), linuxcnc._messages.own[-1][1])
+print(linuxcnc.error_channel().poll()[0] == linuxcnc.OPERATOR_ERROR)
 command.abort()

@@ -300,11 +300,16 @@ fn a_program_of_a_machine_without_a_task_gets_an_error_when_the_scripts_have_end
 /// Output of the script `machine/stops.py`.
 const STOPS: &str = "\
 estop rests True on False e-stop True queue 0
+e-stop True True False True nothing 1.0 '' 9
 off rests True on False e-stop False queue 0
+off False True False True nothing 1.0 '' 9
 abort rests True on True e-stop False queue 0
+on False True False True nothing 1.0 '' 9
 pause rests True on True e-stop False queue 1
+on False True True True pause 1.0 '' 9
 resumed
 3 programs need a task, and this machine has none: loadrt task
+True
 ";
 
 #[test]

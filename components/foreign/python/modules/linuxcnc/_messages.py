@@ -3,7 +3,7 @@
 import _machine
 
 from ._constants import OPERATOR_DISPLAY, OPERATOR_ERROR
-from ._pages import Blank, page
+from ._pages import Blank, page, task_page
 
 #: Messages of this program: refused commands, and what it has the operator told.
 own = []
@@ -69,7 +69,7 @@ class error_channel:
             self._channel = _machine.Channel()
         # Of a task that is not there yet, no message is old.
         was_blank = isinstance(self._page, Blank)
-        self._page = page(self._channel, "task.status")
+        self._page = task_page(self._channel, page(self._channel, "motion.status"))
         self._seen = 0 if was_blank else self._page["messages"]
 
     def poll(self):

@@ -1,7 +1,7 @@
 """Snapshots of a machine that starts.
 
-Until its components are loaded, it is in e-stop and all numbers are zero. Once its scripts have ended, a component that is
-missing is an error.
+Until its components are loaded, it is in e-stop and all numbers are zero. Once its scripts have ended, missing motion is an
+error; a machine without a task has the state that motion knows.
 """
 
 import os
@@ -64,6 +64,43 @@ class Blank:
 
     def poll(self):
         """Nothing has been written."""
+
+
+#: Fields of the task that motion knows where there is no task.
+_FROM_MOTION = {
+    "feed_override": lambda m: m["feed_override"],
+    "rapid_override": lambda m: m["rapid_override"],
+    "state": lambda m: 2 if m["enabled"] else 0 if m["estop"] else 1,
+    "tool_offset": lambda m: m["tool_offset"],
+    "wait": lambda m: m["wait"],
+    "wait_ends": lambda m: m["wait_ends"],
+    "wait_number": lambda m: m["wait_number"],
+    "wait_since": lambda m: m["wait_since_ns"] * 1e-9,
+}
+
+
+class WithoutTask(Blank):
+    """The state of a machine without a task, as far as motion knows it: manual mode, no program, no G-code."""
+
+    def __init__(self, motion):
+        super().__init__("task.status")
+        self._motion = motion
+
+    def __getitem__(self, name):
+        read = _FROM_MOTION.get(name)
+        return read(self._motion) if read else self._fields[name]
+
+    text = __getitem__
+
+
+def task_page(channel, motion):
+    """Returns the snapshot of the task; on a machine that has motion alone, what motion knows of it."""
+    try:
+        return page(channel, "task.status")
+    except _machine.error:
+        if isinstance(motion, Blank):
+            raise
+        return WithoutTask(motion)
 
 
 def page(channel, name):

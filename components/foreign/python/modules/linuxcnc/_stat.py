@@ -4,7 +4,7 @@ import _machine
 
 from ._constants import *
 from ._files import LETTERS, Facts, ini_file
-from ._pages import Blank, page
+from ._pages import Blank, page, task_page
 
 _TASK_STATES = (STATE_ESTOP, STATE_ESTOP_RESET, STATE_ON)
 _MODES = (MODE_MANUAL, MODE_AUTO, MODE_MDI)
@@ -265,7 +265,8 @@ class stat:
     def _open(self):
         if self._channel is None:
             self._channel = _machine.Channel()
-        pages = page(self._channel, "motion.status"), page(self._channel, "task.status")
+        motion = page(self._channel, "motion.status")
+        pages = motion, task_page(self._channel, motion)
         if self._pages is None:
             self._facts = Facts(ini_file(self._channel))
         self._pages = pages
