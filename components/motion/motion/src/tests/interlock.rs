@@ -2,7 +2,7 @@
 
 use super::{PERIOD, Rig, near};
 use hal_bench::Bench;
-use hal_component::abi::TicketState;
+use hal_component::{MotionStatus, abi::TicketState};
 use toolchange::Iocontrol;
 use trivkins::Trivkins;
 
@@ -161,6 +161,29 @@ fn the_controller_declares_what_it_reads_of_iocontrol() {
     let reads = touches(&rig.bench, "motion-controller");
     assert_eq!(reads, ["iocontrol.0.emc-enable-in r"]);
     assert_eq!(touches(&rig.bench, "motion-command-handler"), [""; 0]);
+}
+
+/// The panel and programs read the e-stop from the record, and whether there is one.
+#[test]
+fn the_record_tells_an_estop_from_lost_hardware() {
+    let status = |rig: &mut Rig| -> (bool, bool) {
+        rig.cycle();
+        let status: MotionStatus = rig.bench.snapshot("motion.status");
+        (status.interlock, status.estop)
+    };
+    let mut rig = Rig::machine();
+    assert_eq!(status(&mut rig), (true, true), "it begins in e-stop");
+    rig.release();
+    assert_eq!(status(&mut rig), (true, false));
+    rig.bench.fail_hardware(true);
+    assert_eq!(status(&mut rig), (true, false), "lost hardware is no e-stop");
+    rig.bench.set("iocontrol.0.emc-enable-in", false);
+    assert_eq!(status(&mut rig), (true, true));
+    rig.bench.set("iocontrol.0.emc-enable-in", true);
+    rig.say("iocontrol.estop");
+    assert_eq!(status(&mut rig), (true, true));
+    let mut rig = Rig::off(&[]);
+    assert_eq!(status(&mut rig), (false, false), "a script without an interlock");
 }
 
 #[test]

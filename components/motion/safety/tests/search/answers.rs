@@ -2,7 +2,8 @@
 //! lease.
 use crate::mutants::IDLE;
 use hal_safety::{
-    Answer, Event, Mode, OrderKind, OrderSource, Reaction, Refused, SafetyMachine, Stop, Trouble,
+    Answer, Event, Facts, Mode, OrderKind, OrderSource, Reaction, Refused, SafetyMachine, Stop,
+    Trouble,
     lease::{Desk, Job, OnLoss, Work},
 };
 
@@ -25,6 +26,28 @@ fn power_is_given_once() {
     assert!(!ordered(&mut machine, OrderKind::Enable).powers, "it is on");
     assert_eq!(machine.on(Event::Off, &IDLE).stop, Stop::Drop);
     assert!(ordered(&mut machine, OrderKind::Enable).powers);
+}
+
+#[test]
+fn a_machine_that_is_off_has_nothing_to_drop_but_volatile_homes() {
+    let facts = Facts { volatile: 0b101, ..IDLE };
+    let answer = { SafetyMachine::OFF }.on(Event::Off, &facts);
+    assert_eq!((answer.stop, answer.unhome), (Stop::None, 0b101));
+    let answer = on(Mode::Free).on(Event::Off, &facts);
+    assert_eq!((answer.stop, answer.unhome), (Stop::Drop, 0b101));
+}
+
+#[test]
+fn a_probe_that_closes_ends_homing_or_jogs() {
+    for (homes, jogs, stop) in [
+        (false, false, Stop::None),
+        (false, true, Stop::Jogs),
+        (true, false, Stop::Homing),
+        (true, true, Stop::Homing),
+    ] {
+        let facts = Facts { homes, jogs, ..IDLE };
+        assert_eq!(on(Mode::Free).on(Event::Probe, &facts).stop, stop, "{homes} {jogs}");
+    }
 }
 
 #[test]

@@ -120,3 +120,22 @@ fn the_effects_of_a_lost_lease_have_names() {
     }
     assert_eq!(OnLoss::named("stop"), None);
 }
+
+#[test]
+fn wiring_that_forbids_motion_ends_a_lease_and_a_job_once() {
+    // (allowed before, allowed, number, job, ends)
+    let rows = [
+        (true, false, 1, false, true),
+        (true, false, 0, true, true),
+        (true, false, 1, true, true),
+        (true, false, 0, false, false),
+        (false, false, 1, true, false),
+        (false, true, 1, true, false),
+        (true, true, 1, true, false),
+    ];
+    for (before, allowed, number, job, ends) in rows {
+        let mut judge = Judge { allowed: before, ..Judge::default() };
+        assert_eq!(judge.forbids(allowed, number, job), ends, "{before} {allowed} {number} {job}");
+        assert_eq!(judge.allowed, allowed);
+    }
+}
