@@ -39,16 +39,28 @@ impl Device {
     }
 
     /// Opens the real register.
-    pub(crate) fn open(&self) -> Result<(), String> {
+    pub(crate) fn open(&self) -> Result<(), Closed> {
         if let Self::Real(slot) = self {
-            let ports = OpenOptions::new().read(true).write(true).open(PORTS);
-            let ports = ports.map_err(|e| format!("{PORTS}: {e}"))?;
+            let ports = OpenOptions::new().read(true).write(true).open(PORTS).map_err(Closed)?;
             // A second opening keeps the first.
             drop(slot.set(ports));
         }
         Ok(())
     }
 }
+
+/// Error of a register that cannot be opened.
+#[derive(Debug)]
+pub(crate) struct Closed(std::io::Error);
+
+impl core::fmt::Display for Closed {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self(why) = self;
+        write!(f, "{PORTS}: {why}: only root opens it; or run with --simulate")
+    }
+}
+
+impl core::error::Error for Closed {}
 
 impl Access for Device {
     fn read(&self, address: u16) -> Result<u8, Lost> {

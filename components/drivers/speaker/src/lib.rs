@@ -68,7 +68,7 @@ getp speaker.sim.0061 # -> 0
         };
         b.function("speaker.0.write", "Clicks if a bit has changed.", write)?;
         let opened = device.clone();
-        b.on_open(move |_| opened.open().map_err(Error::new))?;
+        b.on_open(move |_| opened.open().map_err(|why| Error::new(why.to_string())))?;
         b.on_stop(move || {
             // A lost register cannot be released; the write function reports it.
             let _ = release(&device);
