@@ -5,7 +5,7 @@ use super::{
     data::{Machine, Motion, machines},
     judge,
     motion::{self, Moving},
-    rig::Rig,
+    rig::{Frame, Rig},
 };
 use rustix::process::Signal;
 use std::process::Command;
@@ -14,6 +14,10 @@ use std::process::Command;
 const STANDS: &str = "2";
 /// Shortest gap in machine time, in nanoseconds.
 const GAP_NS: i64 = 1_000_000_000;
+/// Longest period of a base thread in seconds, and as long for the servo thread's own functions.
+const BASE_S: f64 = 2.0 * 100e-6;
+/// Time after which a card's watchdog bites, in nanoseconds: less than the process stands still.
+const WATCHDOG_NS: &str = "300000000";
 /// Cycles that are watched behind it.
 const WATCHED: usize = 300;
 
@@ -25,10 +29,37 @@ fn pass(seconds: &str) {
 /// Begins a motion of a machine that is ready.
 fn begin(machine: &Machine, motion: Motion) -> Result<(Rig, Moving), String> {
     let mut rig = Rig::real(machine);
+    // A busy computer wakes a thread late by more than a card's watchdog waits.
+    rig.set_all("*.watchdog.timeout_ns", WATCHDOG_NS);
     cell::ready(&mut rig)?;
     let moving = motion::begin(&mut rig, motion, false)?;
     rig.forget();
     Ok((rig, moving))
+}
+
+/// Judges a machine that stood still: it is off in the first cycle behind that, and nothing is commanded any more.
+fn judge_gap(moving: &Moving, frames: &[Frame]) -> Result<(), String> {
+    let gap = frames.windows(2).position(|pair| GAP_NS < pair[1].ns - pair[0].ns);
+    let gap = gap.ok_or("there is no gap in the cycles")?;
+    // The first cycle that runs is the one that was due when the process stood still, at its own time; or the next one.
+    let off = (gap..=gap + 1).find(|n| frames.get(*n).is_some_and(|f| !f.on));
+    let off = off.ok_or("the machine is not off in the first cycle")?;
+    if let Some(n) = frames[off..].iter().position(|f| f.on || f.amplified) {
+        return Err(format!("an amplifier is on {n} cycles behind the gap"));
+    }
+    // Commands follow the motors while the machine is off. A step generator of the base thread makes its steps until the end of
+    // this cycle takes its speed away.
+    let Some((first, later)) = frames[off..].split_first() else { return Ok(()) };
+    let Some((last, _)) = later.split_first() else { return Ok(()) };
+    let ways = first.motors.iter().zip(&last.motors).map(|(a, b)| (a - b).abs());
+    let way = ways.fold(0.0, f64::max);
+    if moving.speed * BASE_S < way {
+        return Err(format!("the motors move by {way} behind the gap"));
+    }
+    match later.iter().position(|frame| frame.motors != last.motors) {
+        Some(n) => Err(format!("motor commands change {n} cycles behind the gap")),
+        None => Ok(()),
+    }
 }
 
 /// The process stands still for two seconds in the middle of a motion, and goes on: the machine is off in the first cycle.
@@ -38,9 +69,13 @@ fn stopped(machine: &Machine, motion: Motion) -> Result<(), String> {
     pass(STANDS);
     rig.running.signal(Signal::CONT);
     rig.run(WATCHED);
-    let gap = rig.seen.windows(2).position(|pair| GAP_NS < pair[1].ns - pair[0].ns);
-    let gap = gap.ok_or("there is no gap in the cycles")?;
-    judge::off(&moving, &rig.seen[gap..], 1)?;
+    judge_gap(&moving, &rig.seen)?;
+    // A card's watchdog has bitten meanwhile, and those of its remotes: a person has looked.
+    rig.set_all("*.watchdog.has_bit", "FALSE");
+    for run in ["FALSE", "TRUE"] {
+        rig.set_all("*.sserial.port-*.run", run);
+        rig.run(WATCHED);
+    }
     rig.forget();
     cell::switch_on(&mut rig)?;
     rig.run(WATCHED);

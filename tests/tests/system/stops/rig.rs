@@ -255,6 +255,26 @@ impl Rig {
         inputs.map(|i| i.name).collect()
     }
 
+    /// Sets the pins and parameters that fit a pattern, or the signals that they are linked to.
+    pub(super) fn set_all(&mut self, pattern: &str, value: &str) {
+        let mut list = |kind| {
+            let patterns = vec![pattern.to_owned()];
+            match self.client.call(Request::List { kind, patterns, ty: None }) {
+                Ok(Reply::Items(items)) => items,
+                other => panic!("{other:?}"),
+            }
+        };
+        let items = [list(Kind::Pins), list(Kind::Params)];
+        for item in items.into_iter().flatten() {
+            let value = value.to_owned();
+            let set = match item.signal {
+                Some(name) => Request::SetSignal { name, value },
+                None => Request::Set { name: item.name, value },
+            };
+            self.client.call(set).unwrap_or_else(|e| panic!("{pattern}: {e}"));
+        }
+    }
+
     /// Gives a pin another value, whatever it is linked to.
     pub(super) fn force(&mut self, pin: &str, value: Option<&str>) -> Result<(), String> {
         // A machine whose INI file is of the old style has the names of its joints from axes.
