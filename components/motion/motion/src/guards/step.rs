@@ -210,6 +210,24 @@ mod tests {
         }
     }
 
+    /// Each of the four numbers of a step may be rounded.
+    #[test]
+    fn the_tolerance_grows_with_each_number_and_a_jump_names_the_joints_own_places() {
+        for (offset, correction) in [(1e7, 1e7), (-1e7, 1e7), (1e7, -1e7)] {
+            let mut guard = StepGuard::default();
+            let start = MotorCommand { position: 1e7, feedback: 1e7, offset, correction, ..ON };
+            assert!(passes(&mut guard, MotorCommand { is_on: false, ..start }));
+            assert!(passes(&mut guard, start));
+            // A millionth of 0.1, and 1e-13 of four times 1e7.
+            let within = MotorCommand { position: 1e7 + 0.1 + 3.8e-6, ..start };
+            assert!(guard.judge(&within, DT).is_ok());
+            let beyond = MotorCommand { position: 1e7 + 0.1 + 4.4e-6, ..start };
+            let jump = guard.judge(&beyond, DT).unwrap_err();
+            assert_eq!(jump.from, 1e7 - correction - offset);
+            assert_eq!(jump.to, beyond.position - correction - offset);
+        }
+    }
+
     #[test]
     fn while_the_amplifier_is_off_everything_finite_passes() {
         let mut guard = StepGuard::default();
