@@ -2,8 +2,8 @@
 //! lease.
 use crate::mutants::IDLE;
 use hal_safety::{
-    Answer, Event, Facts, Mode, OrderKind, OrderSource, Reaction, Refused, SafetyMachine, Stop,
-    Trouble,
+    Answer, Event, Facts, Jog, Mode, OrderKind, OrderSource, Reaction, Refused, SafetyMachine,
+    Shift, Stop, Trouble,
     lease::{Desk, Job, OnLoss, Work},
 };
 
@@ -92,4 +92,103 @@ fn a_job_that_was_announced_and_refused_is_none() {
     let work = Work { moves: true, job: true, ..Work::default() };
     assert!(!desk.follow(10, work));
     assert_eq!((desk.refuse(), desk.job), (false, Job::Runs));
+}
+
+#[test]
+fn what_was_unseen_raises_the_epoch_and_what_stops_a_spindle_rests_the_path() {
+    for mut machine in [SafetyMachine::OFF, on(Mode::Free)] {
+        assert!(machine.clone().on(Event::Cut, &IDLE).raises);
+        // Joint 0 moved and is volatile, joint 1 moved, joint 2 moved and is measured, joint 3 rested.
+        let facts = Facts { moving: 0b0111, open_loop: 0b1011, volatile: 0b0001, ..IDLE };
+        let answer = machine.on(Event::Gap, &facts);
+        assert_eq!((answer.raises, answer.unhome, machine.is_on()), (true, 0b0011, false));
+    }
+    let answer = on(Mode::Coord).on(Event::SpindleStopped, &IDLE);
+    assert_eq!((answer.stop, answer.pauses), (Stop::Path, true));
+}
+
+#[test]
+fn the_mode_shifts_once() {
+    let mut machine = on(Mode::Free);
+    assert_eq!(machine.on(Event::Back, &IDLE).shift, Shift::To(Mode::Coord));
+    assert_eq!(machine.on(Event::Back, &IDLE).shift, Shift::Stay);
+    assert_eq!(machine.on(Event::NoPlace, &IDLE).shift, Shift::To(Mode::Free));
+    assert_eq!(machine.mode(), Mode::Free);
+}
+
+#[test]
+fn a_home_is_given_up_only_by_joints_that_can_and_at_rest() {
+    let order = |facts: &Facts| {
+        let order = Event::Order(OrderKind::Unhome, OrderSource::Local, facts.epoch);
+        on(Mode::Free).on(order, facts).refused
+    };
+    assert_eq!(order(&IDLE), None);
+    assert_eq!(order(&Facts { target: false, ..IDLE }), Some(Refused::Target));
+    assert_eq!(order(&Facts { path: true, ..IDLE }), Some(Refused::UnhomeMoves));
+    assert_eq!(order(&Facts { homes: true, ..IDLE }), Some(Refused::UnhomeMoves));
+}
+
+#[test]
+fn of_two_sources_only_one_moves_the_machine_and_a_local_one_ends_the_remote_one() {
+    use OrderSource::{Local, Remote, Task};
+    let jog = OrderKind::Jog(Jog::Joint);
+    let moves = Facts { jogs: true, ..IDLE };
+    // A path of the first source rests in a pause, and it jogs beside it.
+    let beside = Facts { path: true, jogs: true, rests_on_path: true, ..IDLE };
+    // (facts, who moves, who orders, refusal, stop)
+    let rows = [
+        (&moves, Local, Local, None, Stop::None),
+        (&moves, Local, Remote, Some(Refused::Local), Stop::None),
+        (&moves, Local, Task, Some(Refused::Local), Stop::None),
+        (&moves, Remote, Remote, None, Stop::None),
+        (&moves, Remote, Local, Some(Refused::Ended), Stop::Motion),
+        (&moves, Remote, Task, Some(Refused::Remote), Stop::None),
+        (&moves, Task, Task, None, Stop::None),
+        (&moves, Task, Local, Some(Refused::Program), Stop::None),
+        (&moves, Task, Remote, Some(Refused::Program), Stop::None),
+        (&beside, Remote, Local, Some(Refused::Ended), Stop::Jogs),
+        (&beside, Local, Remote, Some(Refused::Local), Stop::None),
+    ];
+    for (facts, mover, other, refused, stop) in rows {
+        let mut machine = on(Mode::Free);
+        let first = Facts { jogs: false, ..*facts };
+        let begun = machine.on(Event::Order(jog, mover, IDLE.epoch), &first);
+        assert_eq!(begun.refused, None, "{mover:?}");
+        let answer = machine.on(Event::Order(jog, other, IDLE.epoch), facts);
+        assert_eq!((answer.refused, answer.stop), (refused, stop), "{mover:?} {other:?}");
+    }
+}
+
+#[test]
+fn each_refusal_has_words_of_its_own() {
+    let all = [
+        Refused::Stale,
+        Refused::Stops,
+        Refused::EnableInput,
+        Refused::NoJoint,
+        Refused::Program,
+        Refused::Local,
+        Refused::Remote,
+        Refused::Ended,
+        Refused::JogOff,
+        Refused::JogInhibit,
+        Refused::JogHoming,
+        Refused::JogReturns,
+        Refused::HomeOff,
+        Refused::HomingInhibit,
+        Refused::Homing,
+        Refused::MoveOff,
+        Refused::SpindleOff,
+        Refused::PathPaused,
+        Refused::ModeMoves,
+        Refused::UnhomeMoves,
+        Refused::Away,
+        Refused::NoPath,
+        Refused::ResumeJogs,
+    ];
+    let mut texts: Vec<_> = all.iter().map(|refused| refused.text()).collect();
+    assert!(texts.iter().all(|text| text.len() > 15), "{texts:?}");
+    texts.sort_unstable();
+    texts.dedup();
+    assert_eq!(texts.len(), all.len());
 }
