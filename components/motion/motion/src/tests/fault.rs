@@ -147,6 +147,23 @@ fn the_machine_stays_off_while_the_cause_lasts() {
     }
 }
 
+/// The wire of several switches is cut: all causes come in one cycle.
+#[test]
+fn several_causes_of_a_joint_at_once_switch_off_as_well() {
+    let pins = ["joint.0.pos-lim-sw-in", "joint.0.neg-lim-sw-in", "joint.0.amp-fault-in"];
+    for causes in 1..8_u32 {
+        let mut rig = Rig::homed(&[]);
+        rig.say("motion.jog joint=0 velocity=20 position=100");
+        rig.cycles(20);
+        for (n, pin) in pins.iter().enumerate() {
+            rig.bench.set(pin, causes >> n & 1 == 1);
+        }
+        rig.strict = false;
+        rig.cycle();
+        assert_eq!(rig.which(&AMPS), [""; 0], "{causes:03b}");
+    }
+}
+
 #[test]
 fn off_a_switch_with_limits_overridden() {
     let mut rig = Rig::homed(&[]);

@@ -74,6 +74,25 @@ fn a_jog_ramps_as_the_closed_form_says() {
     }
 }
 
+/// While it brakes because of a following error, an amplifier fails.
+#[test]
+fn a_fault_of_an_amplifier_ends_a_ramp_at_once() {
+    let mut rig = rig();
+    rig.say("motion.jog joint=0 velocity=45 distance=150");
+    rig.cycles(200);
+    rig.strict = false;
+    rig.stuck[0] = true;
+    while !rig.is("joint.0.f-errored") {
+        rig.cycle();
+    }
+    rig.cycle();
+    assert!(rig.is("motion.motion-enabled"), "it brakes");
+    rig.bench.set("joint.0.amp-fault-in", true);
+    rig.cycle();
+    assert!(!rig.is("motion.motion-enabled") && !rig.is("joint.0.amp-enable-out"));
+    assert_eq!(stops(&rig), [FERROR, "joint amplifier fault"]);
+}
+
 #[test]
 fn spindles_stop_and_orders_are_refused_as_a_ramp_begins() {
     let mut rig = rig();
