@@ -189,10 +189,16 @@ fn lag(rig: &mut Rig, by: f64) {
 
 #[test]
 fn a_following_error_ramps_below_twice_its_limit_and_drops_at_it() {
-    for (later, drops) in [(1.9, false), (2.0, true), (f64::NAN, true)] {
+    // In parts of the limit.
+    let rows = [(1.9, false), (2.0, true), (f64::NAN, true)];
+    for (limit, (later, drops)) in
+        [1.0, 0.5, 3.0].into_iter().flat_map(|l| rows.map(|row| (l, row)))
+    {
         let mut rig = rig();
+        rig.say(&format!("motion.configure joint=0 ferror={limit} min-ferror={limit}"));
         rig.say("motion.jog joint=0 velocity=45 distance=150");
         rig.cycles(200);
+        let lag = |rig: &mut Rig, parts: f64| lag(rig, parts * limit);
         lag(&mut rig, 1.5);
         rig.cycle();
         assert!(rig.is("motion.motion-enabled") && rig.is("joint.0.error"), "{later}");
