@@ -241,6 +241,7 @@ fn unsafe_has_an_address() {
         let compat = at.starts_with("components/foreign/compat/");
         let driver = [
             "components/drivers/gpio/",
+            "components/drivers/input/",
             "components/drivers/parport/",
             "components/drivers/viagpio/",
         ]

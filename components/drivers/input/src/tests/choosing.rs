@@ -1,0 +1,161 @@
+//! Specifications of devices, and refusals.
+
+use super::fake::{FakeBus, known, try_load};
+use crate::{
+    bus::{Bus, FoundDevice, FoundDevices, Identity, InputDevice},
+    described::parse,
+    hal_input::HalInput,
+    refused::Refused,
+    spec::DeviceSpec,
+};
+use hal_bench::Bench;
+use port::Lost;
+
+fn devices() -> Vec<FoundDevice> {
+    [
+        (0, "AT Keyboard", "isa0060/serio0/input0", [0x11, 1, 1, 0xab41]),
+        (1, "Logitech Gamepad F310", "usb-1/input0", [3, 0x46d, 0xc216, 0x110]),
+        (2, "Logitech Mouse", "usb-2/input0", [3, 0x46d, 0xc077, 0x111]),
+        (3, "Logitech Mouse", "usb-3/input1", [3, 0x46d, 0xc077, 0x111]),
+        (10, "Big mouse", "usb-4/input1", [5, 0x46d, 0xc077, 0x111]),
+    ]
+    .into_iter()
+    .map(|(number, name, phys, [bus, vendor, product, version])| {
+        let (name, phys) = (name.to_owned(), phys.to_owned());
+        FoundDevice { number, identity: Identity { bus, vendor, product, version, name, phys } }
+    })
+    .collect()
+}
+
+/// The rows above the empty one were measured on LinuxCNC's.
+const CHOICES: &[(&str, Option<u32>)] = &[
+    ("Mouse", Some(2)),
+    ("mouse", Some(10)),
+    ("Mouse:1", Some(3)),
+    ("Mouse:0", Some(2)),
+    ("Logitech*", Some(1)),
+    ("*Gamepad*", Some(1)),
+    ("Vendor=046d", Some(1)),
+    ("Vendor=046d Product=c216", Some(1)),
+    ("usb-3", Some(3)),
+    ("nothing", None),
+    ("Mouse:5", None),
+    ("Vendor=46d", None),
+    ("Version=ab41", Some(0)),
+    ("AT*board", Some(0)),
+    ("AT", Some(0)),
+    ("Mouse:1:1", None),
+    ("usb-3/input1:0", Some(3)),
+    ("Vendor=046D", None),
+    ("", None),
+    // Its manual has these.
+    ("serio*/input0", Some(0)),
+    ("3", Some(3)),
+    ("10", Some(10)),
+    ("7", None),
+    ("+Mouse:1", Some(3)),
+    ("-KRAL +Mouse", Some(2)),
+    ("-L  AT Keyboard ", Some(0)),
+    ("046d:c077", Some(2)),
+    ("046d:c077:1", Some(3)),
+    ("0005:046d:c077", Some(10)),
+    ("0004:046d:c077", None),
+    ("Bus=0005", Some(10)),
+    ("?ouse", Some(2)),
+    ("Log*F3?0", Some(1)),
+    ("*:1", Some(1)),
+    ("Mouse:99999999999999999999", None),
+];
+
+#[test]
+fn specifications_choose_devices() {
+    let devices = devices();
+    for (text, want) in CHOICES.iter().filter(|row| !row.0.is_empty()) {
+        let spec = DeviceSpec::parse(text).unwrap();
+        let found = spec.find(&devices).map(|device| device.number);
+        assert_eq!(found, *want, "{text}");
+        assert_eq!(spec.is_exclusive, text.contains('+'), "{text}");
+    }
+}
+
+const LETTERS: &str = "expected letters of K for keys and buttons, R and A for relative and absolute axes, and L \
+                       for lights, such as -KRAL Gamepad";
+
+#[test]
+fn bad_arguments() {
+    let many = format!("devices={}", ["X"; 17].join(","));
+    for (args, said) in [
+        (vec![], "no device: expected devices= with a part of its name, such as devices=Gamepad"),
+        (
+            vec!["devices=-KRAL"],
+            "devices= has '-KRAL' without a device: expected a part of its name",
+        ),
+        (vec!["devices=X,-K +"], "devices= has '-K +' without a device"),
+        (vec!["devices=-X Gamepad"], LETTERS),
+        (vec!["devices=- Gamepad"], LETTERS),
+        (vec!["devices=-kral Gamepad"], LETTERS),
+        (vec![&many], "at most 16"),
+    ] {
+        let error = Bench::new().load::<HalInput>(&args).unwrap_err();
+        assert!(error.contains(said), "{args:?}: {error}");
+    }
+}
+
+#[test]
+fn a_missing_device_is_named_with_those_that_are_there() {
+    let bus = FakeBus::default();
+    let said = try_load(&bus, &["Gamepad"]).err().unwrap();
+    let want = "no input device matches 'Gamepad': /dev/input has no device; is it plugged in?; or run with --simulate";
+    assert_eq!(said, want);
+    bus.plug(0, known("keyboard"));
+    bus.plug(3, known("Mouse"));
+    let said = try_load(&bus, &["keyboard", "-KRAL Gamepad:1"]).err().unwrap();
+    let want = "no input device matches '-KRAL Gamepad:1'; there are: 'AT Translated Set 2 keyboard' \
+                (0001:0001, event0), 'Logitech USB Optical Mouse' (046d:c077, event3); or run with --simulate";
+    assert_eq!(said, want);
+    for at in 4..20 {
+        bus.plug(at, known("Mouse"));
+    }
+    let said = try_load(&bus, &["Gamepad"]).err().unwrap();
+    assert!(said.contains("event13), and 6 more; or run"), "{said}");
+    let there = FoundDevices { all: Vec::new(), forbidden: 2 };
+    let said = Refused::Missing { word: "X".to_owned(), there }.to_string();
+    let want = "no input device matches 'X'; 2 in /dev/input may not be opened: run as a user in group input \
+                (usermod -aG input NAME, then log in again); or run with --simulate";
+    assert_eq!(said, want);
+}
+
+#[test]
+fn a_device_that_does_not_answer_is_named() {
+    let bus = FakeBus::default();
+    bus.plug(0, known("Mouse"));
+    /// A bus whose devices cannot be opened.
+    struct Closed(FakeBus);
+    impl Bus for Closed {
+        fn devices(&self) -> FoundDevices {
+            self.0.devices()
+        }
+        fn open(&self, _: u32, _: bool) -> Result<Box<dyn InputDevice>, Lost> {
+            Err(Lost(16))
+        }
+    }
+    let closed = Closed(bus);
+    let name = closed.devices().all[0].identity.name.clone();
+    let lost = closed.open(0, true).err().unwrap();
+    let said = Refused::Broken { number: 0, name, lost }.to_string();
+    let want = "/dev/input/event0 ('Logitech USB Optical Mouse') cannot be used: the device does not answer (Device or \
+                resource busy (os error 16)); or run with --simulate";
+    assert_eq!(said, want);
+}
+
+#[test]
+fn the_known_devices_can_be_read() {
+    let text = include_str!("../devices.txt");
+    let all = parse(text).unwrap();
+    assert_eq!(all.len(), text.lines().filter(|line| line.starts_with("N:")).count());
+    for device in &all {
+        let has = &device.abilities;
+        assert!(!has.keys.is_empty() && !device.identity.name.is_empty(), "{device:?}");
+        assert!(has.abs.iter().all(|axis| axis.1.min < axis.1.max), "{device:?}");
+    }
+}

@@ -1,0 +1,233 @@
+//! Devices that are lost and come back.
+
+use super::{
+    events::is_down,
+    fake::{FakeBus, MS, load, step, try_load},
+};
+use crate::show::DEAD_NS;
+use hal_bench::Bench;
+
+/// Lets a second pass, in which lost devices are looked for.
+fn second(bench: &Bench) {
+    for _ in 0..4 {
+        bench.pass(250 * MS);
+        step(bench);
+    }
+}
+
+/// Returns the pins of the first X-Box pad: connected, fault, A, and two axes.
+fn shown(bench: &Bench) -> (bool, bool, bool, f64, f64) {
+    let get = |pin: &str| bench.get::<f64>(&format!("input.0.abs-{pin}-position"));
+    let bit = |pin: &str| bench.get::<bool>(&format!("input.0.{pin}"));
+    let a = is_down(bench, "input.0.btn-a");
+    (bit("connected"), bit("fault"), a, get("x"), get("hat0y"))
+}
+
+const REST: (bool, bool, bool, f64, f64) = (true, false, false, 0.0, 0.0);
+const LOST: (bool, bool, bool, f64, f64) = (false, true, false, 0.0, 0.0);
+
+/// Each way to lose a device, by the error number of its accesses; 0 takes the device away.
+#[test]
+fn a_lost_device_holds_nothing_in_the_next_cycle() {
+    for number in [0, 5, 19, 110] {
+        let (bus, bench) = load(&["X-Box"]);
+        bus.send(0, "btn-a 1, abs-x 32767, abs-hat0y -1");
+        step(&bench);
+        assert_eq!(shown(&bench), (true, false, true, 1.0, -1.0));
+        drop(bench.said());
+        if number == 0 {
+            bus.unplug(0);
+        } else {
+            bus.with(0, |device| device.fails = Some(number));
+        }
+        step(&bench);
+        assert_eq!(shown(&bench), LOST, "{number}");
+        assert_eq!(bench.get::<i32>("input.0.abs-x-counts"), 0);
+        second(&bench);
+        assert_eq!(shown(&bench), LOST, "{number}");
+        let said = bench.said();
+        assert_eq!(said.len(), 1, "{said:?}");
+        let text = "input.0: 'Microsoft X-Box 360 pad' does not answer, as if it were unplugged";
+        assert!(said[0].contains(text), "{said:?}");
+    }
+}
+
+#[test]
+fn what_is_held_when_a_device_comes_back_has_no_effect() {
+    let (bus, bench) = load(&["X-Box"]);
+    bus.send(0, "btn-a 1, abs-x 32767");
+    step(&bench);
+    let device = bus.unplug(0);
+    step(&bench);
+    // It comes back as it was held.
+    bus.plug(0, device);
+    step(&bench);
+    assert_eq!(shown(&bench), LOST, "the loss is seen for a while");
+    second(&bench);
+    assert_eq!(shown(&bench), REST);
+    for (events, want) in [
+        ("btn-a 2", REST),
+        ("abs-x 30000", REST),
+        ("btn-b 1", REST),
+        ("abs-x 3000", REST),
+        ("abs-x 2000", (true, false, false, 2000.5 / 32_767.5, 0.0)),
+        ("abs-x 32767", (true, false, false, 1.0, 0.0)),
+        ("btn-a 0", (true, false, false, 1.0, 0.0)),
+        ("btn-a 1", (true, false, true, 1.0, 0.0)),
+        ("btn-a 0, abs-x 0, abs-hat0y 1", (true, false, false, 0.0, 1.0)),
+    ] {
+        bus.send(0, events);
+        step(&bench);
+        assert_eq!(shown(&bench), want, "{events}");
+    }
+    assert!(is_down(&bench, "input.0.btn-b"), "it was pressed after the device came back");
+}
+
+/// A key that is down at the load has no effect; axes have their values.
+#[test]
+fn the_first_state() {
+    let bus = FakeBus::default();
+    let mut pad = super::fake::known("X-Box");
+    super::fake::hold(&mut pad.held, super::fake::event_of("btn-a 1"));
+    pad.held.abs[0] = -32_768;
+    bus.plug(0, pad);
+    let bench = try_load(&bus, &["X-Box"]).unwrap();
+    assert_eq!(shown(&bench), (false, false, false, 0.0, 0.0), "before the first cycle");
+    step(&bench);
+    assert_eq!(shown(&bench), (true, false, false, -1.0, 0.0));
+    bus.send(0, "btn-a 0 | btn-a 1");
+    step(&bench);
+    assert!(!is_down(&bench, "input.0.btn-a"), "no cycle has seen it released");
+    bus.send(0, "btn-a 0");
+    step(&bench);
+    bus.send(0, "btn-a 1");
+    step(&bench);
+    assert!(is_down(&bench, "input.0.btn-a"));
+}
+
+/// The loss and the return between two cycles of the function are seen, too.
+#[test]
+fn a_short_loss_is_a_loss() {
+    let (bus, bench) = load(&["X-Box"]);
+    bus.send(0, "btn-a 1");
+    step(&bench);
+    let device = bus.unplug(0);
+    bench.work("hal_input", 1).unwrap();
+    bus.plug(0, device);
+    bench.pass(500 * MS);
+    // The function was not called meanwhile; the worker's steps count as its life.
+    bench.work("hal_input", 1).unwrap();
+    bench.run("hal_input", MS);
+    assert_eq!(shown(&bench), REST);
+}
+
+#[test]
+fn wheels_keep_their_counts_and_rings_do_not() {
+    let (bus, bench) = load(&["PRO v2"]);
+    let counts = || {
+        let get = |pin: &str| bench.get::<i32>(&format!("input.0.rel-{pin}-counts"));
+        (get("dial"), get("wheel"))
+    };
+    bus.send(0, "rel-dial 10 | rel-dial 15, rel-wheel 4");
+    step(&bench);
+    assert_eq!(counts(), (5, 4));
+    let device = bus.unplug(0);
+    step(&bench);
+    assert_eq!(counts(), (5, 0));
+    bus.plug(0, device);
+    second(&bench);
+    for (events, want) in [
+        ("rel-dial 200, rel-wheel 4", (5, 0)),
+        ("rel-dial 201, rel-wheel 5", (6, 0)),
+        ("rel-dial 202, rel-wheel -1", (7, 0)),
+        ("rel-dial 202", (7, 0)),
+        ("rel-dial 202, rel-wheel 1", (7, 1)),
+    ] {
+        bus.send(0, events);
+        step(&bench);
+        assert_eq!(counts(), want, "{events}");
+    }
+}
+
+#[test]
+fn a_worker_that_does_not_work_is_a_loss_of_all_devices() {
+    let (bus, bench) = load(&["X-Box"]);
+    bus.send(0, "btn-a 1, abs-x 32767");
+    step(&bench);
+    drop(bench.said());
+    bench.pass(DEAD_NS - MS);
+    bench.run("hal_input", MS);
+    assert_eq!(shown(&bench), (true, false, true, 1.0, 0.0));
+    bench.pass(2 * MS);
+    bench.run("hal_input", MS);
+    assert_eq!(shown(&bench), LOST);
+    bench.run("hal_input", MS);
+    assert_eq!(bench.said().len(), 1);
+    step(&bench);
+    assert_eq!(shown(&bench), REST, "what is held has no effect");
+}
+
+#[test]
+fn a_required_device_switches_motion_off() {
+    let (bus, bench) = load(&["X-Box", "Mouse"]);
+    let device = bus.unplug(0);
+    step(&bench);
+    assert_eq!(bench.failed_hardware(), 0);
+    bench.set("input.0.required", true);
+    step(&bench);
+    assert_eq!(bench.failed_hardware(), 1);
+    bus.plug(0, device);
+    second(&bench);
+    assert_eq!(bench.failed_hardware(), 0);
+}
+
+/// Two devices of a make: each is found again where it was, and nowhere else.
+#[test]
+fn devices_of_one_make_do_not_take_each_others_place() {
+    let (bus, bench) = load(&["X-Box", "X-Box", "Mouse"]);
+    let connected = || [0, 1, 2].map(|n| bench.get::<bool>(&format!("input.{n}.connected")));
+    let first = bus.unplug(0);
+    let second_pad = bus.unplug(1);
+    step(&bench);
+    assert_eq!(connected(), [false, false, true]);
+    // The second comes back with another number, in its own place.
+    bus.plug(5, second_pad.clone());
+    second(&bench);
+    assert_eq!(connected(), [false, true, true]);
+    // The first is plugged in elsewhere, which could be any pad.
+    let mut elsewhere = first.clone();
+    elsewhere.identity.phys = "usb-9".to_owned();
+    bus.plug(6, elsewhere);
+    second(&bench);
+    assert_eq!(connected(), [false, true, true]);
+    bus.unplug(6);
+    bus.plug(7, first);
+    second(&bench);
+    assert_eq!(connected(), [true, true, true]);
+    bus.send(7, "btn-a 1");
+    step(&bench);
+    assert!(is_down(&bench, "input.0.btn-a") && !is_down(&bench, "input.1.btn-a"));
+    // A device without another one of its make may be plugged in anywhere.
+    let mut mouse = bus.unplug(2);
+    step(&bench);
+    mouse.identity.phys = "usb-11".to_owned();
+    bus.plug(8, mouse);
+    second(&bench);
+    assert_eq!(connected(), [true, true, true]);
+}
+
+/// A device of the same make that lacks a button does not take its place.
+#[test]
+fn a_device_that_lacks_something_is_another_one() {
+    let (bus, bench) = load(&["X-Box"]);
+    let mut device = bus.unplug(0);
+    step(&bench);
+    let last = device.abilities.keys.pop().unwrap();
+    bus.plug(0, device.clone());
+    second(&bench);
+    assert!(!bench.get::<bool>("input.0.connected"));
+    device.abilities.keys.push(last);
+    bus.plug(0, device);
+    second(&bench);
+    assert!(bench.get::<bool>("input.0.connected"));
+}

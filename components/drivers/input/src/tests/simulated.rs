@@ -1,0 +1,140 @@
+//! Simulated devices: pins to pins.
+
+use super::{
+    events::is_down,
+    fake::{MS, step},
+};
+use crate::hal_input::HalInput;
+use hal_bench::Bench;
+
+fn load(args: &[&str]) -> Bench {
+    let mut bench = Bench::new();
+    bench.load::<HalInput>(args).unwrap();
+    step(&bench);
+    bench
+}
+
+#[test]
+fn buttons_axes_wheels_and_lights_are_pins() {
+    let bench = load(&["devices=-KRAL X-Box 360,PRO v2,AT*keyboard,Mouse"]);
+    for (pin, value) in [("0.sim.abs-x", 16_384), ("0.sim.abs-hat0x", -1), ("1.sim.rel-wheel", -3)]
+    {
+        bench.set(&format!("input.{pin}"), value);
+    }
+    bench.set("input.0.sim.btn-start", true);
+    bench.set("input.2.sim.key-esc", true);
+    bench.set("input.2.led-numl", true);
+    bench.set("input.3.sim.rel-wheel", 7);
+    step(&bench);
+    step(&bench);
+    assert!(is_down(&bench, "input.0.btn-start") && is_down(&bench, "input.2.key-esc"));
+    assert_eq!(bench.get::<i32>("input.0.abs-x-counts"), 16_384);
+    assert_eq!(bench.get::<f64>("input.0.abs-hat0x-position"), -1.0);
+    assert_eq!(bench.get::<f64>("input.0.abs-z-position"), -1.0, "a trigger at rest");
+    assert_eq!(bench.get::<i32>("input.1.rel-wheel-counts"), -3);
+    assert_eq!(bench.get::<i32>("input.3.rel-wheel-counts"), 7);
+    assert!(bench.get::<bool>("input.2.sim.led-numl"));
+    // The first report of the wheel says where it is; each further one moves.
+    for (place, want) in [(1, 0), (2, 1), (300, 44), (299, 43)] {
+        bench.set("input.1.sim.rel-dial", place);
+        step(&bench);
+        assert_eq!(bench.get::<i32>("input.1.rel-dial-counts"), want, "{place}");
+    }
+    bench.set("input.1.sim.rel-wheel", 0);
+    bench.set("input.0.sim.btn-start", false);
+    step(&bench);
+    assert_eq!(bench.get::<i32>("input.1.rel-wheel-counts"), 0);
+    assert!(!is_down(&bench, "input.0.btn-start"));
+}
+
+#[test]
+fn a_simulated_device_is_unplugged() {
+    let bench = load(&["devices=X-Box,Mouse"]);
+    bench.set("input.0.sim.btn-a", true);
+    step(&bench);
+    assert!(is_down(&bench, "input.0.btn-a"));
+    bench.set("input.0.sim.unplugged", true);
+    step(&bench);
+    assert!(!is_down(&bench, "input.0.btn-a") && bench.get::<bool>("input.0.fault"));
+    assert!(bench.get::<bool>("input.1.connected"));
+    bench.set("input.0.sim.unplugged", false);
+    bench.pass(500 * MS);
+    step(&bench);
+    assert!(!is_down(&bench, "input.0.btn-a") && bench.get::<bool>("input.0.connected"));
+    bench.set("input.0.sim.btn-a", false);
+    step(&bench);
+    bench.set("input.0.sim.btn-a", true);
+    step(&bench);
+    assert!(is_down(&bench, "input.0.btn-a"));
+}
+
+/// Which device is simulated for each specification, by a pin of it, and whether the driver says that it knows none.
+#[test]
+fn a_device_for_each_specification() {
+    for (spec, pin, is_unknown) in [
+        ("Dual Action", "btn-trigger", false),
+        ("Dual:3", "btn-base6", false),
+        ("+F310", "btn-mode", false),
+        ("-K 0b33:0020", "btn-8", false),
+        ("0003:077d:0410", "rel-dial-counts", false),
+        ("Vendor=045e", "abs-rx-flat", false),
+        ("3", "key-a", true),
+        ("SpaceBall", "abs-ry-position", true),
+    ] {
+        let bench = load(&[&format!("devices={spec}")]);
+        let name = format!("input.0.{pin} ");
+        assert!(bench.names().iter().any(|line| line.starts_with(&name)), "{spec}");
+        let said = bench.said();
+        assert_eq!(!said.is_empty(), is_unknown, "{spec}: {said:?}");
+    }
+}
+
+#[test]
+fn the_background_task_sets_the_pins() {
+    let bench = load(&["devices=X-Box", "task=1"]);
+    assert!(bench.functs().is_empty());
+    bench.set("input.0.sim.btn-a", true);
+    step(&bench);
+    assert!(is_down(&bench, "input.0.btn-a"));
+}
+
+#[test]
+fn a_users_file_describes_a_device() {
+    let path = std::env::temp_dir().join(format!("ferrule-input-{}.txt", std::process::id()));
+    let text = "I: Bus=0003 Vendor=1234 Product=5678 Version=0100\nN: Name=\"My Pendant\"\n\
+                H: Handlers=kbd event7\nB: PROP=0\nB: EV=17\nB: KEY=3 0 0 0 0\nB: REL=80\nB: ABS=1\n\
+                A: abs-x 0 1023 2 10\nD: rel-dial counter 4\n";
+    std::fs::write(&path, text).unwrap();
+    let bench = load(&["devices=My Pendant", &format!("describe={}", path.display())]);
+    assert_eq!(bench.get::<f64>("input.0.abs-x-scale"), 511.5);
+    bench.set("input.0.sim.btn-1", true);
+    bench.set("input.0.sim.rel-dial", 20);
+    step(&bench);
+    bench.set("input.0.sim.rel-dial", 22);
+    step(&bench);
+    assert!(is_down(&bench, "input.0.btn-1"));
+    assert_eq!(bench.get::<i32>("input.0.rel-dial-counts"), 2);
+    for (wrong, expected) in [
+        ("N: My Pendant", "line 1: expected Name="),
+        ("I: Bus=3 Vendor=99999", "line 1: expected Bus=0003"),
+        ("\n# x\nB: KEY=xyz", "line 3: expected a mask of codes"),
+        ("B: KEY=", "line 1: expected a mask"),
+        ("B: KEY=0 0 0 0 0 0 0 0 0 0 0 0 0", "line 1: expected a mask"),
+        ("B: REL=10000", "line 1: expected a mask of codes that the kernel has"),
+        ("B: ABS=1\nA: abs-y 0 1 0 0", "line 2: expected an axis of the line ABS"),
+        ("B: ABS=1\nA: abs-x 0 1 0", "line 2: expected an axis of the line ABS"),
+        ("D: rel-dial counter 1", "line 1: expected rel-wheel ring"),
+        ("D: abs-x ring", "line 1: expected rel-wheel ring"),
+        ("gamepad", "line 1: expected a line of /proc/bus/input/devices"),
+        ("Z: 1", "line 1: expected a line of /proc/bus/input/devices"),
+    ] {
+        std::fs::write(&path, wrong).unwrap();
+        let args = ["devices=X", &format!("describe={}", path.display())];
+        let said = Bench::new().load::<HalInput>(&args).unwrap_err();
+        assert!(said.contains(expected), "{wrong}: {said}");
+    }
+    std::fs::remove_file(&path).unwrap();
+    let args = ["devices=X", &format!("describe={}", path.display())];
+    let said = Bench::new().load::<HalInput>(&args).unwrap_err();
+    assert!(said.contains("which cannot be read (No such file"), "{said}");
+}
