@@ -20,6 +20,7 @@ const WAYS: &[(&str, &[&str])] = &[
             "inputs=A,B,C outputs=D,E,F activelow=C invert=F reset=D,E debounce=B:1500 encoders=G:H:I,J",
         ],
     ),
+    ("hal_input", &["devices=X-Box,PRO,keyboard"]),
     ("hal_parport", &["cfg=378_out_278_in_3bc_x"]),
     ("lcd", &["fmt_strings=X%7.2f\\n%i|%u%b01%c,page"]),
     ("lcd_reader", &["find=IDLE,RUN values=X,Y,Z"]),
@@ -83,6 +84,7 @@ const LARGE: &[(&str, &[Size])] = {
                  encoders=E0:E1:E2,F0:F1:F2,G0:G1,H0",
             )],
         ),
+        ("hal_input", &[Fixed("devices=X-Box,Dual,PRO,Mouse,keyboard")]),
         (
             "hal_parport",
             &[Fixed("cfg=278_out_378_out_3bc_x_2bc_in_1278_in_1378_x_13bc_x_12bc_epp")],

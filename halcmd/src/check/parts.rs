@@ -1,6 +1,8 @@
 //! Parts of a machine: the modules and programs that its files load, and whether each is there.
 
-use crate::{Command, Error, language::syntax::Statement, session::dry_run::DryRun, standin};
+use crate::{
+    Command, Error, io::INPUT, language::syntax::Statement, session::dry_run::DryRun, standin,
+};
 use hal_protocol::{At, Kind, Link, Reply, Request};
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -96,7 +98,7 @@ pub(super) fn text(
 /// Returns the name of the module or program that a line loads or starts, and whether it is a module.
 fn loaded(words: &[String]) -> Option<(String, bool)> {
     match Statement::of_words(words).0.command().ok()? {
-        Command::Launch(launch) => Some((launch.name().to_owned(), false)),
+        Command::Launch(launch) => Some((launch.name().to_owned(), launch.name() == INPUT)),
         Command::Send(Request::Load { module, .. } | Request::LoadForeign { module, .. }, _) => {
             Some((module, true))
         }
@@ -125,6 +127,7 @@ mod tests {
             ("loadusr -W hy_vfd -n vfd", Some(("hy_vfd", false))),
             ("loadusr -Wn vfd /usr/bin/hy_vfd", Some(("hy_vfd", false))),
             ("loadusr -Wn mpg python -u /x/mpg.py --port=/dev/ttyUSB0", Some(("mpg.py", false))),
+            ("loadusr -W hal_input -KRAL Gamepad", Some(("hal_input", true))),
             ("loadusr", None),
             ("net a b", None),
         ] {

@@ -1,7 +1,7 @@
 //! Component `hal_input`.
 
 use crate::{
-    bus::{Abilities, Bus, FoundDevice, FoundDevices, HeldState, InputDevice},
+    bus::{Bus, FoundDevice, FoundDevices, HeldState, InputDevice},
     described::{self, Described, Wheels},
     kernel::Kernel,
     pins::{self, DevicePins},
@@ -180,13 +180,16 @@ fn declare(
     simulated: Vec<SimPins>,
 ) -> Result<(), Error> {
     let (mut shown, mut read) = (Vec::new(), Vec::new());
+    let is_task = b.arg_int("task") == Some(1);
     for (at, OpenedDevice { wanted, device, held, wheels }) in opened.into_iter().enumerate() {
         let pins = DevicePins::make(b, &format!("input.{at}"), &wanted.abilities, &wheels)?;
         let mut reader = Reader::new(wheels);
         reader.open(&held);
         let (writer, record) = b.seqlock(*reader.record());
         let (gives, lights) = b.shared(AtomicU32::new(0));
-        shown.push(ShownDevice::new(pins, record, gives, b.hardware()));
+        // The task runs from now on; a function runs when its thread does.
+        let since = is_task.then_some(reader.record());
+        shown.push(ShownDevice::new(pins, record, gives, b.hardware(), since));
         let texts = texts(at, &wanted);
         let device = Some(device);
         read.push(ReadDevice { record: writer, lights, reader, device, wanted, texts, lit: None });
@@ -210,7 +213,7 @@ fn declare(
         worked: None,
         is_dead: false,
     };
-    if b.arg_int("task") == Some(1) {
+    if is_task {
         b.task("hal_input", "Sets the pins of the devices", TASK_NS, show)
     } else {
         b.function("hal_input", "Sets the pins of the devices", show)
@@ -218,7 +221,7 @@ fn declare(
 }
 
 fn texts(at: usize, wanted: &WantedDevice) -> DeviceTexts {
-    let WantedDevice { identity, abilities: Abilities { .. }, .. } = wanted;
+    let WantedDevice { identity, .. } = wanted;
     let name = identity.name.escape_debug();
     let mut texts = Texts::new(3);
     DeviceTexts {

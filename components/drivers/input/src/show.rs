@@ -93,18 +93,20 @@ impl Update for Show {
 }
 
 impl ShownDevice {
-    /// Returns a device of which nothing was shown yet.
+    /// Returns a device of which nothing was shown yet. What is held at `since` has no effect; without it, what is held in
+    /// the first run.
     pub(crate) fn new(
         pins: DevicePins,
         record: SeqReader<DeviceRecord>,
         lights: Gives<AtomicU32>,
         hardware: Hardware,
+        since: Option<&DeviceRecord>,
     ) -> Self {
         let begin = |axis: &AxisPins| WasAxis { counts: axis.centre(), is_blocked: false };
         let was = WasShown {
-            opened: 0,
-            is_there: false,
-            blocked: [0; KEY_WORDS],
+            opened: since.map_or(0, |record| record.opened),
+            is_there: since.is_some(),
+            blocked: since.map_or([0; KEY_WORDS], |record| record.keys),
             axes: pins.axes.iter().map(begin).collect(),
             wheels: vec![WasWheel::default(); pins.wheels.len()],
         };

@@ -86,13 +86,13 @@ fn names_of_programs_and_missing_components_are_unknown_not_wrong() {
         "loadrt and2\n\
          loadrt no_such_card names=card.0\n\
          loadusr -Wn panel gladevcp -c other panel.xml\n\
-         loadusr -W hal_input -KRAL Gamepad\n\
+         loadusr -W shuttlexpress /dev/hidraw0\n\
          net a panel.button => and2.0.in0\n\
-         net b input.0.abs-x-position\n\
+         net b shuttlexpress.0.spring-wheel-f\n\
          sets b 1\n\
          net a => card.0.lamp other.lamp\n\
          setp no-such-card.0.scale 5\n\
-         linkps input.0.btn-a a\n\
+         linkps shuttlexpress.0.button-0 a\n\
          net c pane.button\n\
          sets d 1\n\
          loadusr -W hal_manualtoolchange\n\
