@@ -6,6 +6,8 @@ use port::Lost;
 
 /// Number of 64-bit words for the keys of a device: the kernel has 768 codes.
 pub(crate) const KEY_WORDS: usize = 12;
+/// Number of codes of keys and buttons.
+pub(crate) const KEY_COUNT: u16 = 768;
 /// Number of codes of absolute axes.
 pub(crate) const ABS_COUNT: usize = 64;
 /// Number of codes of relative axes.

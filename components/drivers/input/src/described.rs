@@ -1,7 +1,7 @@
 //! Devices as text: the lines of `/proc/bus/input/devices`, with ranges of axes and differences.
 
 use crate::{
-    bus::{Abilities, AxisRange, Identity, REL_COUNT},
+    bus::{Abilities, AxisRange, Identity, KEY_COUNT, REL_COUNT},
     codes,
     event::kind,
 };
@@ -48,7 +48,7 @@ pub(crate) fn known() -> Vec<Described> {
     parse(KNOWN).unwrap_or_default()
 }
 
-/// Returns the device that has all codes with a name, which stands for one that nobody has described.
+/// Returns the device that has all keys and all axes with a name, which stands for one that nobody has described.
 pub(crate) fn everything() -> Described {
     let range = |code: u16| {
         let name = codes::name(kind::ABS, code);
@@ -59,7 +59,7 @@ pub(crate) fn everything() -> Described {
     Described {
         identity: Identity { name: "everything".to_owned(), ..Identity::default() },
         abilities: Abilities {
-            keys: codes::all(kind::KEY),
+            keys: (0..KEY_COUNT).collect(),
             // Fingers on a pad are no axes of a machine.
             abs: axes.filter(|code| *code < 0x2f).map(|code| (code, range(code))).collect(),
             rel: codes::all(kind::REL),

@@ -5,7 +5,7 @@ use crate::{
     described::{self, Described, Wheels},
     kernel::Kernel,
     pins::{self, DevicePins},
-    reader::Reader,
+    reader::DeviceReader,
     refused::Refused,
     show::{Show, ShownDevice},
     simulated::{SimPins, SimulatedBus},
@@ -53,9 +53,9 @@ fn refuse(why: Refused) -> Error {
 }
 
 /// Specification with its text.
-type Asked = (String, DeviceSpec);
+type AskedDevice = (String, DeviceSpec);
 
-fn specs(words: &[String]) -> Result<Vec<Asked>, Refused> {
+fn specs(words: &[String]) -> Result<Vec<AskedDevice>, Refused> {
     if words.is_empty() {
         return Err(Refused::Nothing);
     }
@@ -73,7 +73,7 @@ fn specs(words: &[String]) -> Result<Vec<Asked>, Refused> {
 /// Returns the devices of the user's file, then those that come with the driver.
 fn descriptions(path: Option<String>) -> Result<Vec<Described>, Refused> {
     let mut all = Vec::new();
-    if let Some(path) = path.filter(|path| !path.is_empty()) {
+    if let Some(path) = path {
         let text = std::fs::read_to_string(&path).map_err(|why| {
             let lost = Lost(why.raw_os_error().unwrap_or(22));
             Refused::File { path: path.clone(), lost }
@@ -95,7 +95,7 @@ struct OpenedDevice {
 /// Opens the devices of a bus and declares their pins.
 pub(crate) fn open(
     b: &mut Builder<'_>,
-    specs: Vec<Asked>,
+    specs: Vec<AskedDevice>,
     described: &[Described],
     bus: impl Bus + 'static,
 ) -> Result<(), Error> {
@@ -129,7 +129,11 @@ fn open_one(
 }
 
 /// Makes a simulated device for each specification.
-fn simulate(b: &mut Builder<'_>, specs: &[Asked], described: &[Described]) -> Result<(), Error> {
+fn simulate(
+    b: &mut Builder<'_>,
+    specs: &[AskedDevice],
+    described: &[Described],
+) -> Result<(), Error> {
     let there: Vec<FoundDevice> = (0..)
         .zip(described)
         .map(|(number, d)| FoundDevice { number, identity: d.identity.clone() })
@@ -183,7 +187,7 @@ fn declare(
     let is_task = b.arg_int("task") == Some(1);
     for (at, OpenedDevice { wanted, device, held, wheels }) in opened.into_iter().enumerate() {
         let pins = DevicePins::make(b, &format!("input.{at}"), &wanted.abilities, &wheels)?;
-        let mut reader = Reader::new(wheels);
+        let mut reader = DeviceReader::new(wheels);
         reader.open(&held);
         let (writer, record) = b.seqlock(*reader.record());
         let (gives, lights) = b.shared(AtomicU32::new(0));

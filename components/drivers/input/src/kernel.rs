@@ -5,7 +5,7 @@
 use crate::{
     bus::{
         ABS_COUNT, Abilities, AxisRange, Bus, FoundDevice, FoundDevices, HeldState, Identity,
-        InputDevice, KEY_WORDS,
+        InputDevice, KEY_COUNT, KEY_WORDS,
     },
     event::{EVENT_SIZE, InputEvent, kind},
 };
@@ -180,7 +180,7 @@ impl InputDevice for Node {
             abs.push((code, self.axis(code)?));
         }
         Ok(Abilities {
-            keys: self.codes(kind::KEY, 768)?,
+            keys: self.codes(kind::KEY, KEY_COUNT)?,
             abs,
             rel: self.codes(kind::REL, 16)?,
             leds: self.codes(kind::LED, 16)?,

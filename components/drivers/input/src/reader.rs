@@ -38,7 +38,7 @@ impl DeviceRecord {
 
 /// Turns events into the state of a device.
 #[derive(Clone, Debug)]
-pub(crate) struct Reader {
+pub(crate) struct DeviceReader {
     wheels: Wheels,
     record: DeviceRecord,
     /// Last places of the wheels that report one.
@@ -49,7 +49,7 @@ pub(crate) struct Reader {
     is_dropping: bool,
 }
 
-impl Reader {
+impl DeviceReader {
     pub(crate) const fn new(wheels: Wheels) -> Self {
         Self {
             wheels,

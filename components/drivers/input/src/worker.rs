@@ -3,7 +3,7 @@
 use crate::{
     bus::{Abilities, Bus, FoundDevice, Identity, InputDevice, LED_COUNT},
     event::InputEvent,
-    reader::{DeviceRecord, Reader},
+    reader::{DeviceReader, DeviceRecord},
     simulated::SimPins,
 };
 use hal_component::{Clock, Gives, Messages, SeqWriter, Takes, Touch, Work};
@@ -41,7 +41,7 @@ pub(crate) struct ReadDevice {
     pub(crate) record: SeqWriter<DeviceRecord>,
     pub(crate) lights: Takes<AtomicU32>,
     #[state]
-    pub(crate) reader: Reader,
+    pub(crate) reader: DeviceReader,
     /// Open device; none while it is lost.
     #[state]
     pub(crate) device: Option<Box<dyn InputDevice>>,
@@ -179,7 +179,7 @@ impl ReadDevice {
 }
 
 /// Takes the events that wait, up to a limit.
-fn read(device: &mut dyn InputDevice, reader: &mut Reader) -> Result<(), Lost> {
+fn read(device: &mut dyn InputDevice, reader: &mut DeviceReader) -> Result<(), Lost> {
     let mut room = [InputEvent::default(); AT_ONCE];
     for _ in 0..MOST_READS {
         let count = device.read(&mut room)?;

@@ -5,7 +5,7 @@ use crate::{
     described::{WheelKind, Wheels, parse},
     event::{EVENT_SIZE, InputEvent},
     kernel::Kernel,
-    reader::Reader,
+    reader::DeviceReader,
     spec::DeviceSpec,
 };
 use std::fs;
@@ -36,7 +36,7 @@ fn a_million_random_events() {
     wheels[7] = WheelKind::Counter(8);
     wheels[8] = WheelKind::Ring;
     wheels[9] = WheelKind::Counter(31);
-    let mut reader = Reader::new(wheels);
+    let mut reader = DeviceReader::new(wheels);
     reader.open(&HeldState::REST);
     let (mut events, mut asked) = (0_u32, 0);
     let mut bytes = vec![0; 1000 * EVENT_SIZE];

@@ -79,6 +79,7 @@ fn a_device_for_each_specification() {
         ("0003:077d:0410", "rel-dial-counts", false),
         ("Vendor=045e", "abs-rx-flat", false),
         ("3", "key-a", true),
+        ("Joystick", "300-not", true),
         ("SpaceBall", "abs-ry-position", true),
     ] {
         let bench = load(&[&format!("devices={spec}")]);
