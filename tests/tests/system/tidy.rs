@@ -356,6 +356,7 @@ const FORMATS: &[&str] = &["format_args!(", "write_fmt("];
 const BEFORE_THREADS: &[(&str, &[&str])] = &[
     ("components/drivers/gpio/src/device.rs", &["gone", "open", "simulate"]),
     ("components/drivers/gpio/src/kernel.rs", &["numbers", "open", "request"]),
+    ("components/drivers/input/src/show.rs", &["new"]),
     ("components/drivers/parport/src/device.rs", &["open", "simulated"]),
     ("components/drivers/parport/src/hardware.rs", &["claim", "find"]),
     ("components/drivers/parport/src/lines.rs", &["inputs", "outputs"]),

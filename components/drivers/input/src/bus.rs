@@ -23,7 +23,7 @@ pub(crate) struct Identity {
     pub(crate) product: u16,
     pub(crate) version: u16,
     pub(crate) name: String,
-    /// Where it is connected.
+    /// Place of its connection.
     pub(crate) phys: String,
 }
 

@@ -47,7 +47,7 @@ pub(crate) struct ShownDevice {
     was: WasShown,
 }
 
-/// What a device did so far.
+/// State of a device that was shown last.
 #[derive(Debug)]
 struct WasShown {
     /// Number of the opening that was seen last; 0 before the first.

@@ -31,7 +31,7 @@ pub(crate) struct DeviceSpec {
     pub(crate) features: Features,
     pub(crate) is_exclusive: bool,
     pub(crate) choice: Choice,
-    /// Which of the devices that match, from 0.
+    /// Number of the device among those that match, from 0.
     pub(crate) nth: usize,
 }
 

@@ -60,7 +60,7 @@ pub(crate) struct WantedDevice {
     /// Number of its node.
     pub(crate) number: u32,
     pub(crate) identity: Identity,
-    /// What has pins.
+    /// Abilities that have pins.
     pub(crate) abilities: Abilities,
     pub(crate) is_exclusive: bool,
 }

@@ -3,7 +3,7 @@
 use super::fake::{FakeBus, load, step, try_load, with_axis};
 use crate::bus::AxisRange;
 
-/// What LinuxCNC's `hal_input` shows; see its first lines.
+/// Measurements of LinuxCNC's `hal_input`; see its first lines.
 const MEASURED: &str = include_str!("axis.txt");
 
 /// Ours is at the centre, exactly, wherever the value is within `flat` of it.

@@ -32,7 +32,7 @@ fn buttons() {
     assert!(bench.get::<bool>("input.0.connected") && !bench.get::<bool>("input.0.fault"));
 }
 
-/// What the kernel says counts, not the rest of the events.
+/// The kernel's answer counts, not the rest of the events.
 #[test]
 fn lost_events_make_the_driver_ask_for_the_state() {
     let (bus, bench) = load(&["X-Box"]);

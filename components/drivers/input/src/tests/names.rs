@@ -8,7 +8,7 @@ use crate::{
 };
 use std::collections::BTreeSet;
 
-/// What LinuxCNC's `hal_input` makes; see its first line.
+/// Pins of LinuxCNC's `hal_input`; see its first line.
 const MEASURED: &str = include_str!("names.txt");
 
 /// Pins that LinuxCNC's has not.

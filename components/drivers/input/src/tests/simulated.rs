@@ -68,7 +68,7 @@ fn a_simulated_device_is_unplugged() {
     assert!(is_down(&bench, "input.0.btn-a"));
 }
 
-/// Which device is simulated for each specification, by a pin of it, and whether the driver says that it knows none.
+/// Each row: a specification, a pin of the device that is simulated for it, and whether the driver says that it knows none.
 #[test]
 fn a_device_for_each_specification() {
     for (spec, pin, is_unknown) in [
