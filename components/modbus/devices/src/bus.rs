@@ -67,8 +67,12 @@ pub struct Bus<D> {
     /// Frame that devices hear now, and the time of its last character.
     heard: Vec<u8>,
     heard_until: i64,
-    /// Time of the last character on the line.
+    /// Time of the last character of the master.
     busy_until: i64,
+    /// Answers on the line: times of their first and last characters.
+    spans: VecDeque<(i64, i64)>,
+    /// Frame that the master sends later, with its time.
+    later: Option<(i64, Vec<u8>)>,
     /// Bytes for the master, each with the time of its last character.
     waiting: VecDeque<(i64, u8)>,
     seed: u64,
@@ -87,6 +91,8 @@ impl<D: Device> Bus<D> {
             heard: Vec::new(),
             heard_until: 0,
             busy_until: i64::MIN / 2,
+            spans: VecDeque::new(),
+            later: None,
             waiting: VecDeque::new(),
             seed: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1,
             hasty: 0,
@@ -101,10 +107,12 @@ impl<D: Device> Bus<D> {
     /// Sends bytes at the time of the last [`Self::advance`].
     pub fn send(&mut self, bytes: &[u8]) {
         let count = i64::try_from(bytes.len()).unwrap_or(i64::MAX);
-        let begin = self.now;
-        let is_hasty = begin < self.busy_until.saturating_add(self.timing.silence_ns);
+        let (begin, silence) = (self.now, self.timing.silence_ns);
         let end =
             begin.max(self.busy_until).saturating_add(self.timing.char_ns.saturating_mul(count));
+        self.spans.retain(|(_, last)| begin < last.saturating_add(silence));
+        let is_hasty = begin < self.busy_until.saturating_add(silence)
+            || self.spans.iter().any(|(first, _)| *first < end);
         self.busy_until = end;
         if is_hasty {
             // Two frames in one: no device knows its own.
@@ -128,8 +136,17 @@ impl<D: Device> Bus<D> {
                 self.answer(answer, end);
             }
         }
+        if let Some((at, frame)) = self.later.take_if(|(at, _)| *at <= now_ns) {
+            self.now = self.now.max(at);
+            self.send(&frame);
+        }
         self.now = self.now.max(now_ns);
         self.devices.advance(self.now);
+    }
+
+    /// Sends bytes in so many nanoseconds.
+    pub fn send_later(&mut self, bytes: &[u8], wait_ns: i64) {
+        self.later = Some((self.now.saturating_add(wait_ns), bytes.to_vec()));
     }
 
     /// Returns the bytes that have come until the time of the last [`Self::advance`].
@@ -163,13 +180,15 @@ impl<D: Device> Bus<D> {
         // Anything that is no time is none.
         let delay = if 0.0 < delay && delay <= 3600.0 { whole_ns(delay) } else { 0 };
         let mut at = heard.saturating_add(self.timing.answer_ns).saturating_add(delay);
+        let (first, mut last) = (at, at);
         for byte in answer {
             at = at.saturating_add(self.timing.char_ns);
+            last = at;
             if !cut && self.waiting.len() < MAX_WAITING {
                 self.waiting.push_back((at, byte));
             }
         }
-        self.busy_until = self.busy_until.max(at);
+        self.spans.push_back((first, last));
     }
 
     /// Returns true with this probability.

@@ -1,0 +1,165 @@
+//! The component `hy_vfd`: Huanyang's inverters.
+//!
+//! | module | subject |
+//! |---|---|
+//! | `config` | arguments |
+//! | `pins` | its pins, and what passes between function and worker |
+//! | `gate` | Realtime: the function, which reads and writes pins and watches the worker |
+//! | `drive` | what is said to the inverter, and when |
+//! | `worker` | the worker, which keeps the line |
+//! | `halt` | the stop that needs no worker |
+//! | `simulated` | pins of the simulated inverter |
+
+mod config;
+mod drive;
+mod gate;
+mod halt;
+mod pins;
+mod simulated;
+#[cfg(test)]
+mod tests;
+mod worker;
+
+use crate::{line::SimulatedLine, station::Station};
+use config::{ARGS, HyConfig};
+use drive::Drive;
+use gate::{Gate, Was};
+use hal_component::{
+    Builder, Component, Error,
+    abi::{ArgSpec, component_flags},
+};
+use hal_modbus::HUANYANG_SILENCE_NS;
+use hal_modbus_devices::{Bus, Inverter, Timing};
+use halt::Halt;
+use pins::{InputPins, Inputs, ResultPins, Results};
+use simulated::SimulatedPins;
+use std::sync::{Arc, atomic::AtomicU32};
+use worker::{Place, Worker, WorkerState};
+
+/// Period of the worker, in nanoseconds.
+const PERIOD_NS: i64 = 1_000_000;
+/// Time that the simulated inverter takes for an answer, in nanoseconds.
+const SIMULATED_ANSWER_NS: i64 = 3_000_000;
+
+/// Component `hy_vfd`.
+pub(crate) enum HyVfd {}
+
+impl Component for HyVfd {
+    const NAME: &'static str = "hy_vfd";
+    const DOC: &'static str = "\
+Spindle with an inverter of Huanyang on a serial line (RS-485).
+
+Pins and parameters have the names of LinuxCNC's program `hy_vfd`. Its options are arguments here, as in
+`loadrt hy_vfd device=/dev/ttyUSB0 rate=9600`, and the function `hy_vfd` belongs in the servo thread.
+
+| setting of the inverter | value |
+|---|---|
+| PD001, PD002 | 2: commands and frequency come by the line |
+| PD004, PD005, PD011 | rated, greatest and least frequency |
+| PD141 to PD144 | voltage, current, poles, and turns per minute at 50 Hz |
+| PD163 | 1, or `target` |
+| PD164 | 1 for 9600, 2 for 19200, 3 for 38400: `rate` |
+| PD165 | 3: 8 bits, no parity, 1 stop bit, RTU |
+
+Requests go round on the line: command, frequency, and each measurement; a change of the command goes first. The command is
+sent anew in each round.
+
+The inverter is told to stop, whatever else happens, when `spindle-on` or `enable` is FALSE, when the function does not run for
+0.2 s, when the instance stops or ends, and, by the function itself, when the worker stands still for 0.5 s. Only a killed
+process (`kill -9`), a computer without power and a cut line leave it without a stop: a contactor in the e-stop chain, or the
+inverter's own time-out where it has one, are for those. Set that longer than `timeout`.
+
+`fault` is TRUE while the inverter has not answered for `timeout`; the motion controller is off then, and refuses to be switched
+on. Nothing starts by itself: after a fault, a stop or a gap in time, and after the load, the spindle turns once `spindle-on` was
+FALSE while the inverter answers.
+
+`spindle-at-speed` compares with `speed-command`, as LinuxCNC's does: it stays FALSE for a speed outside the inverter's limits, and
+a message says so. A speed of 0 stops the inverter, where LinuxCNC's program lets it turn at its least frequency.
+
+On the virtual clock, and with `--simulate`, the inverter is simulated, with ramps, trips and a time-out of its own: pins `sim.*`.
+
+# Example
+
+```hal
+loadrt threads name1=servo period1=1000000
+loadrt hy_vfd
+addf hy_vfd servo
+start
+setp hy_vfd.enable TRUE
+setp hy_vfd.speed-command 12000
+setp hy_vfd.spindle-forward TRUE
+run 1s
+getp hy_vfd.hycomm-ok # -> TRUE
+getp hy_vfd.max-freq # -> 400
+setp hy_vfd.spindle-on TRUE
+run 3s
+getp hy_vfd.OutF # -> 200
+getp hy_vfd.spindle-at-speed # -> TRUE
+# The cable is pulled: the inverter does not hear the stop.
+setp hy_vfd.sim.cut TRUE
+run 1s
+getp hy_vfd.fault # -> TRUE
+# It is plugged in again: the inverter stops, and nothing starts by itself.
+setp hy_vfd.sim.cut FALSE
+run 3s
+getp hy_vfd.fault # -> FALSE
+getp hy_vfd.sim.frequency # -> 0
+setp hy_vfd.spindle-on FALSE
+run 100ms
+setp hy_vfd.spindle-on TRUE
+run 3s
+getp hy_vfd.spindle-at-speed # -> TRUE
+```";
+    const FLAGS: u32 = component_flags::ONCE;
+    const ARGS: &'static [&'static ArgSpec] = ARGS;
+
+    fn create(b: &mut Builder<'_>) -> Result<(), Error> {
+        let HyConfig { name, unit, place, writes, timeout_ns } =
+            HyConfig::read(b).map_err(|why| Error::new(why.to_string()))?;
+        let char_ns = place.char_ns();
+        let (results_in, results) = b.seqlock(Results::default());
+        let (wanted, wanted_out) = b.seqlock(Inputs::default());
+        let clock = b.clock();
+        let halt = Arc::new(Halt::new(unit, clock));
+        let steps = Arc::new(AtomicU32::new(0));
+        let (mut simulated, mut at) = (None, Place::Serial(place));
+        if b.is_simulated() {
+            let timing =
+                Timing { char_ns, silence_ns: HUANYANG_SILENCE_NS, answer_ns: SIMULATED_ANSWER_NS };
+            let line = SimulatedLine::new(Bus::new(Inverter::new(unit), timing, 1));
+            simulated = Some(SimulatedPins::make(b, &name, line.clone())?);
+            at = Place::Simulated(line);
+        }
+        let gate = Gate {
+            inputs: InputPins::make(b, &name)?,
+            shown: ResultPins::make(b, &name)?,
+            results,
+            wanted,
+            simulated,
+            clock,
+            messages: b.messages(),
+            hardware: b.hardware(),
+            halt: halt.clone(),
+            steps: steps.clone(),
+            was: Was::new(clock.gaps()),
+        };
+        b.function(&name, "Reads the pins, shows the inverter, and watches the worker.", gate)?;
+        let first = at.clone();
+        b.on_open(move |_| first.open().map(drop).map_err(|why| Error::new(why.to_string())))?;
+        let stop = halt.clone();
+        b.on_stop(move || stop.stop_action())?;
+        let worker = Worker {
+            wanted: wanted_out,
+            results: results_in,
+            clock,
+            messages: b.messages(),
+            place: at,
+            station: Station::new(HUANYANG_SILENCE_NS, char_ns),
+            drive: Drive::new(unit, writes, timeout_ns),
+            halt,
+            steps,
+            state: WorkerState::new(),
+        };
+        b.worker(&name, "Speaks with the inverter.", PERIOD_NS, 1, worker)
+    }
+}

@@ -1,0 +1,191 @@
+//! Arguments of `hy_vfd`.
+
+use crate::line::{Parity, RATES, SerialPlace};
+use core::fmt;
+use hal_component::{Arg, Builder, abi::ArgSpec};
+
+/// Numbers of settings that have arguments.
+mod pd {
+    pub(super) const BASE: u8 = 4;
+    pub(super) const MAX: u8 = 5;
+    pub(super) const MIN: u8 = 11;
+    pub(super) const VOLTAGE: u8 = 141;
+    pub(super) const CURRENT: u8 = 142;
+    pub(super) const POLES: u8 = 143;
+    pub(super) const TURNS: u8 = 144;
+}
+
+/// Longest name of an inverter.
+const MAX_NAME: usize = 24;
+
+pub(crate) const ARGS: &[&ArgSpec] = &[
+    &Arg::text("name", "Name before all pins, and of the function.").or("hy_vfd"),
+    &Arg::text("device", "Serial line, best by its name in /dev/serial/by-id.").or("/dev/ttyS0"),
+    &Arg::int("rate", "Bits per second (PD164).").or("19200"),
+    &Arg::int("bits", "Data bits.").within(5.0, 8.0).or("8"),
+    &Arg::text("parity", "none, even or odd (PD165).").or("none"),
+    &Arg::int("stopbits", "Stop bits.").within(1.0, 2.0).or("1"),
+    &Arg::int("target", "Number of the inverter (PD163).").within(1.0, 250.0).or("1"),
+    &Arg::float("timeout", "Time without an answer after which the inverter is lost.")
+        .within(0.2, 10.0)
+        .unit("s")
+        .or("0.5"),
+    &Arg::float("max_frequency", "Greatest frequency, written to PD005.")
+        .within(1.0, 650.0)
+        .unit("Hz"),
+    &Arg::float("min_frequency", "Least frequency, written to PD011.")
+        .within(0.0, 650.0)
+        .unit("Hz"),
+    &Arg::float("base_frequency", "Rated frequency of the motor, written to PD004.")
+        .within(1.0, 650.0)
+        .unit("Hz"),
+    &Arg::float("motor_voltage", "Rated voltage of the motor, written to PD141.")
+        .within(1.0, 1000.0)
+        .unit("V"),
+    &Arg::float("motor_current", "Rated current of the motor, written to PD142.")
+        .within(0.1, 1000.0)
+        .unit("A"),
+    &Arg::float("motor_speed", "Turns per minute at max_frequency, from which PD144 is written.")
+        .within(1.0, 120_000.0),
+    &Arg::int("motor_poles", "Number of the motor's poles, written to PD143.").within(2.0, 100.0),
+    &Arg::texts("register", "Settings to write, such as PD014=30,PD015=30.").at_most(10),
+];
+
+/// Arguments that were understood.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct HyConfig {
+    pub(crate) name: String,
+    pub(crate) unit: u8,
+    pub(crate) place: SerialPlace,
+    /// Settings to write, with their values.
+    pub(crate) writes: Vec<(u8, u16)>,
+    pub(crate) timeout_ns: i64,
+}
+
+/// Argument that is refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum BadArgument {
+    /// No line has this rate.
+    Rate(i64),
+    /// There is no such parity.
+    Parity(String),
+    /// A name that no pin can have.
+    Name(String),
+    /// A setting that is none.
+    Register(String),
+    /// The speed of the motor without its frequency.
+    Speed,
+    /// A value that a setting does not hold.
+    TooLarge(u8),
+}
+
+impl fmt::Display for BadArgument {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Rate(rate) => {
+                let all: Vec<String> = RATES.iter().map(ToString::to_string).collect();
+                write!(f, "rate={rate}: a serial line has one of {}", all.join(", "))
+            }
+            Self::Parity(text) => write!(f, "parity={text}: none, even or odd"),
+            Self::Name(text) => write!(
+                f,
+                "name={text}: 1 to {MAX_NAME} letters, digits, '-', '_' and '.' are possible"
+            ),
+            Self::Register(text) => write!(
+                f,
+                "register={text}: PDnnn=VALUE is needed, such as PD014=30, from PD000 to PD255 and with a value from 0 to 65535"
+            ),
+            Self::Speed => f.write_str(
+                "motor_speed= needs max_frequency=, the frequency at which the motor turns so fast",
+            ),
+            Self::TooLarge(number) => {
+                write!(f, "the value for PD{number:03} is above 65535 of its units")
+            }
+        }
+    }
+}
+
+impl core::error::Error for BadArgument {}
+
+impl HyConfig {
+    /// Reads the arguments.
+    pub(crate) fn read(b: &Builder<'_>) -> Result<Self, BadArgument> {
+        let text = |name| b.arg_text(name).unwrap_or_default();
+        let byte = |name, or| b.arg_int(name).and_then(|n| u8::try_from(n).ok()).unwrap_or(or);
+        let rate = b.arg_int("rate").unwrap_or(19200);
+        let parity = text("parity");
+        let name = text("name");
+        let usual = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+        if !(1..=MAX_NAME).contains(&name.len()) || !name.chars().all(usual) {
+            return Err(BadArgument::Name(name));
+        }
+        let seconds = b.arg_float("timeout").unwrap_or(0.5);
+        Ok(Self {
+            name,
+            unit: byte("target", 1),
+            place: SerialPlace {
+                path: text("device"),
+                rate: u32::try_from(rate)
+                    .ok()
+                    .filter(|rate| RATES.contains(rate))
+                    .ok_or(BadArgument::Rate(rate))?,
+                bits: byte("bits", 8),
+                parity: Parity::of(&parity).ok_or(BadArgument::Parity(parity))?,
+                stops: byte("stopbits", 1),
+            },
+            writes: writes(b)?,
+            timeout_ns: nanoseconds(seconds),
+        })
+    }
+}
+
+/// Returns the settings to write.
+fn writes(b: &Builder<'_>) -> Result<Vec<(u8, u16)>, BadArgument> {
+    let top = b.arg_float("max_frequency");
+    let mut out = Vec::new();
+    for (number, arg, scale) in [
+        (pd::MAX, "max_frequency", 100.0),
+        (pd::BASE, "base_frequency", 100.0),
+        (pd::MIN, "min_frequency", 100.0),
+        (pd::VOLTAGE, "motor_voltage", 10.0),
+        (pd::CURRENT, "motor_current", 10.0),
+    ] {
+        if let Some(value) = b.arg_float(arg) {
+            out.push((number, setting(number, value * scale)?));
+        }
+    }
+    if let Some(poles) = b.arg_int("motor_poles") {
+        out.push((pd::POLES, u16::try_from(poles).map_err(|_| BadArgument::TooLarge(pd::POLES))?));
+    }
+    if let Some(speed) = b.arg_float("motor_speed") {
+        let top = top.ok_or(BadArgument::Speed)?;
+        out.push((pd::TURNS, setting(pd::TURNS, speed * 50.0 / top)?));
+    }
+    for text in b.arg_texts("register") {
+        out.push(register(&text).ok_or(BadArgument::Register(text))?);
+    }
+    Ok(out)
+}
+
+/// Returns a value as a setting has it.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within u16")]
+fn setting(number: u8, value: f64) -> Result<u16, BadArgument> {
+    let whole = (value + 0.5).floor();
+    if (0.0..=65535.0).contains(&whole) {
+        Ok(whole as u16)
+    } else {
+        Err(BadArgument::TooLarge(number))
+    }
+}
+
+/// Reads a setting such as `PD014=30`.
+fn register(text: &str) -> Option<(u8, u16)> {
+    let (number, value) = text.split_once('=')?;
+    let number = number.strip_prefix("PD").or(number.strip_prefix('P')).unwrap_or(number);
+    Some((number.parse().ok()?, value.parse().ok()?))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "at most 10 s")]
+const fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9) as i64
+}

@@ -1,0 +1,171 @@
+//! Realtime. The function of an inverter: pins in and out, and the guard of its worker.
+
+use super::{
+    halt::Halt,
+    pins::{InputPins, Inputs, ResultPins, Results},
+    simulated::SimulatedPins,
+};
+use hal_component::{Clock, Hardware, Messages, Period, SeqReader, SeqWriter, Touch, Update};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU32, Ordering::Relaxed},
+};
+
+/// Time without a step of the worker after which it is taken for dead, in nanoseconds.
+const DEAD_NS: i64 = 500_000_000;
+/// Time between stops that are sent for a dead worker, in nanoseconds.
+const AGAIN_NS: i64 = 100_000_000;
+
+/// The function.
+#[derive(Debug, Touch)]
+pub(crate) struct Gate {
+    pub(crate) inputs: InputPins,
+    pub(crate) shown: ResultPins,
+    pub(crate) results: SeqReader<Results>,
+    pub(crate) wanted: SeqWriter<Inputs>,
+    pub(crate) simulated: Option<SimulatedPins>,
+    pub(crate) clock: Clock,
+    pub(crate) messages: Messages,
+    pub(crate) hardware: Hardware,
+    #[state]
+    pub(crate) halt: Arc<Halt>,
+    /// Steps of the worker.
+    #[state]
+    pub(crate) steps: Arc<AtomicU32>,
+    #[state]
+    pub(crate) was: Was,
+}
+
+/// What the function keeps from one cycle to the next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Was {
+    cycles: u32,
+    steps: u32,
+    /// Machine time of the worker's last step.
+    worked: i64,
+    /// Machine time of the last stop for a dead worker.
+    stopped: i64,
+    lapses: u32,
+    gaps: u32,
+    errors: u32,
+    /// The spindle has to be commanded anew: spindle-on must go FALSE first.
+    is_blocked: bool,
+    /// That was said.
+    is_told: bool,
+    is_limited: bool,
+}
+
+impl Was {
+    pub(crate) const fn new(gaps: u32) -> Self {
+        Self {
+            cycles: 0,
+            steps: 0,
+            worked: 0,
+            stopped: 0,
+            lapses: 0,
+            gaps,
+            errors: 0,
+            is_blocked: true,
+            is_told: false,
+            is_limited: false,
+        }
+    }
+}
+
+impl Gate {
+    /// Returns whether the worker has stopped working. Stops the inverter then, in its place.
+    fn is_worker_dead(&mut self, now: i64) -> bool {
+        let steps = self.steps.load(Relaxed);
+        if steps != self.was.steps || self.was.cycles == 0 {
+            (self.was.steps, self.was.worked) = (steps, now);
+        }
+        let is_dead = DEAD_NS < now.saturating_sub(self.was.worked);
+        if is_dead && AGAIN_NS <= now.saturating_sub(self.was.stopped) {
+            self.was.stopped = now;
+            self.halt.stop();
+        }
+        is_dead
+    }
+
+    /// Returns the direction that the pins want.
+    fn direction(&self) -> i32 {
+        match (self.inputs.on.get(), self.inputs.forward.get(), self.inputs.reverse.get()) {
+            (true, true, false) => 1,
+            (true, false, true) => -1,
+            _ => 0,
+        }
+    }
+
+    fn tell(&mut self, run: i32, results: &Results) {
+        let on = self.inputs.on.get();
+        if on && self.was.is_blocked && !self.was.is_told && self.inputs.enable.get() {
+            self.messages.warn(
+                "the inverter stands although spindle-on is TRUE: it turns again once spindle-on was FALSE while it answers",
+                &[],
+            );
+        }
+        self.was.is_told = on && self.was.is_blocked && self.inputs.enable.get();
+        let speed = self.inputs.speed.get().abs();
+        let top = results.rated_motor_rev;
+        let low = if results.max_freq == 0.0 {
+            0.0
+        } else {
+            top * results.freq_lower_limit / results.max_freq
+        };
+        let tolerance = speed * self.inputs.tolerance.get().abs();
+        let is_limited =
+            run != 0 && results.ready && (speed + tolerance < low || top < speed - tolerance);
+        if is_limited && !self.was.is_limited {
+            self.messages.warn(
+                "speed-command {} is outside the inverter's limits, {} to {} turns per minute: spindle-at-speed stays FALSE",
+                &[speed, low, top],
+            );
+        }
+        self.was.is_limited = is_limited;
+    }
+}
+
+impl Update for Gate {
+    fn update(&mut self, _: Period) {
+        let now = self.clock.now_ns();
+        if let Some(simulated) = &mut self.simulated {
+            simulated.exchange(now);
+        }
+        let mut results = self.results.get();
+        let is_dead = self.is_worker_dead(now);
+        if is_dead {
+            (results.fault, results.ready, results.hycomm_ok) = (true, false, false);
+        }
+        let enable = self.inputs.enable.get();
+        let gaps = self.clock.gaps();
+        let has_lapsed = results.lapses != self.was.lapses || gaps != self.was.gaps;
+        (self.was.lapses, self.was.gaps) = (results.lapses, gaps);
+        if has_lapsed || !enable || !results.ready {
+            self.was.is_blocked = true;
+        } else if !self.inputs.on.get() {
+            self.was.is_blocked = false;
+        }
+        let run = if self.was.is_blocked { 0 } else { self.direction() };
+        let speed = self.inputs.speed.get();
+        self.was.cycles = self.was.cycles.wrapping_add(1).max(1);
+        let (seen, cycles) = (results.lapses, self.was.cycles);
+        self.wanted.set(&Inputs { enable, run, speed, seen, cycles });
+        self.tell(run, &results);
+        let errors = results.errors();
+        if errors != self.was.errors {
+            let more = errors.wrapping_sub(self.was.errors).cast_signed();
+            let count = &self.inputs.error_count;
+            count.set(count.get().wrapping_add(more));
+            self.inputs.retval.set(f64::from(results.last_error));
+            self.was.errors = errors;
+        }
+        let difference = (results.spindle_speed_fb - speed.abs()).abs();
+        let is_near = difference <= self.inputs.tolerance.get().abs() * speed.abs();
+        // The frequency has no sign: while the spindle turns round, the state says it.
+        let is_against = results.cnst_running && results.cnst_running_rf != (run == -1);
+        let is_commanded = run != 0 && 0.0 < speed.abs() && speed.is_finite() && results.hycomm_ok;
+        self.inputs.at_speed.set(is_commanded && is_near && !is_against);
+        self.shown.set(&results);
+        self.hardware.note(results.fault);
+    }
+}

@@ -1,0 +1,77 @@
+//! Pins of the simulated inverter and its line.
+
+use crate::line::{SimulatedFaultPins, SimulatedLine};
+use hal_component::{Builder, Error, In, Out, Touch};
+use hal_modbus_devices::Inverter;
+use port::Exchange as _;
+
+/// Line with one inverter.
+pub(crate) type InverterLine = SimulatedLine<Inverter>;
+
+/// Pins of the simulated inverter and its line.
+#[derive(Debug, Touch)]
+pub(crate) struct SimulatedPins {
+    faults: SimulatedFaultPins,
+    trip: In<bool>,
+    timeout: In<f64>,
+    frequency: Out<f64>,
+    running: Out<bool>,
+    starts: Out<u32>,
+    frames: Out<u32>,
+    #[state]
+    line: InverterLine,
+}
+
+impl SimulatedPins {
+    pub(crate) fn make(
+        b: &mut Builder<'_>,
+        prefix: &str,
+        line: InverterLine,
+    ) -> Result<Self, Error> {
+        let name = |pin| format!("{prefix}.sim.{pin}");
+        Ok(Self {
+            faults: SimulatedFaultPins::make(b, prefix)?,
+            trip: b.item(
+                &name("trip"),
+                "TRUE trips the simulated inverter: its output is off until a stop has come after the trip.",
+                false,
+            )?,
+            timeout: b.item(
+                &name("timeout"),
+                "Time without a frame after which the simulated inverter stops by its own clock, in seconds; 0 for never.",
+                0.0,
+            )?,
+            frequency: b.item(
+                &name("frequency"),
+                "Frequency at the output of the simulated inverter, in Hz, negative in reverse.",
+                0.0,
+            )?,
+            running: b.item(&name("running"), "TRUE while the simulated inverter runs.", false)?,
+            starts: b.item(&name("starts"), "Number of times that the simulated inverter has begun to run.", 0)?,
+            frames: b.item(&name("frames"), "Number of frames that the simulated inverter has heard.", 0)?,
+            line,
+        })
+    }
+
+    /// Realtime. Lets the simulation go on to this time with the faults that the pins say, and shows its true state.
+    pub(crate) fn exchange(&mut self, now: i64) {
+        {
+            let mut bus = self.line.bus();
+            bus.faults = self.faults.faults();
+            bus.devices.trip = self.trip.get();
+            bus.devices.timeout_ns = nanoseconds(self.timeout.get());
+        }
+        self.line.advance(now);
+        let bus = self.line.bus();
+        self.frequency.set(bus.devices.hz());
+        self.running.set(bus.devices.runs());
+        self.starts.set(bus.devices.starts());
+        self.frames.set(bus.devices.frames());
+    }
+}
+
+/// Returns seconds up to an hour as nanoseconds, and 0 for anything else.
+#[expect(clippy::cast_possible_truncation, reason = "at most an hour")]
+const fn nanoseconds(seconds: f64) -> i64 {
+    if 0.0 < seconds && seconds <= 3600.0 { (seconds * 1e9) as i64 } else { 0 }
+}

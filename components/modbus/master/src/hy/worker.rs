@@ -1,0 +1,225 @@
+//! The worker of an inverter: it keeps the line open and the conversation going.
+
+use super::{
+    drive::{Drive, HyQuestion},
+    halt::Halt,
+    pins::{Inputs, Results},
+    simulated::InverterLine,
+};
+use crate::{
+    line::{NotOpened, SerialPlace, Way},
+    station::{Failure, Station},
+};
+use hal_component::{Clock, Messages, SeqReader, SeqWriter, Texts, Touch, Work};
+use port::{Exchange as _, Lost};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU32, Ordering::Relaxed},
+};
+
+/// Time for an answer, in nanoseconds.
+const ANSWER_NS: i64 = 100_000_000;
+/// Time without a cycle of the function after which the inverter is stopped, in nanoseconds.
+const IDLE_NS: i64 = 200_000_000;
+/// Time between attempts to open a line, in nanoseconds.
+const REOPEN_NS: i64 = 500_000_000;
+/// Largest number of requests that end in one step.
+const MOST: usize = 4;
+/// Largest number of different messages.
+const MESSAGES: usize = 50;
+
+/// Where the inverter is.
+#[derive(Clone, Debug)]
+pub(crate) enum Place {
+    Serial(SerialPlace),
+    Simulated(InverterLine),
+}
+
+impl Place {
+    /// Opens the line.
+    pub(crate) fn open(&self) -> Result<Way, NotOpened> {
+        match self {
+            Self::Serial(place) => place.open().map(Way::new),
+            Self::Simulated(line) => Ok(Way::new(line.clone())),
+        }
+    }
+}
+
+/// The worker.
+#[derive(Touch)]
+pub(crate) struct Worker {
+    pub(crate) wanted: SeqReader<Inputs>,
+    pub(crate) results: SeqWriter<Results>,
+    pub(crate) clock: Clock,
+    pub(crate) messages: Messages,
+    #[state]
+    pub(crate) place: Place,
+    #[state]
+    pub(crate) station: Station<HyQuestion>,
+    #[state]
+    pub(crate) drive: Drive,
+    #[state]
+    pub(crate) halt: Arc<Halt>,
+    #[state]
+    pub(crate) steps: Arc<AtomicU32>,
+    #[state]
+    pub(crate) state: WorkerState,
+}
+
+/// What the worker keeps from one step to the next.
+pub(crate) struct WorkerState {
+    way: Option<Arc<Way>>,
+    /// Time of the next attempt to open the line.
+    reopen: i64,
+    /// Number of cycles of the function, and the time at which it last changed.
+    cycles: (u32, i64),
+    is_idle: bool,
+    was_lost: bool,
+    /// Reason for the last failure to open the line.
+    why: Option<NotOpened>,
+    texts: Texts,
+}
+
+impl WorkerState {
+    pub(crate) const fn new() -> Self {
+        Self {
+            way: None,
+            reopen: i64::MIN,
+            cycles: (0, 0),
+            is_idle: true,
+            was_lost: false,
+            why: None,
+            texts: Texts::new(MESSAGES),
+        }
+    }
+}
+
+impl Worker {
+    /// Takes what the function wants, and notices when it stands still.
+    fn listen(&mut self, now: i64) {
+        if self.halt.has_stopped.swap(false, Relaxed) {
+            self.drive.lapse();
+        }
+        let inputs = self.wanted.get();
+        if inputs.cycles != self.state.cycles.0 {
+            self.state.cycles = (inputs.cycles, now);
+        }
+        let is_idle = IDLE_NS < now.saturating_sub(self.state.cycles.1);
+        if is_idle && !self.state.is_idle {
+            self.drive.lapse();
+            if self.drive.may_run() {
+                self.messages.error(
+                    "the function of the inverter does not run: the inverter is stopped",
+                    &[],
+                );
+            }
+        }
+        self.state.is_idle = is_idle;
+        self.drive.want(inputs.wanted(), now);
+    }
+
+    /// Returns the line, which is opened if it is time to.
+    fn way(&mut self, now: i64) -> Option<Arc<Way>> {
+        if self.state.way.is_none() && self.drive.speaks() && self.state.reopen <= now {
+            self.state.reopen = now.saturating_add(REOPEN_NS);
+            match self.place.open() {
+                Ok(way) => {
+                    self.state.way = Some(Arc::new(way));
+                    self.state.why = None;
+                    self.halt.on(self.state.way.clone());
+                }
+                Err(why) if self.state.why.as_ref() != Some(&why) => {
+                    self.messages.error(self.state.texts.keep(&why.to_string()), &[]);
+                    self.state.why = Some(why);
+                }
+                Err(_) => {}
+            }
+        }
+        self.state.way.clone()
+    }
+
+    fn lost(&mut self, lost: Lost) {
+        self.messages
+            .error("the serial line of the inverter is lost (error {})", &[f64::from(lost.0)]);
+        self.halt.on(None);
+        self.state.way = None;
+        self.station.forget();
+    }
+
+    /// Lets the conversation go on. Returns whether a request has ended.
+    fn speak(&mut self, way: &Way, now: i64) -> bool {
+        let ended = self.station.poll(way, now);
+        let has_ended = ended.is_some();
+        if let Some((question, end)) = ended {
+            if let Err(Failure::Lost(lost)) = end {
+                self.lost(lost);
+            }
+            self.drive.ended(question.ask, end, now);
+        }
+        if self.state.way.is_some()
+            && self.station.is_free(now)
+            && let Some(question) = self.drive.next()
+        {
+            // Before the frame leaves: a stop must find the inverter that it may have started.
+            self.halt.may_run.store(self.drive.may_run(), Relaxed);
+            let frame = question.ask.frame(question.unit);
+            if let Err(lost) = self.station.ask(way, question, &frame, ANSWER_NS, now) {
+                self.drive.ended(question.ask, Err(Failure::Lost(lost)), now);
+                self.lost(lost);
+            }
+        }
+        has_ended
+    }
+
+    /// Says in the log that the inverter is lost, and that it is back.
+    fn tell(&mut self, results: &Results) {
+        let is_lost = self.drive.is_lost();
+        if is_lost == core::mem::replace(&mut self.state.was_lost, is_lost) {
+            return;
+        }
+        if is_lost {
+            let why = if self.state.way.is_none() {
+                "its line is not open"
+            } else if 0 < results.errors_noise.max(results.errors_other).max(results.errors_wrong) {
+                "what comes is no answer: check rate, parity, number and wires"
+            } else {
+                "nothing comes: check power, wires, rate, and PD163 to PD165"
+            };
+            let text =
+                format!("the inverter does not answer ({why}): it is stopped, and motion is off");
+            self.messages.error(self.state.texts.keep(&text), &[]);
+        } else {
+            self.messages.notice(
+                "the inverter answers again: it stands until a person commands the spindle anew",
+                &[],
+            );
+        }
+    }
+}
+
+impl Work for Worker {
+    fn work(&mut self, _: u32) -> u32 {
+        let now = self.clock.now_ns();
+        self.listen(now);
+        if let Some(way) = self.way(now) {
+            way.advance(now);
+            for _ in 0..MOST {
+                if !self.speak(&way, now) {
+                    break;
+                }
+            }
+        }
+        self.halt.may_run.store(self.drive.may_run(), Relaxed);
+        let results = self.drive.results(now);
+        self.tell(&results);
+        self.results.set(&results);
+        self.steps.fetch_add(1, Relaxed);
+        0
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.halt.last_stop();
+    }
+}
