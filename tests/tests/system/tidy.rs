@@ -168,7 +168,7 @@ fn arrows_point_only_downward() {
         ),
         ("hal-modbus", &[]),
         ("hal-modbus-devices", &["hal-modbus"]),
-        ("modbus", &["hal-component", "hal-modbus", "hal-modbus-devices", "port"]),
+        ("modbus", &["hal-component", "hal-ini", "hal-modbus", "hal-modbus-devices", "port"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
         ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol", "hal-remap"]),

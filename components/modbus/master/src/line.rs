@@ -1,10 +1,12 @@
-//! Lines: serial, and simulated.
+//! Lines: serial, over TCP, and simulated.
 
 mod serial;
 mod simulated;
+mod tcp;
 
 pub(crate) use serial::{NotOpened, Parity, RATES, SerialPlace};
 pub(crate) use simulated::{SimulatedFaultPins, SimulatedLine};
+pub(crate) use tcp::TcpPlace;
 
 use core::{fmt, time::Duration};
 use port::{Exchange, Lost};
@@ -49,5 +51,39 @@ impl Exchange for Way {
 
     fn advance(&self, now_ns: i64) {
         self.0.advance(now_ns);
+    }
+}
+
+/// Where a line is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum LinePlace {
+    Serial(SerialPlace),
+    Tcp(TcpPlace),
+}
+
+impl LinePlace {
+    /// Returns whether both mean the same line, with whatever settings.
+    pub(crate) fn is_same_line(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Serial(a), Self::Serial(b)) => a.path == b.path,
+            (a, b) => a == b,
+        }
+    }
+
+    /// Opens the line.
+    pub(crate) fn open(&self) -> Result<Way, NotOpened> {
+        match self {
+            Self::Serial(place) => place.open().map(Way::new),
+            Self::Tcp(place) => place.open().map(Way::new),
+        }
+    }
+}
+
+impl fmt::Display for LinePlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Serial(place) => f.write_str(&place.path),
+            Self::Tcp(place) => write!(f, "{}:{}", place.host, place.port),
+        }
     }
 }

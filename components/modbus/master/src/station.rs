@@ -54,7 +54,7 @@ impl<Q: Question> Station<Q> {
         self.pending.is_none() && self.silence_ns <= now.saturating_sub(self.quiet_since)
     }
 
-    /// Sends a request, whose answer may take this long.
+    /// Sends a request, whose answer may take this long. Returns a request whose line is lost.
     pub(crate) fn ask(
         &mut self,
         way: &Way,
@@ -62,9 +62,11 @@ impl<Q: Question> Station<Q> {
         frame: &[u8],
         within: i64,
         now: i64,
-    ) -> Result<(), Lost> {
+    ) -> Result<(), (Q, Lost)> {
         self.came.clear();
-        way.send(frame)?;
+        if let Err(lost) = way.send(frame) {
+            return Err((question, lost));
+        }
         let count = i64::try_from(frame.len()).unwrap_or(i64::MAX);
         let sent = now.saturating_add(self.char_ns.saturating_mul(count));
         self.quiet_since = sent;

@@ -163,7 +163,7 @@ impl Worker {
             // Before the frame leaves: a stop must find the inverter that it may have started.
             self.halt.may_run.store(self.drive.may_run(), Relaxed);
             let frame = question.ask.frame(question.unit);
-            if let Err(lost) = self.station.ask(way, question, &frame, ANSWER_NS, now) {
+            if let Err((question, lost)) = self.station.ask(way, question, &frame, ANSWER_NS, now) {
                 self.drive.ended(question.ask, Err(Failure::Lost(lost)), now);
                 self.lost(lost);
             }

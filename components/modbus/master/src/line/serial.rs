@@ -64,6 +64,12 @@ pub(crate) struct NotOpened {
     errno: Errno,
 }
 
+impl NotOpened {
+    pub(crate) const fn new(path: String, errno: Errno) -> Self {
+        Self { path, errno }
+    }
+}
+
 impl fmt::Display for NotOpened {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let remedy = match self.errno {
@@ -74,6 +80,10 @@ impl fmt::Display for NotOpened {
                 ": add your user to the group of the device, usually dialout, and log in again"
             }
             Errno::BUSY => ": another program uses it",
+            Errno::CONNREFUSED => ": nobody accepts there: is the port right?",
+            Errno::HOSTUNREACH | Errno::NETUNREACH | Errno::TIMEDOUT => {
+                ": check the address, and the cable"
+            }
             Errno::NOTTY => ": it is no serial line",
             _ => "",
         };

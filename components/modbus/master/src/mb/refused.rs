@@ -1,0 +1,134 @@
+//! Reasons why a file of `mb2hal`, or an argument, is refused.
+
+use crate::line::RATES;
+use core::fmt;
+use hal_ini::Entry;
+
+/// Reason why a file is refused.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum BadIni {
+    /// It cannot be read.
+    Unreadable(hal_ini::Error),
+    /// An entry is missing.
+    Missing {
+        file: String,
+        section: String,
+        key: &'static str,
+        /// What belongs there.
+        what: &'static str,
+        /// Entry that was probably meant.
+        near: Option<String>,
+    },
+    /// An entry is wrong.
+    Entry { entry: Box<Entry>, why: BadEntry },
+    /// A section is wrong by what it does not state.
+    Section { file: String, section: String, value: String, why: BadEntry },
+}
+
+impl BadIni {
+    pub(crate) fn bad(entry: &Entry, why: BadEntry) -> Self {
+        Self::Entry { entry: Box::new(entry.clone()), why }
+    }
+}
+
+/// What is wrong with an entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BadEntry {
+    Whole { least: i64, most: i64 },
+    Number { least: f64, most: f64 },
+    OneOf(&'static [&'static str]),
+    Rate,
+    Function,
+    NeedsVersion,
+    TooMany(i64),
+    PinNames,
+    Beyond,
+    SameName,
+    TwoSettings,
+}
+
+impl fmt::Display for BadEntry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole { least, most } => {
+                write!(f, "a whole number from {least} to {most} is needed")
+            }
+            Self::Number { least, most } => write!(f, "a number from {least} to {most} is needed"),
+            Self::OneOf(list) => write!(f, "one of {} is needed", list.join(", ")),
+            Self::Rate => {
+                let all: Vec<String> = RATES.iter().map(ToString::to_string).collect();
+                write!(f, "a serial line has one of {}", all.join(", "))
+            }
+            Self::Function => {
+                let all: Vec<&str> = super::config::KINDS.iter().map(|(name, _)| *name).collect();
+                write!(f, "one of {} is needed", all.join(", "))
+            }
+            Self::NeedsVersion => f.write_str("this function needs VERSION=1.1 in [MB2HAL_INIT]"),
+            Self::TooMany(most) => write!(f, "this function takes at most {most} in one request"),
+            Self::PinNames => f.write_str(
+                "names with commas between them are needed, of letters, digits, '-', '_' and '.'",
+            ),
+            Self::Beyond => f.write_str("the last element is beyond address 65535"),
+            Self::SameName => f.write_str("another transaction has this name"),
+            Self::TwoSettings => {
+                f.write_str("another transaction states other settings for the same line")
+            }
+        }
+    }
+}
+
+impl fmt::Display for BadIni {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreadable(error) => error.fmt(f),
+            Self::Missing { file, section, key, what, near } => {
+                write!(f, "{file}: [{section}]{key} is missing: {what}")?;
+                near.as_ref().map_or(Ok(()), |near| write!(f, " (did you mean {near}?)"))
+            }
+            Self::Entry { entry, why } => write!(
+                f,
+                "{}:{}: [{}]{}={}: {why}",
+                entry.file, entry.line, entry.section, entry.name, entry.value
+            ),
+            Self::Section { file, section, value, why } => {
+                write!(f, "{file}: [{section}] {value}: {why}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for BadIni {}
+
+/// Argument that is refused.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum BadArgument {
+    /// Neither a file nor transactions, or both.
+    Nothing,
+    /// A rate that no line has.
+    Rate(i64),
+    /// There is no such parity.
+    Parity(String),
+    /// A transaction that is none.
+    Transaction(String),
+    /// The file.
+    Ini(BadIni),
+}
+
+impl fmt::Display for BadArgument {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nothing => f.write_str(
+                "ini= with a file of mb2hal is needed, or transactions= with a list such as inputs:02:0:8",
+            ),
+            Self::Rate(rate) => write!(f, "rate={rate}: {}", BadEntry::Rate),
+            Self::Parity(text) => write!(f, "parity={text}: none, even or odd"),
+            Self::Transaction(text) => write!(
+                f,
+                "transactions={text}: NAME:FUNCTION:FIRST:COUNT is needed, such as inputs:02:0:8, with the functions 01 to 06, 15 and 16, and as many elements as one request holds"
+            ),
+            Self::Ini(bad) => bad.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for BadArgument {}
