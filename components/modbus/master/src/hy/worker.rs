@@ -156,7 +156,9 @@ impl Worker {
             }
             self.drive.ended(question.ask, end, now);
         }
+        // After a stop of the instance the next step says a stop, and this one nothing more.
         if self.state.way.is_some()
+            && !self.halt.has_stopped.load(Relaxed)
             && self.station.is_free(now)
             && let Some(question) = self.drive.next()
         {

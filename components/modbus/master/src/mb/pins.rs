@@ -145,9 +145,15 @@ impl WriteWord {
     fn get(&self) -> u16 {
         let float = self.float.get() * self.scale.get() + self.offset.get();
         let sum = float + f64::from(self.int.as_ref().map_or(0, In::get));
-        // NaN becomes 0, and negative numbers have their usual form of 16 bits.
-        let [low, high, ..] = (sum.min(65535.0).max(-32768.0).trunc() as i32).to_le_bytes();
-        if sum.is_nan() { 0 } else { u16::from_le_bytes([low, high]) }
+        let limited = match sum {
+            _ if sum.is_nan() => 0.0,
+            _ if sum < -32768.0 => -32768.0,
+            _ if 65535.0 < sum => 65535.0,
+            _ => sum,
+        };
+        // Negative numbers have their usual form of 16 bits.
+        let [low, high, ..] = (limited.trunc() as i32).to_le_bytes();
+        u16::from_le_bytes([low, high])
     }
 }
 
@@ -226,7 +232,7 @@ impl SimulatedValues {
                     pins.bits.push(b.item(&name, "Value in the simulated device.", false)?);
                 }
                 Kind::Read(_) => {
-                    pins.words.push(b.item(&name, "Value in the simulated device.", 0)?)
+                    pins.words.push(b.item(&name, "Value in the simulated device.", 0)?);
                 }
                 Kind::WriteCoil | Kind::WriteCoils => {
                     pins.coils.push(b.item(&name, "Value in the simulated device.", false)?);

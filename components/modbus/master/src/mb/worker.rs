@@ -24,6 +24,8 @@ const PROBE_NS: i64 = 500_000_000;
 const FAULT_NS: i64 = 1_000_000_000;
 /// Largest number of requests that end in one step.
 const MOST: usize = 8;
+/// Error of a connection whose bytes are no frames (EPROTO).
+const NO_FRAMES: Lost = Lost(71);
 
 /// Who has asked.
 #[derive(Debug)]
@@ -248,7 +250,7 @@ impl LinkWorker {
             Err(Failure::Lost(lost)) => self.lost(lost),
             // Over TCP, bytes that are no frame leave nothing to begin anew with.
             Err(Failure::Missed(miss)) if self.is_tcp() && miss != Miss::Silent => {
-                self.lost(Lost(71))
+                self.lost(NO_FRAMES);
             }
             _ => {}
         }
@@ -355,9 +357,9 @@ impl LinkWorker {
                     format!("{}.{name}: device {unit} on {} {state}", self.prefix, self.place);
                 let text = self.state.texts.keep(&text);
                 if is_fault {
-                    self.messages.error(text, &[])
+                    self.messages.error(text, &[]);
                 } else {
-                    self.messages.notice(text, &[])
+                    self.messages.notice(text, &[]);
                 }
             }
         }
