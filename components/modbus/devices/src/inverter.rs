@@ -43,7 +43,7 @@ const SETTINGS: &[(u8, u16)] = &[
 pub struct Inverter {
     /// Number of the device.
     pub unit: u8,
-    /// It has tripped: its output is off, whatever is commanded, until a stop has come after the trip.
+    /// Trip: the output is off, whatever is commanded, until a stop has come after the trip.
     pub trip: bool,
     /// Time without a frame after which it stops by itself, in nanoseconds; 0 for never.
     pub timeout_ns: i64,

@@ -13,7 +13,7 @@ const REFUSED: u8 = 0x80;
 pub struct Slave {
     /// Number of the device.
     pub unit: u8,
-    /// It answers nothing.
+    /// Silence: nothing is answered.
     pub is_silent: bool,
     /// Outputs of one bit.
     pub coils: Vec<bool>,

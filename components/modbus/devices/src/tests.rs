@@ -2,7 +2,7 @@
 
 use crate::{Bus, Device as _, Faults, Inverter, Slave, Timing};
 use hal_modbus::{
-    Answer, Call, Exception, Miss, Request, Table, find_rtu, find_tcp,
+    Call, Exception, Miss, ModbusAnswer, ModbusRequest, ModbusTable, find_rtu, find_tcp,
     huanyang::{self, Ask},
 };
 
@@ -103,7 +103,7 @@ fn each_fault_of_the_line_is_what_its_name_says() {
 fn a_slave_serves_each_function_and_refuses_in_the_words_of_the_standard() {
     let mut slave = Slave::new(3, 10);
     let call = |slave: &mut Slave, call: Call| {
-        let request = Request { unit: 3, call };
+        let request = ModbusRequest { unit: 3, call };
         let serial = slave.hear(&request.rtu().unwrap(), 0).unwrap();
         let tcp = slave.hear_tcp(&request.tcp(9).unwrap()).unwrap();
         let found = find_rtu(&request, &serial).unwrap();
@@ -111,25 +111,28 @@ fn a_slave_serves_each_function_and_refuses_in_the_words_of_the_standard() {
         found
     };
     let read = |table, first, count| Call::Read { table, first, count };
-    assert_eq!(call(&mut slave, Call::WriteCoil { at: 1, on: true }), Answer::Written);
+    assert_eq!(call(&mut slave, Call::WriteCoil { at: 1, on: true }), ModbusAnswer::Written);
     assert_eq!(
         call(&mut slave, Call::WriteCoils { first: 2, on: vec![true, false] }),
-        Answer::Written
+        ModbusAnswer::Written
     );
-    let coils = call(&mut slave, read(Table::Coils, 0, 4));
-    assert_eq!(coils, Answer::Bits(vec![false, true, true, false]));
-    assert_eq!(call(&mut slave, Call::WriteRegister { at: 9, value: 7 }), Answer::Written);
+    let coils = call(&mut slave, read(ModbusTable::Coils, 0, 4));
+    assert_eq!(coils, ModbusAnswer::Bits(vec![false, true, true, false]));
+    assert_eq!(call(&mut slave, Call::WriteRegister { at: 9, value: 7 }), ModbusAnswer::Written);
     let both = Call::WriteRegisters { first: 0, values: vec![1, 2] };
-    assert_eq!(call(&mut slave, both), Answer::Written);
-    assert_eq!(call(&mut slave, read(Table::Holding, 0, 2)), Answer::Words(vec![1, 2]));
+    assert_eq!(call(&mut slave, both), ModbusAnswer::Written);
+    assert_eq!(call(&mut slave, read(ModbusTable::Holding, 0, 2)), ModbusAnswer::Words(vec![1, 2]));
     slave.discretes[0] = true;
     slave.inputs[5] = 500;
-    assert_eq!(call(&mut slave, read(Table::Discretes, 0, 1)), Answer::Bits(vec![true]));
-    assert_eq!(call(&mut slave, read(Table::Inputs, 5, 1)), Answer::Words(vec![500]));
-    let beyond = call(&mut slave, read(Table::Inputs, 5, 6));
-    assert_eq!(beyond, Answer::Refused(Exception(2)));
+    assert_eq!(
+        call(&mut slave, read(ModbusTable::Discretes, 0, 1)),
+        ModbusAnswer::Bits(vec![true])
+    );
+    assert_eq!(call(&mut slave, read(ModbusTable::Inputs, 5, 1)), ModbusAnswer::Words(vec![500]));
+    let beyond = call(&mut slave, read(ModbusTable::Inputs, 5, 6));
+    assert_eq!(beyond, ModbusAnswer::Refused(Exception(2)));
     let beyond = call(&mut slave, Call::WriteRegisters { first: 9, values: vec![1, 2] });
-    assert_eq!(beyond, Answer::Refused(Exception(2)));
+    assert_eq!(beyond, ModbusAnswer::Refused(Exception(2)));
     let mut unknown = vec![3, 7, 0, 0, 0, 0];
     hal_modbus::push_crc(&mut unknown);
     let answer = slave.hear(&unknown, 0).unwrap();

@@ -34,7 +34,7 @@ use halt::Halt;
 use pins::{InputPins, Inputs, ResultPins, Results};
 use simulated::SimulatedPins;
 use std::sync::{Arc, atomic::AtomicU32};
-use worker::{Place, Worker, WorkerState};
+use worker::{InverterPlace, Worker, WorkerState};
 
 /// Period of the worker, in nanoseconds.
 const PERIOD_NS: i64 = 1_000_000;
@@ -122,13 +122,13 @@ getp hy_vfd.spindle-at-speed # -> TRUE
         let clock = b.clock();
         let halt = Arc::new(Halt::new(unit, clock));
         let steps = Arc::new(AtomicU32::new(0));
-        let (mut simulated, mut at) = (None, Place::Serial(place));
+        let (mut simulated, mut at) = (None, InverterPlace::Serial(place));
         if b.is_simulated() {
             let timing =
                 Timing { char_ns, silence_ns: HUANYANG_SILENCE_NS, answer_ns: SIMULATED_ANSWER_NS };
             let line = SimulatedLine::new(Bus::new(Inverter::new(unit), timing, 1));
             simulated = Some(SimulatedPins::make(b, &name, line.clone())?);
-            at = Place::Simulated(line);
+            at = InverterPlace::Simulated(line);
         }
         let gate = Gate {
             inputs: InputPins::make(b, &name)?,

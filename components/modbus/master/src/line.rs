@@ -15,22 +15,22 @@ use port::{Exchange, Lost};
 pub(crate) const PAUSE: Duration = Duration::from_millis(40);
 
 /// Line on which somebody other than its worker can have the last word.
-pub(crate) trait Line: Exchange {
+pub(crate) trait Carrier: Exchange {
     /// Sends a frame after [`PAUSE`], so that the device hears it whatever was under way.
     fn send_last(&self, frame: &[u8]) -> Result<(), Lost>;
 }
 
 /// Open line, whatever it is.
-pub(crate) struct Way(Box<dyn Line>);
+pub(crate) struct OpenLine(Box<dyn Carrier>);
 
-impl fmt::Debug for Way {
+impl fmt::Debug for OpenLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Way")
     }
 }
 
-impl Way {
-    pub(crate) fn new(line: impl Line + 'static) -> Self {
+impl OpenLine {
+    pub(crate) fn new(line: impl Carrier + 'static) -> Self {
         Self(Box::new(line))
     }
 
@@ -40,7 +40,7 @@ impl Way {
     }
 }
 
-impl Exchange for Way {
+impl Exchange for OpenLine {
     fn send(&self, packet: &[u8]) -> Result<(), Lost> {
         self.0.send(packet)
     }
@@ -54,7 +54,7 @@ impl Exchange for Way {
     }
 }
 
-/// Where a line is.
+/// Place of a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum LinePlace {
     Serial(SerialPlace),
@@ -71,10 +71,10 @@ impl LinePlace {
     }
 
     /// Opens the line.
-    pub(crate) fn open(&self) -> Result<Way, NotOpened> {
+    pub(crate) fn open(&self) -> Result<OpenLine, NotOpened> {
         match self {
-            Self::Serial(place) => place.open().map(Way::new),
-            Self::Tcp(place) => place.open().map(Way::new),
+            Self::Serial(place) => place.open().map(OpenLine::new),
+            Self::Tcp(place) => place.open().map(OpenLine::new),
         }
     }
 }

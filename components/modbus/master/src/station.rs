@@ -1,6 +1,6 @@
-//! One request at a time on a line.
+//! The master's end of a line: a single request at a time.
 
-use crate::line::Way;
+use crate::line::OpenLine;
 use core::time::Duration;
 use hal_modbus::Miss;
 use port::{Exchange as _, Lost};
@@ -8,7 +8,7 @@ use port::{Exchange as _, Lost};
 /// Largest number of bytes that are kept for one answer, with the noise around it.
 const MAX_CAME: usize = 2048;
 
-/// What is asked, and how its answer is recognised.
+/// Question, with the form of its answer.
 pub(crate) trait Question {
     type Answer;
 
@@ -57,7 +57,7 @@ impl<Q: Question> Station<Q> {
     /// Sends a request, whose answer may take this long. Returns a request whose line is lost.
     pub(crate) fn ask(
         &mut self,
-        way: &Way,
+        way: &OpenLine,
         question: Q,
         frame: &[u8],
         within: i64,
@@ -75,7 +75,7 @@ impl<Q: Question> Station<Q> {
     }
 
     /// Takes what has come. Returns the request that has ended.
-    pub(crate) fn poll(&mut self, way: &Way, now: i64) -> Option<Ended<Q>> {
+    pub(crate) fn poll(&mut self, way: &OpenLine, now: i64) -> Option<Ended<Q>> {
         let mut into = [0; 256];
         loop {
             match way.receive(&mut into, Duration::ZERO) {

@@ -1,6 +1,6 @@
 //! Answers of Modbus devices, found in the bytes that have come.
 
-use crate::{Call, Exception, Miss, Request, is_whole, request::count};
+use crate::{Call, Exception, Miss, ModbusRequest, is_whole, request::count};
 
 /// Bytes of a frame over TCP before the number of the device.
 const HEADER: usize = 6;
@@ -9,12 +9,12 @@ const REFUSED: u8 = 0x80;
 
 /// Answer of a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum ModbusAnswer {
     /// Bits that were read.
     Bits(Vec<bool>),
     /// Registers that were read.
     Words(Vec<u16>),
-    /// What was to be written is written.
+    /// The values are written.
     Written,
     /// The device refuses.
     Refused(Exception),
@@ -23,12 +23,12 @@ pub enum Answer {
 /// Finds the answer to a request in the bytes that have come on a serial line since. Bytes before and after it are
 /// noise, or frames of other devices.
 #[must_use]
-pub fn find_rtu(request: &Request, bytes: &[u8]) -> Option<Answer> {
+pub fn find_rtu(request: &ModbusRequest, bytes: &[u8]) -> Option<ModbusAnswer> {
     (0..bytes.len()).find_map(|at| at_rtu(request, bytes.get(at..)?))
 }
 
 /// Reads the answer that begins with the first byte.
-fn at_rtu(request: &Request, bytes: &[u8]) -> Option<Answer> {
+fn at_rtu(request: &ModbusRequest, bytes: &[u8]) -> Option<ModbusAnswer> {
     let [unit, function, ..] = *bytes else { return None };
     if unit != request.unit {
         return None;
@@ -48,7 +48,11 @@ fn at_rtu(request: &Request, bytes: &[u8]) -> Option<Answer> {
 ///
 /// # Errors
 /// The bytes are no frames, or the answer is another one than the request wants: the connection is of no more use.
-pub fn find_tcp(request: &Request, transaction: u16, bytes: &[u8]) -> Result<Option<Answer>, Miss> {
+pub fn find_tcp(
+    request: &ModbusRequest,
+    transaction: u16,
+    bytes: &[u8],
+) -> Result<Option<ModbusAnswer>, Miss> {
     let mut rest = bytes;
     while let Some((header, body)) = rest.split_first_chunk::<HEADER>() {
         let [t0, t1, p0, p1, l0, l1] = *header;
@@ -71,7 +75,7 @@ pub fn find_tcp(request: &Request, transaction: u16, bytes: &[u8]) -> Result<Opt
 }
 
 /// Returns the number of bytes of an answer that follow the number of the function.
-pub(crate) fn body(request: &Request) -> usize {
+pub(crate) fn body(request: &ModbusRequest) -> usize {
     match &request.call {
         Call::Read { table, count, .. } if table.is_bits() => 1 + usize::from(*count).div_ceil(8),
         Call::Read { count, .. } => 1 + 2 * usize::from(*count),
@@ -83,11 +87,11 @@ pub(crate) fn body(request: &Request) -> usize {
 }
 
 /// Reads function and data of an answer. Returns nothing if they do not fit the request.
-fn read(request: &Request, data: &[u8]) -> Option<Answer> {
+fn read(request: &ModbusRequest, data: &[u8]) -> Option<ModbusAnswer> {
     let (function, data) = data.split_first()?;
     if *function == request.function() | REFUSED {
         let [code] = *data else { return None };
-        return Some(Answer::Refused(Exception(code)));
+        return Some(ModbusAnswer::Refused(Exception(code)));
     }
     if *function != request.function() || data.len() != body(request) {
         return None;
@@ -97,7 +101,7 @@ fn read(request: &Request, data: &[u8]) -> Option<Answer> {
         pairs.iter().map(|pair| u16::from_be_bytes(*pair)).collect()
     };
     let echoes =
-        |first: u16, second: u16| (words(data) == [first, second]).then_some(Answer::Written);
+        |first: u16, second: u16| (words(data) == [first, second]).then_some(ModbusAnswer::Written);
     match &request.call {
         Call::Read { table, count, .. } => {
             let (length, values) = data.split_first()?;
@@ -105,10 +109,10 @@ fn read(request: &Request, data: &[u8]) -> Option<Answer> {
                 return None;
             }
             if !table.is_bits() {
-                return Some(Answer::Words(words(values)));
+                return Some(ModbusAnswer::Words(words(values)));
             }
             let bits = values.iter().flat_map(|byte| (0..8).map(move |n| byte >> n & 1 == 1));
-            Some(Answer::Bits(bits.take(usize::from(*count)).collect()))
+            Some(ModbusAnswer::Bits(bits.take(usize::from(*count)).collect()))
         }
         Call::WriteCoil { at, on } => echoes(*at, if *on { 0xFF00 } else { 0 }),
         Call::WriteRegister { at, value } => echoes(*at, *value),

@@ -28,21 +28,21 @@ pub const COMMAND_REVERSE: u8 = 0x10;
 
 /// Bits of the state, from the lowest.
 pub mod state {
-    /// It was commanded to run.
+    /// The command was to run.
     pub const RUN: u8 = 0x01;
-    /// It was commanded to jog.
+    /// The command was to jog.
     pub const JOG: u8 = 0x02;
-    /// It was commanded to turn in reverse.
+    /// The command was to turn in reverse.
     pub const COMMAND_REVERSE: u8 = 0x04;
-    /// It runs.
+    /// The motor runs.
     pub const RUNNING: u8 = 0x08;
-    /// It jogs.
+    /// The motor jogs.
     pub const JOGGING: u8 = 0x10;
-    /// It runs in reverse.
+    /// The motor runs in reverse.
     pub const RUNNING_REVERSE: u8 = 0x20;
-    /// It brakes.
+    /// The inverter brakes.
     pub const BRAKING: u8 = 0x40;
-    /// It takes up a motor that turns.
+    /// The inverter takes up a motor that turns.
     pub const TRACKING: u8 = 0x80;
 }
 
@@ -66,7 +66,7 @@ pub mod measured {
     pub const TEMPERATURE: u8 = 7;
 }
 
-/// What a master asks of an inverter.
+/// Question of a master to an inverter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ask {
     /// Reads a setting (PD000 to PD255).

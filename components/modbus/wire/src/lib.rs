@@ -25,9 +25,9 @@ mod silence;
 #[cfg(test)]
 mod tests;
 
-pub use answer::{Answer, find_rtu, find_tcp};
+pub use answer::{ModbusAnswer, find_rtu, find_tcp};
 pub use crc::{crc, is_whole, push_crc};
 pub use exception::Exception;
 pub use miss::Miss;
-pub use request::{BadRequest, Call, MAX_TCP, Request, Table};
+pub use request::{BadRequest, Call, MAX_TCP, ModbusRequest, ModbusTable};
 pub use silence::{HUANYANG_SILENCE_NS, char_ns, silence_ns};

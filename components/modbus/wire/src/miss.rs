@@ -1,12 +1,12 @@
 //! Reasons why the bytes that have come are no answer.
 
-use crate::{Request, is_whole};
+use crate::{ModbusRequest, is_whole};
 use core::fmt;
 
 /// Longest frame on a serial line.
 const MAX_FRAME: usize = 256;
 
-/// What came instead of an answer.
+/// Bytes that came instead of an answer, by their kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Miss {
     /// Nothing.
@@ -25,7 +25,7 @@ impl Miss {
 
     /// Returns what came on a serial line instead of the answer to a request.
     #[must_use]
-    pub fn of_rtu(request: &Request, bytes: &[u8]) -> Self {
+    pub fn of_rtu(request: &ModbusRequest, bytes: &[u8]) -> Self {
         Self::of(request.unit, bytes)
     }
 

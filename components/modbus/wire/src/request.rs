@@ -16,7 +16,7 @@ pub const MAX_TCP: usize = 260;
 
 /// Table of a device that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Table {
+pub enum ModbusTable {
     /// Outputs of one bit, function 1.
     Coils,
     /// Inputs of one bit, function 2.
@@ -27,7 +27,7 @@ pub enum Table {
     Inputs,
 }
 
-impl Table {
+impl ModbusTable {
     const fn function(self) -> u8 {
         match self {
             Self::Coils => 1,
@@ -44,13 +44,13 @@ impl Table {
     }
 }
 
-/// What a master asks of a device.
+/// Question of a master to a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Call {
     /// Reads elements that follow each other.
     Read {
         /// Table that is read.
-        table: Table,
+        table: ModbusTable,
         /// Address of the first element.
         first: u16,
         /// Number of elements.
@@ -88,10 +88,10 @@ pub enum Call {
 
 /// Request to one device.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Request {
+pub struct ModbusRequest {
     /// Number of the device on its line, 1 to 247.
     pub unit: u8,
-    /// What is asked.
+    /// Question.
     pub call: Call,
 }
 
@@ -112,7 +112,7 @@ impl fmt::Display for BadRequest {
 
 impl core::error::Error for BadRequest {}
 
-impl Request {
+impl ModbusRequest {
     /// Returns the number of the function.
     #[must_use]
     pub const fn function(&self) -> u8 {

@@ -1,4 +1,4 @@
-//! What is said to an inverter, and when: a state machine over requests, answers and times.
+//! Conversation with an inverter: a state machine over requests, answers and times.
 
 use super::pins::Results;
 use crate::station::{Failure, Question};
@@ -40,9 +40,9 @@ impl Question for HyQuestion {
     }
 }
 
-/// What the function wants.
+/// Demands of the function.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Wanted {
+pub(crate) struct Demand {
     /// The inverter is spoken to.
     pub(crate) enable: bool,
     /// Direction: 0 to stand, 1 forward, -1 reverse.
@@ -53,7 +53,7 @@ pub(crate) struct Wanted {
     pub(crate) seen: u32,
 }
 
-/// How far the conversation is.
+/// Stage of the conversation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     /// Nothing is said, once the inverter has answered a stop.
@@ -76,7 +76,7 @@ pub(crate) struct Drive {
     writes: Vec<(u8, u16)>,
     timeout_ns: i64,
     stage: Stage,
-    wanted: Wanted,
+    wanted: Demand,
     settings: [u16; READ.len()],
     measured: [u16; ROUND.len()],
     /// Command that was answered last.
@@ -87,11 +87,11 @@ pub(crate) struct Drive {
     state: u8,
     /// A command to run was sent, and no stop was answered since.
     may_run: bool,
-    /// Place in the round.
+    /// InverterPlace in the round.
     turn: usize,
     last_answer: i64,
     is_lost: bool,
-    /// Number of times after which a person has to command the spindle anew.
+    /// Number of times after which a person has to command the spindle again.
     lapses: u32,
     requests: u32,
     answers: u32,
@@ -108,7 +108,7 @@ impl Drive {
             writes,
             timeout_ns,
             stage: Stage::Off,
-            wanted: Wanted::default(),
+            wanted: Demand::default(),
             settings: [0; READ.len()],
             measured: [0; ROUND.len()],
             command: None,
@@ -144,7 +144,7 @@ impl Drive {
     }
 
     /// Takes what the function wants.
-    pub(crate) fn want(&mut self, wanted: Wanted, now: i64) {
+    pub(crate) fn want(&mut self, wanted: Demand, now: i64) {
         self.wanted = wanted;
         if wanted.enable && self.stage == Stage::Off {
             self.stage = Stage::First;
@@ -165,7 +165,7 @@ impl Drive {
         }
     }
 
-    /// Says a stop next, and nothing else until a person has commanded the spindle anew.
+    /// Says a stop next, and nothing else until a person has commanded the spindle again.
     pub(crate) fn lapse(&mut self) {
         self.lapses = self.lapses.wrapping_add(1);
         self.command = None;

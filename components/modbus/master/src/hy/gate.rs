@@ -36,7 +36,7 @@ pub(crate) struct Gate {
     pub(crate) was: Was,
 }
 
-/// What the function keeps from one cycle to the next.
+/// State that the function keeps from one cycle to the next.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Was {
     cycles: u32,
@@ -48,9 +48,9 @@ pub(crate) struct Was {
     lapses: u32,
     gaps: u32,
     errors: u32,
-    /// The spindle has to be commanded anew: spindle-on must go FALSE first.
+    /// The spindle has to be commanded again: spindle-on must go FALSE first.
     is_blocked: bool,
-    /// That was said.
+    /// The message about that is in the log.
     is_told: bool,
     is_limited: bool,
 }

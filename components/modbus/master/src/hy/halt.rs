@@ -1,6 +1,6 @@
 //! The stop that needs no worker.
 
-use crate::line::{PAUSE, Way};
+use crate::line::{OpenLine, PAUSE};
 use arc_swap::ArcSwapOption;
 use hal_component::Clock;
 use hal_modbus::huanyang::{Ask, STOP, find};
@@ -20,11 +20,11 @@ const PIECES: usize = 20;
 pub(crate) struct Halt {
     unit: u8,
     frame: Vec<u8>,
-    way: ArcSwapOption<Way>,
+    way: ArcSwapOption<OpenLine>,
     clock: Clock,
     /// The inverter may turn.
     pub(crate) may_run: AtomicBool,
-    /// It was stopped without the worker, which has not noticed it yet.
+    /// A stop was sent without the worker, which has not noticed it yet.
     pub(crate) has_stopped: AtomicBool,
 }
 
@@ -41,7 +41,7 @@ impl Halt {
     }
 
     /// Notes the line.
-    pub(crate) fn on(&self, way: Option<Arc<Way>>) {
+    pub(crate) fn on(&self, way: Option<Arc<OpenLine>>) {
         self.way.store(way);
     }
 

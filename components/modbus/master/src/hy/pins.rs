@@ -1,6 +1,6 @@
 //! Pins of an inverter, and what passes between its function and its worker.
 
-use super::drive::Wanted;
+use super::drive::Demand;
 use hal_component::{Builder, Error, In, Out, ParamRw, Plain, Touch};
 
 /// Declares values that the worker reports, each with its pin: field, type, pin, documentation; then values without pins.
@@ -87,7 +87,7 @@ impl Results {
     }
 }
 
-/// What the function passes to the worker.
+/// Values that the function passes to the worker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Plain)]
 pub(crate) struct Inputs {
     /// The inverter is spoken to.
@@ -103,8 +103,8 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
-    pub(crate) const fn wanted(&self) -> Wanted {
-        Wanted { enable: self.enable, run: self.run, speed: self.speed, seen: self.seen }
+    pub(crate) const fn wanted(&self) -> Demand {
+        Demand { enable: self.enable, run: self.run, speed: self.speed, seen: self.seen }
     }
 }
 

@@ -7,7 +7,7 @@ use super::{
     simulated::InverterLine,
 };
 use crate::{
-    line::{NotOpened, SerialPlace, Way},
+    line::{NotOpened, OpenLine, SerialPlace},
     station::{Failure, Station},
 };
 use hal_component::{Clock, Messages, SeqReader, SeqWriter, Texts, Touch, Work};
@@ -28,19 +28,19 @@ const MOST: usize = 4;
 /// Largest number of different messages.
 const MESSAGES: usize = 50;
 
-/// Where the inverter is.
+/// InverterPlace of the inverter.
 #[derive(Clone, Debug)]
-pub(crate) enum Place {
+pub(crate) enum InverterPlace {
     Serial(SerialPlace),
     Simulated(InverterLine),
 }
 
-impl Place {
+impl InverterPlace {
     /// Opens the line.
-    pub(crate) fn open(&self) -> Result<Way, NotOpened> {
+    pub(crate) fn open(&self) -> Result<OpenLine, NotOpened> {
         match self {
-            Self::Serial(place) => place.open().map(Way::new),
-            Self::Simulated(line) => Ok(Way::new(line.clone())),
+            Self::Serial(place) => place.open().map(OpenLine::new),
+            Self::Simulated(line) => Ok(OpenLine::new(line.clone())),
         }
     }
 }
@@ -53,7 +53,7 @@ pub(crate) struct Worker {
     pub(crate) clock: Clock,
     pub(crate) messages: Messages,
     #[state]
-    pub(crate) place: Place,
+    pub(crate) place: InverterPlace,
     #[state]
     pub(crate) station: Station<HyQuestion>,
     #[state]
@@ -66,9 +66,9 @@ pub(crate) struct Worker {
     pub(crate) state: WorkerState,
 }
 
-/// What the worker keeps from one step to the next.
+/// State that the worker keeps from one step to the next.
 pub(crate) struct WorkerState {
-    way: Option<Arc<Way>>,
+    way: Option<Arc<OpenLine>>,
     /// Time of the next attempt to open the line.
     reopen: i64,
     /// Number of cycles of the function, and the time at which it last changed.
@@ -119,7 +119,7 @@ impl Worker {
     }
 
     /// Returns the line, which is opened if it is time to.
-    fn way(&mut self, now: i64) -> Option<Arc<Way>> {
+    fn way(&mut self, now: i64) -> Option<Arc<OpenLine>> {
         if self.state.way.is_none() && self.drive.speaks() && self.state.reopen <= now {
             self.state.reopen = now.saturating_add(REOPEN_NS);
             match self.place.open() {
@@ -147,7 +147,7 @@ impl Worker {
     }
 
     /// Lets the conversation go on. Returns whether a request has ended.
-    fn speak(&mut self, way: &Way, now: i64) -> bool {
+    fn speak(&mut self, way: &OpenLine, now: i64) -> bool {
         let ended = self.station.poll(way, now);
         let has_ended = ended.is_some();
         if let Some((question, end)) = ended {

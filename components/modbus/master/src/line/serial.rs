@@ -1,6 +1,6 @@
 //! Serial lines: terminals of Linux, as bytes without interpretation.
 
-use super::{Line, PAUSE};
+use super::{Carrier, PAUSE};
 use core::{fmt, time::Duration};
 use hal_modbus::char_ns;
 use port::{Exchange, Lost};
@@ -187,7 +187,7 @@ impl Exchange for SerialLine {
     }
 }
 
-impl Line for SerialLine {
+impl Carrier for SerialLine {
     fn send_last(&self, frame: &[u8]) -> Result<(), Lost> {
         // The worker takes what comes meanwhile, if it lives.
         let _ = poll(&mut [], Some(&timespec(PAUSE)));

@@ -1,6 +1,6 @@
 //! Simulated lines, whose faults are pins.
 
-use super::{Line, PAUSE};
+use super::{Carrier, PAUSE};
 use core::time::Duration;
 use hal_component::{Builder, Error, In, Touch};
 use hal_modbus_devices::{Bus, Device, Faults};
@@ -45,7 +45,7 @@ impl<D: Device> Exchange for SimulatedLine<D> {
     }
 }
 
-impl<D: Device> Line for SimulatedLine<D> {
+impl<D: Device> Carrier for SimulatedLine<D> {
     fn send_last(&self, frame: &[u8]) -> Result<(), Lost> {
         let wait = i64::try_from(PAUSE.as_nanos()).unwrap_or(i64::MAX);
         self.bus().send_later(frame, wait);

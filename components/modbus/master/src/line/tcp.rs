@@ -1,6 +1,6 @@
 //! Lines over TCP.
 
-use super::{Line, NotOpened, PAUSE};
+use super::{Carrier, NotOpened, PAUSE};
 use core::time::Duration;
 use port::{Exchange, Lost};
 use rustix::{
@@ -81,7 +81,7 @@ impl Exchange for TcpLine {
     }
 }
 
-impl Line for TcpLine {
+impl Carrier for TcpLine {
     fn send_last(&self, frame: &[u8]) -> Result<(), Lost> {
         let _ = self.receive(&mut [0; 64], PAUSE)?;
         self.send(frame)

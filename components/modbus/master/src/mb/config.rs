@@ -1,9 +1,9 @@
-//! What is read and written: the INI file of LinuxCNC's `mb2hal`, understood.
+//! The INI file of LinuxCNC's `mb2hal`, understood: lines, devices, elements.
 
 use super::refused::{BadEntry, BadIni};
 use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace};
 use hal_ini::{Entry, Ini};
-use hal_modbus::{Call, Request, Table};
+use hal_modbus::{Call, ModbusRequest, ModbusTable};
 use std::path::Path;
 
 /// Largest number of transactions.
@@ -14,8 +14,8 @@ const MS: i64 = 1_000_000;
 
 /// Function of a transaction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Read(Table),
+pub(crate) enum Function {
+    Read(ModbusTable),
     WriteCoil,
     WriteRegister,
     WriteCoils,
@@ -23,18 +23,18 @@ pub(crate) enum Kind {
 }
 
 /// Functions by their names in the file.
-pub(crate) const KINDS: &[(&str, Kind)] = &[
-    ("fnct_01_read_coils", Kind::Read(Table::Coils)),
-    ("fnct_02_read_discrete_inputs", Kind::Read(Table::Discretes)),
-    ("fnct_03_read_holding_registers", Kind::Read(Table::Holding)),
-    ("fnct_04_read_input_registers", Kind::Read(Table::Inputs)),
-    ("fnct_05_write_single_coil", Kind::WriteCoil),
-    ("fnct_06_write_single_register", Kind::WriteRegister),
-    ("fnct_15_write_multiple_coils", Kind::WriteCoils),
-    ("fnct_16_write_multiple_registers", Kind::WriteRegisters),
+pub(crate) const KINDS: &[(&str, Function)] = &[
+    ("fnct_01_read_coils", Function::Read(ModbusTable::Coils)),
+    ("fnct_02_read_discrete_inputs", Function::Read(ModbusTable::Discretes)),
+    ("fnct_03_read_holding_registers", Function::Read(ModbusTable::Holding)),
+    ("fnct_04_read_input_registers", Function::Read(ModbusTable::Inputs)),
+    ("fnct_05_write_single_coil", Function::WriteCoil),
+    ("fnct_06_write_single_register", Function::WriteRegister),
+    ("fnct_15_write_multiple_coils", Function::WriteCoils),
+    ("fnct_16_write_multiple_registers", Function::WriteRegisters),
 ];
 
-impl Kind {
+impl Function {
     /// Returns the largest number of elements.
     pub(crate) fn most(self) -> i64 {
         let call = match self {
@@ -43,7 +43,7 @@ impl Kind {
             Self::WriteCoils => Call::WriteCoils { first: 0, on: Vec::new() },
             Self::WriteRegisters => Call::WriteRegisters { first: 0, values: Vec::new() },
         };
-        let most = Request { unit: 1, call }.check().map_or_else(|bad| bad.most, |()| 1);
+        let most = ModbusRequest { unit: 1, call }.check().map_or_else(|bad| bad.most, |()| 1);
         i64::try_from(most).unwrap_or(i64::MAX)
     }
 }
@@ -56,14 +56,14 @@ pub(crate) struct LinkConfig {
     pub(crate) pause_ns: i64,
 }
 
-/// One request that is repeated.
+/// Request that is repeated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TransactionConfig {
     pub(crate) name: String,
     /// Place of its line in the list.
     pub(crate) link: usize,
     pub(crate) unit: u8,
-    pub(crate) kind: Kind,
+    pub(crate) kind: Function,
     pub(crate) first: u16,
     /// Names of the elements.
     pub(crate) pins: Vec<String>,
@@ -87,22 +87,22 @@ impl MbConfig {
     /// Reads a file of `mb2hal`.
     pub(crate) fn read(path: &Path) -> Result<Self, BadIni> {
         let ini = Ini::read(path).map_err(BadIni::Unreadable)?;
-        Reader { ini: &ini, file: path.display().to_string() }.read()
+        FileReader { ini: &ini, file: path.display().to_string() }.read()
     }
 }
 
 /// A section, with those before it from which it takes what it does not state.
 struct Section<'r> {
-    reader: &'r Reader<'r>,
+    reader: &'r FileReader<'r>,
     number: i64,
 }
 
-struct Reader<'i> {
+struct FileReader<'i> {
     ini: &'i Ini,
     file: String,
 }
 
-impl<'i> Reader<'i> {
+impl<'i> FileReader<'i> {
     fn read(&self) -> Result<MbConfig, BadIni> {
         let total = match self.entry(INIT, "TOTAL_TRANSACTIONS") {
             Some(entry) => number(entry, 1, MAX_TRANSACTIONS)?,
@@ -250,7 +250,7 @@ impl<'r> Section<'r> {
         })?;
         let kind = KINDS.iter().find(|(name, _)| *name == code.value).map(|(_, kind)| *kind);
         let kind = kind.ok_or_else(|| BadIni::bad(code, BadEntry::Function))?;
-        let is_new = matches!(kind, Kind::Read(Table::Coils) | Kind::WriteCoil);
+        let is_new = matches!(kind, Function::Read(ModbusTable::Coils) | Function::WriteCoil);
         if is_new && !has_new_names {
             return Err(BadIni::bad(code, BadEntry::NeedsVersion));
         }
@@ -288,7 +288,7 @@ impl<'r> Section<'r> {
     }
 
     /// Returns the names of the elements.
-    fn pins(&self, kind: Kind) -> Result<Vec<String>, BadIni> {
+    fn pins(&self, kind: Function) -> Result<Vec<String>, BadIni> {
         if let Some(entry) = self.own("PIN_NAMES") {
             let names: Vec<String> =
                 entry.value.split(',').map(|name| name.trim().to_owned()).collect();

@@ -1,8 +1,8 @@
 //! Pins of a transaction.
 
-use super::config::{Kind, MbConfig, TransactionConfig};
+use super::config::{Function, MbConfig, TransactionConfig};
 use hal_component::{Builder, Error, In, Out, Touch};
-use hal_modbus::{Answer, Call, Request, Table};
+use hal_modbus::{Call, ModbusAnswer, ModbusRequest, ModbusTable};
 
 /// A register as pins.
 #[derive(Debug, Touch)]
@@ -48,7 +48,7 @@ impl ValuePins {
             let base = format!("{}.{}.{pin}", config.prefix, of.name);
             let bit = if is_new { format!("{base}.bit") } else { base.clone() };
             match of.kind {
-                Kind::Read(table) if table.is_bits() => {
+                Function::Read(table) if table.is_bits() => {
                     let doc = format!("Value of element {number}.");
                     let not = if is_new {
                         let doc = format!("The opposite of the value of element {number}.");
@@ -58,7 +58,7 @@ impl ValuePins {
                     };
                     pins.read_bits.push((b.item(&bit, &doc, false)?, not));
                 }
-                Kind::Read(_) => {
+                Function::Read(_) => {
                     let doc = format!(
                         "Value of register {number}, 0 to 65535, times scale, plus offset."
                     );
@@ -68,14 +68,14 @@ impl ValuePins {
                     let (scale, offset) = scale(b, &base)?;
                     pins.read_words.push(ReadWord { float, int, scale, offset });
                 }
-                Kind::WriteCoil | Kind::WriteCoils => {
+                Function::WriteCoil | Function::WriteCoils => {
                     pins.write_bits.push(b.item(
                         &bit,
                         &format!("Value for coil {number}."),
                         false,
                     )?);
                 }
-                Kind::WriteRegister | Kind::WriteRegisters => {
+                Function::WriteRegister | Function::WriteRegisters => {
                     let doc = format!(
                         "Value for register {number}: times scale, plus offset, plus the pin int, without its fraction, limited to -32768 to 65535."
                     );
@@ -97,30 +97,30 @@ impl ValuePins {
     }
 
     /// Returns the request with the values that the pins have now.
-    pub(crate) fn request(&self, of: &TransactionConfig) -> Request {
+    pub(crate) fn request(&self, of: &TransactionConfig) -> ModbusRequest {
         let (first, on) = (of.first, || self.write_bits.iter().map(In::get).collect::<Vec<_>>());
         let values = || self.write_words.iter().map(WriteWord::get).collect::<Vec<_>>();
         let call = match of.kind {
-            Kind::Read(table) => {
+            Function::Read(table) => {
                 Call::Read { table, first, count: u16::try_from(of.pins.len()).unwrap_or(u16::MAX) }
             }
-            Kind::WriteCoil => {
+            Function::WriteCoil => {
                 Call::WriteCoil { at: first, on: on().first().copied().unwrap_or_default() }
             }
-            Kind::WriteRegister => Call::WriteRegister {
+            Function::WriteRegister => Call::WriteRegister {
                 at: first,
                 value: values().first().copied().unwrap_or_default(),
             },
-            Kind::WriteCoils => Call::WriteCoils { first, on: on() },
-            Kind::WriteRegisters => Call::WriteRegisters { first, values: values() },
+            Function::WriteCoils => Call::WriteCoils { first, on: on() },
+            Function::WriteRegisters => Call::WriteRegisters { first, values: values() },
         };
-        Request { unit: of.unit, call }
+        ModbusRequest { unit: of.unit, call }
     }
 
     /// Shows an answer.
-    pub(crate) fn show(&self, answer: &Answer) {
+    pub(crate) fn show(&self, answer: &ModbusAnswer) {
         match answer {
-            Answer::Bits(bits) => {
+            ModbusAnswer::Bits(bits) => {
                 for ((pin, not), bit) in self.read_bits.iter().zip(bits) {
                     pin.set(*bit);
                     if let Some(not) = not {
@@ -128,13 +128,13 @@ impl ValuePins {
                     }
                 }
             }
-            Answer::Words(words) => {
+            ModbusAnswer::Words(words) => {
                 for (pins, word) in self.read_words.iter().zip(words) {
                     pins.int.set(i32::from(*word));
                     pins.float.set(f64::from(*word) * pins.scale.get() + pins.offset.get());
                 }
             }
-            Answer::Written | Answer::Refused(_) => {}
+            ModbusAnswer::Written | ModbusAnswer::Refused(_) => {}
         }
     }
 }
@@ -228,16 +228,16 @@ impl SimulatedValues {
         for pin in &of.pins {
             let name = format!("{base}.{pin}");
             match of.kind {
-                Kind::Read(table) if table.is_bits() => {
+                Function::Read(table) if table.is_bits() => {
                     pins.bits.push(b.item(&name, "Value in the simulated device.", false)?);
                 }
-                Kind::Read(_) => {
+                Function::Read(_) => {
                     pins.words.push(b.item(&name, "Value in the simulated device.", 0)?);
                 }
-                Kind::WriteCoil | Kind::WriteCoils => {
+                Function::WriteCoil | Function::WriteCoils => {
                     pins.coils.push(b.item(&name, "Value in the simulated device.", false)?);
                 }
-                Kind::WriteRegister | Kind::WriteRegisters => {
+                Function::WriteRegister | Function::WriteRegisters => {
                     pins.registers.push(b.item(&name, "Value in the simulated device.", 0)?);
                 }
             }
@@ -254,22 +254,28 @@ impl SimulatedValues {
     pub(crate) fn exchange(&self, of: &TransactionConfig, slave: &mut hal_modbus_devices::Slave) {
         let first = usize::from(of.first);
         match of.kind {
-            Kind::Read(table) if table.is_bits() => {
-                let to =
-                    if table == Table::Coils { &mut slave.coils } else { &mut slave.discretes };
+            Function::Read(table) if table.is_bits() => {
+                let to = if table == ModbusTable::Coils {
+                    &mut slave.coils
+                } else {
+                    &mut slave.discretes
+                };
                 to.iter_mut().skip(first).zip(&self.bits).for_each(|(to, pin)| *to = pin.get());
             }
-            Kind::Read(table) => {
-                let to =
-                    if table == Table::Holding { &mut slave.holding } else { &mut slave.inputs };
+            Function::Read(table) => {
+                let to = if table == ModbusTable::Holding {
+                    &mut slave.holding
+                } else {
+                    &mut slave.inputs
+                };
                 let word = |pin: &In<u32>| u16::try_from(pin.get()).unwrap_or(u16::MAX);
                 to.iter_mut().skip(first).zip(&self.words).for_each(|(to, pin)| *to = word(pin));
             }
-            Kind::WriteCoil | Kind::WriteCoils => {
+            Function::WriteCoil | Function::WriteCoils => {
                 let from = slave.coils.iter().skip(first);
                 from.zip(&self.coils).for_each(|(from, pin)| pin.set(*from));
             }
-            Kind::WriteRegister | Kind::WriteRegisters => {
+            Function::WriteRegister | Function::WriteRegisters => {
                 let from = slave.holding.iter().skip(first);
                 from.zip(&self.registers).for_each(|(from, pin)| pin.set(u32::from(*from)));
             }

@@ -1,7 +1,7 @@
 //! The command `modbus.probe`: one request to one device.
 
 use hal_component::{Arg, Builder, Error, TicketHandle, abi::ArgSpec};
-use hal_modbus::{Answer, Call, Request, Table};
+use hal_modbus::{Call, ModbusAnswer, ModbusRequest, ModbusTable};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Largest number of probes that wait.
@@ -11,7 +11,7 @@ const MOST: usize = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct Probe {
     pub(crate) link: usize,
-    pub(crate) request: Request,
+    pub(crate) request: ModbusRequest,
     pub(crate) ticket: TicketHandle,
 }
 
@@ -39,11 +39,11 @@ const ARGS: &[&ArgSpec] = &[
         .or("0"),
 ];
 
-const TABLES: &[(&str, Table)] = &[
-    ("coils", Table::Coils),
-    ("discretes", Table::Discretes),
-    ("holding", Table::Holding),
-    ("inputs", Table::Inputs),
+const TABLES: &[(&str, ModbusTable)] = &[
+    ("coils", ModbusTable::Coils),
+    ("discretes", ModbusTable::Discretes),
+    ("holding", ModbusTable::Holding),
+    ("inputs", ModbusTable::Inputs),
 ];
 
 /// Declares the command.
@@ -68,7 +68,7 @@ pub(crate) fn open(b: &mut Builder<'_>, links: usize, inbox: &Inbox) -> Result<(
         if MOST <= inbox.len() {
             return Err(Error::new("too many probes wait for their lines"));
         }
-        let request = Request {
+        let request = ModbusRequest {
             unit: u8::try_from(int("unit")).unwrap_or(1),
             call: Call::Read {
                 table,
@@ -82,12 +82,14 @@ pub(crate) fn open(b: &mut Builder<'_>, links: usize, inbox: &Inbox) -> Result<(
 }
 
 /// Returns the values of an answer as words.
-pub(crate) fn values(answer: &Answer) -> String {
+pub(crate) fn values(answer: &ModbusAnswer) -> String {
     let list = |all: Vec<String>| all.join(" ");
     match answer {
-        Answer::Bits(bits) => list(bits.iter().map(|bit| u8::from(*bit).to_string()).collect()),
-        Answer::Words(words) => list(words.iter().map(ToString::to_string).collect()),
-        Answer::Written => "written".to_owned(),
-        Answer::Refused(exception) => exception.to_string(),
+        ModbusAnswer::Bits(bits) => {
+            list(bits.iter().map(|bit| u8::from(*bit).to_string()).collect())
+        }
+        ModbusAnswer::Words(words) => list(words.iter().map(ToString::to_string).collect()),
+        ModbusAnswer::Written => "written".to_owned(),
+        ModbusAnswer::Refused(exception) => exception.to_string(),
     }
 }

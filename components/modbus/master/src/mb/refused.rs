@@ -7,14 +7,14 @@ use hal_ini::Entry;
 /// Reason why a file is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BadIni {
-    /// It cannot be read.
+    /// The file cannot be read.
     Unreadable(hal_ini::Error),
     /// An entry is missing.
     Missing {
         file: String,
         section: String,
         key: &'static str,
-        /// What belongs there.
+        /// Value that belongs there.
         what: &'static str,
         /// Entry that was probably meant.
         near: Option<String>,
@@ -31,7 +31,7 @@ impl BadIni {
     }
 }
 
-/// What is wrong with an entry.
+/// Mistake in an entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum BadEntry {
     Whole { least: i64, most: i64 },

@@ -1,4 +1,4 @@
-//! Which transaction of a line is next: by its rate, and such that a silent device starves none.
+//! Turns of the transactions of a line: by their rates, and such that a silent device starves none.
 
 use super::config::TransactionConfig;
 

@@ -7,11 +7,11 @@ use super::{
     schedule::Schedule,
 };
 use crate::{
-    line::{LinePlace, NotOpened, SimulatedFaultPins, SimulatedLine, Way},
+    line::{LinePlace, NotOpened, OpenLine, SimulatedFaultPins, SimulatedLine},
     station::{Failure, Question, Station},
 };
 use hal_component::{Clock, Hardware, Messages, Texts, Touch, Work};
-use hal_modbus::{Answer, Miss, Request, find_rtu, find_tcp};
+use hal_modbus::{Miss, ModbusAnswer, ModbusRequest, find_rtu, find_tcp};
 use hal_modbus_devices::{Device, Slave};
 use port::{Exchange as _, Lost};
 use std::sync::Arc;
@@ -27,7 +27,7 @@ const MOST: usize = 8;
 /// Error of a connection whose bytes are no frames (EPROTO).
 const NO_FRAMES: Lost = Lost(71);
 
-/// Who has asked.
+/// Origin of a request.
 #[derive(Debug)]
 enum Asker {
     Transaction(usize),
@@ -37,16 +37,16 @@ enum Asker {
 /// Request under way.
 #[derive(Debug)]
 pub(crate) struct MbQuestion {
-    request: Request,
+    request: ModbusRequest,
     /// Number of the request, over TCP.
     number: Option<u16>,
     asker: Asker,
 }
 
 impl Question for MbQuestion {
-    type Answer = Answer;
+    type Answer = ModbusAnswer;
 
-    fn find(&self, bytes: &[u8]) -> Result<Option<Answer>, Miss> {
+    fn find(&self, bytes: &[u8]) -> Result<Option<ModbusAnswer>, Miss> {
         match self.number {
             Some(number) => find_tcp(&self.request, number, bytes),
             None => Ok(find_rtu(&self.request, bytes)),
@@ -73,7 +73,7 @@ pub(crate) struct Transaction {
     pub(crate) counts: Counts,
 }
 
-/// What is counted of a transaction.
+/// Counters of a transaction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     answers: u32,
@@ -157,9 +157,9 @@ pub(crate) struct LinkWorker {
     pub(crate) state: LinkState,
 }
 
-/// What the worker keeps from one step to the next.
+/// State that the worker keeps from one step to the next.
 pub(crate) struct LinkState {
-    way: Option<Arc<Way>>,
+    way: Option<Arc<OpenLine>>,
     reopen: i64,
     why: Option<NotOpened>,
     texts: Texts,
@@ -211,11 +211,11 @@ impl LinkWorker {
     }
 
     /// Returns the line, which is opened if it is time to.
-    fn way(&mut self, now: i64) -> Option<Arc<Way>> {
+    fn way(&mut self, now: i64) -> Option<Arc<OpenLine>> {
         if self.state.way.is_none() && self.state.reopen <= now {
             self.state.reopen = now.saturating_add(REOPEN_NS);
             let opened = match &self.simulation {
-                Some(simulation) => Ok(Way::new(simulation.line.clone())),
+                Some(simulation) => Ok(OpenLine::new(simulation.line.clone())),
                 None => self.place.open(),
             };
             match opened {
@@ -241,14 +241,14 @@ impl LinkWorker {
         self.station.forget();
     }
 
-    fn ended(&mut self, question: MbQuestion, end: Result<Answer, Failure>, now: i64) {
+    fn ended(&mut self, question: MbQuestion, end: Result<ModbusAnswer, Failure>, now: i64) {
         match question.asker {
             Asker::Probe(probe) => self.probed(&probe, &end),
             Asker::Transaction(n) => self.counted(n, &end, now),
         }
         match end {
             Err(Failure::Lost(lost)) => self.lost(lost),
-            // Over TCP, bytes that are no frame leave nothing to begin anew with.
+            // Over TCP, bytes that are no frame leave nothing to begin again with.
             Err(Failure::Missed(miss)) if self.is_tcp() && miss != Miss::Silent => {
                 self.lost(NO_FRAMES);
             }
@@ -256,10 +256,10 @@ impl LinkWorker {
         }
     }
 
-    fn probed(&mut self, probe: &Probe, end: &Result<Answer, Failure>) {
+    fn probed(&mut self, probe: &Probe, end: &Result<ModbusAnswer, Failure>) {
         let unit = probe.request.unit;
         match end {
-            Ok(answer @ (Answer::Bits(_) | Answer::Words(_))) => {
+            Ok(answer @ (ModbusAnswer::Bits(_) | ModbusAnswer::Words(_))) => {
                 let text = format!("device {unit} answers: {}", probe::values(answer));
                 self.messages.notice(self.state.texts.keep(&text), &[]);
                 probe.ticket.done();
@@ -276,11 +276,11 @@ impl LinkWorker {
         }
     }
 
-    fn counted(&mut self, n: usize, end: &Result<Answer, Failure>, now: i64) {
+    fn counted(&mut self, n: usize, end: &Result<ModbusAnswer, Failure>, now: i64) {
         let Some(transaction) = self.transactions.get_mut(n) else { return };
         let counts = &mut transaction.counts;
         match end {
-            Ok(Answer::Refused(exception)) => {
+            Ok(ModbusAnswer::Refused(exception)) => {
                 counts.refused = counts.refused.wrapping_add(1);
                 self.schedule.silent(n, now);
                 if !core::mem::replace(&mut counts.is_refused, true) {
@@ -311,7 +311,7 @@ impl LinkWorker {
     }
 
     /// Sends the next request, if it is time to.
-    fn ask(&mut self, way: &Way, now: i64) {
+    fn ask(&mut self, way: &OpenLine, now: i64) {
         if !self.station.is_free(now) {
             return;
         }

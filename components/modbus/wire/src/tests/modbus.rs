@@ -2,8 +2,8 @@
 
 use super::hex;
 use crate::{
-    Answer, Call, Exception, Miss, Request, Table, char_ns, find_rtu, find_tcp, push_crc,
-    silence_ns,
+    Call, Exception, Miss, ModbusAnswer, ModbusRequest, ModbusTable, char_ns, find_rtu, find_tcp,
+    push_crc, silence_ns,
 };
 use hal_bench::Random;
 use rmodbus::{
@@ -11,43 +11,68 @@ use rmodbus::{
     server::{ModbusFrame, context::ModbusContext as _, storage::ModbusStorageSmall},
 };
 
-fn read(table: Table, first: u16, count: u16) -> Call {
+fn read(table: ModbusTable, first: u16, count: u16) -> Call {
     Call::Read { table, first, count }
 }
 
 /// Returns calls with function and data of their requests and answers, and what these mean.
-fn examples() -> Vec<(Call, &'static str, &'static str, Answer)> {
-    let bits = |text: &str| Answer::Bits(text.chars().map(|c| c == '1').collect());
+fn examples() -> Vec<(Call, &'static str, &'static str, ModbusAnswer)> {
+    let bits = |text: &str| ModbusAnswer::Bits(text.chars().map(|c| c == '1').collect());
     vec![
-        (read(Table::Coils, 19, 19), "01 0013 0013", "01 03 CD 6B 05", bits("1011001111010110101")),
         (
-            read(Table::Discretes, 196, 22),
+            read(ModbusTable::Coils, 19, 19),
+            "01 0013 0013",
+            "01 03 CD 6B 05",
+            bits("1011001111010110101"),
+        ),
+        (
+            read(ModbusTable::Discretes, 196, 22),
             "02 00C4 0016",
             "02 03 AC DB 35",
             bits("0011010111011011101011"),
         ),
         (
-            read(Table::Holding, 107, 3),
+            read(ModbusTable::Holding, 107, 3),
             "03 006B 0003",
             "03 06 02 2B 00 00 00 64",
-            Answer::Words(vec![555, 0, 100]),
+            ModbusAnswer::Words(vec![555, 0, 100]),
         ),
-        (read(Table::Inputs, 8, 1), "04 0008 0001", "04 02 00 0A", Answer::Words(vec![10])),
-        (Call::WriteCoil { at: 172, on: true }, "05 00AC FF00", "05 00AC FF00", Answer::Written),
-        (Call::WriteRegister { at: 1, value: 3 }, "06 0001 0003", "06 0001 0003", Answer::Written),
+        (
+            read(ModbusTable::Inputs, 8, 1),
+            "04 0008 0001",
+            "04 02 00 0A",
+            ModbusAnswer::Words(vec![10]),
+        ),
+        (
+            Call::WriteCoil { at: 172, on: true },
+            "05 00AC FF00",
+            "05 00AC FF00",
+            ModbusAnswer::Written,
+        ),
+        (
+            Call::WriteRegister { at: 1, value: 3 },
+            "06 0001 0003",
+            "06 0001 0003",
+            ModbusAnswer::Written,
+        ),
         (
             Call::WriteCoils { first: 19, on: "1011001110".chars().map(|c| c == '1').collect() },
             "0F 0013 000A 02 CD 01",
             "0F 0013 000A",
-            Answer::Written,
+            ModbusAnswer::Written,
         ),
         (
             Call::WriteRegisters { first: 1, values: vec![10, 0x0102] },
             "10 0001 0002 04 000A 0102",
             "10 0001 0002",
-            Answer::Written,
+            ModbusAnswer::Written,
         ),
-        (read(Table::Coils, 0x04A1, 1), "01 04A1 0001", "81 02", Answer::Refused(Exception(2))),
+        (
+            read(ModbusTable::Coils, 0x04A1, 1),
+            "01 04A1 0001",
+            "81 02",
+            ModbusAnswer::Refused(Exception(2)),
+        ),
     ]
 }
 
@@ -77,7 +102,7 @@ fn tcp(transaction: u16, unit: u8, text: &str) -> Vec<u8> {
 #[test]
 fn examples_of_the_standard_on_both_lines() {
     for (call, asked, answered, wanted) in examples() {
-        let request = Request { unit: 17, call };
+        let request = ModbusRequest { unit: 17, call };
         assert_eq!(request.rtu().unwrap(), rtu(17, asked), "{request:?}");
         assert_eq!(request.tcp(0x1501).unwrap(), tcp(0x1501, 17, asked), "{request:?}");
         let answer = rtu(17, answered);
@@ -106,29 +131,29 @@ fn examples_of_the_standard_on_both_lines() {
 #[test]
 fn a_frame_on_the_line_has_its_published_check_sum() {
     // Read of ten registers from 0 of device 1: the most printed of all frames.
-    let request = Request { unit: 1, call: read(Table::Holding, 0, 10) };
+    let request = ModbusRequest { unit: 1, call: read(ModbusTable::Holding, 0, 10) };
     assert_eq!(request.rtu().unwrap(), hex("01 03 00 00 00 0A C5 CD"));
 }
 
 #[test]
 fn answers_of_other_lengths_addresses_and_values_are_refused() {
     for (call, wrong) in [
-        (read(Table::Holding, 0, 2), "03 02 00 01"),
-        (read(Table::Holding, 0, 2), "03 04 00 01 00 02 00 03"),
-        (read(Table::Holding, 0, 1), "03 04 00 01"),
-        (read(Table::Holding, 0, 1), "04 02 00 01"),
-        (read(Table::Coils, 0, 9), "01 01 FF"),
+        (read(ModbusTable::Holding, 0, 2), "03 02 00 01"),
+        (read(ModbusTable::Holding, 0, 2), "03 04 00 01 00 02 00 03"),
+        (read(ModbusTable::Holding, 0, 1), "03 04 00 01"),
+        (read(ModbusTable::Holding, 0, 1), "04 02 00 01"),
+        (read(ModbusTable::Coils, 0, 9), "01 01 FF"),
         (Call::WriteCoil { at: 5, on: true }, "05 0005 0000"),
         (Call::WriteRegister { at: 5, value: 1 }, "06 0006 0001"),
         (Call::WriteRegisters { first: 5, values: vec![1, 2] }, "10 0005 0001"),
     ] {
-        let request = Request { unit: 1, call };
+        let request = ModbusRequest { unit: 1, call };
         let answer = rtu(1, wrong);
         assert_eq!(find_rtu(&request, &answer), None, "{request:?}");
         assert_eq!(Miss::of_rtu(&request, &answer), Miss::Wrong, "{request:?}");
         assert_eq!(find_tcp(&request, 1, &tcp(1, 1, wrong)), Err(Miss::Wrong), "{request:?}");
     }
-    let request = Request { unit: 1, call: read(Table::Holding, 0, 1) };
+    let request = ModbusRequest { unit: 1, call: read(ModbusTable::Holding, 0, 1) };
     for broken in ["0001 0001 0005 01", "0001 0000 0002 01", "0001 0000 0100 01"] {
         assert_eq!(find_tcp(&request, 1, &bytes(broken)), Err(Miss::Noise), "{broken}");
     }
@@ -137,9 +162,9 @@ fn answers_of_other_lengths_addresses_and_values_are_refused() {
 #[test]
 fn too_many_elements_are_refused_in_words() {
     for (call, text) in [
-        (read(Table::Coils, 0, 2001), "2001 elements in one request: 1 to 2000 are possible"),
-        (read(Table::Inputs, 0, 126), "126 elements in one request: 1 to 125 are possible"),
-        (read(Table::Holding, 0, 0), "0 elements in one request: 1 to 125 are possible"),
+        (read(ModbusTable::Coils, 0, 2001), "2001 elements in one request: 1 to 2000 are possible"),
+        (read(ModbusTable::Inputs, 0, 126), "126 elements in one request: 1 to 125 are possible"),
+        (read(ModbusTable::Holding, 0, 0), "0 elements in one request: 1 to 125 are possible"),
         (
             Call::WriteCoils { first: 0, on: vec![true; 1969] },
             "1969 elements in one request: 1 to 1968 are possible",
@@ -149,15 +174,15 @@ fn too_many_elements_are_refused_in_words() {
             "124 elements in one request: 1 to 123 are possible",
         ),
     ] {
-        let request = Request { unit: 1, call };
+        let request = ModbusRequest { unit: 1, call };
         assert_eq!(request.rtu().unwrap_err().to_string(), text);
         assert_eq!(request.tcp(1).unwrap_err().to_string(), text);
     }
-    let longest = Request { unit: 1, call: read(Table::Coils, 0, 2000) };
+    let longest = ModbusRequest { unit: 1, call: read(ModbusTable::Coils, 0, 2000) };
     let mut answer = vec![1, 1, 250];
     answer.extend([0xFF; 250]);
     push_crc(&mut answer);
-    assert_eq!(find_rtu(&longest, &answer), Some(Answer::Bits(vec![true; 2000])));
+    assert_eq!(find_rtu(&longest, &answer), Some(ModbusAnswer::Bits(vec![true; 2000])));
 }
 
 #[test]
@@ -181,22 +206,22 @@ fn silences_are_those_of_the_standard() {
 }
 
 /// Returns a random request within the standard.
-fn any(random: &mut Random) -> Request {
+fn any(random: &mut Random) -> ModbusRequest {
     let first = random.below(400) as u16;
     let count = 1 + random.below(100) as u16;
     let bits = |random: &mut Random| (0..count).map(|_| random.below(2) == 1).collect();
     let words = |random: &mut Random| (0..count).map(|_| random.word() as u16).collect();
     let call = match random.below(8) {
-        0 => read(Table::Coils, first, count),
-        1 => read(Table::Discretes, first, count),
-        2 => read(Table::Holding, first, count),
-        3 => read(Table::Inputs, first, count),
+        0 => read(ModbusTable::Coils, first, count),
+        1 => read(ModbusTable::Discretes, first, count),
+        2 => read(ModbusTable::Holding, first, count),
+        3 => read(ModbusTable::Inputs, first, count),
         4 => Call::WriteCoil { at: first, on: random.below(2) == 1 },
         5 => Call::WriteRegister { at: first, value: random.word() as u16 },
         6 => Call::WriteCoils { first, on: bits(random) },
         _ => Call::WriteRegisters { first, values: words(random) },
     };
-    Request { unit: 1 + random.below(247) as u8, call }
+    ModbusRequest { unit: 1 + random.below(247) as u8, call }
 }
 
 #[test]
@@ -224,35 +249,35 @@ fn the_devices_of_another_library_understand_and_are_understood() {
             false => find_rtu(&request, &answer),
         };
         match (found.unwrap(), &request.call) {
-            (Answer::Written, Call::WriteRegister { at, value }) => {
+            (ModbusAnswer::Written, Call::WriteRegister { at, value }) => {
                 assert_eq!(storage.get_holding(*at), Ok(*value));
             }
-            (Answer::Written, Call::WriteRegisters { first, values }) => {
+            (ModbusAnswer::Written, Call::WriteRegisters { first, values }) => {
                 let mut theirs = Vec::new();
                 storage.get_holdings_bulk(*first, values.len() as u16, &mut theirs).unwrap();
                 assert_eq!(&theirs, values);
             }
-            (Answer::Written, Call::WriteCoil { at, on }) => {
+            (ModbusAnswer::Written, Call::WriteCoil { at, on }) => {
                 assert_eq!(storage.get_coil(*at), Ok(*on));
             }
-            (Answer::Written, Call::WriteCoils { first, on }) => {
+            (ModbusAnswer::Written, Call::WriteCoils { first, on }) => {
                 let mut theirs = Vec::new();
                 storage.get_coils_bulk(*first, on.len() as u16, &mut theirs).unwrap();
                 assert_eq!(&theirs, on);
             }
-            (Answer::Words(words), Call::Read { table, first, count }) => {
+            (ModbusAnswer::Words(words), Call::Read { table, first, count }) => {
                 let mut theirs = Vec::new();
                 match table {
-                    Table::Holding => storage.get_holdings_bulk(*first, *count, &mut theirs),
+                    ModbusTable::Holding => storage.get_holdings_bulk(*first, *count, &mut theirs),
                     _ => storage.get_inputs_bulk(*first, *count, &mut theirs),
                 }
                 .unwrap();
                 assert_eq!(words, theirs);
             }
-            (Answer::Bits(bits), Call::Read { table, first, count }) => {
+            (ModbusAnswer::Bits(bits), Call::Read { table, first, count }) => {
                 let mut theirs = Vec::new();
                 match table {
-                    Table::Coils => storage.get_coils_bulk(*first, *count, &mut theirs),
+                    ModbusTable::Coils => storage.get_coils_bulk(*first, *count, &mut theirs),
                     _ => storage.get_discretes_bulk(*first, *count, &mut theirs),
                 }
                 .unwrap();

@@ -1,4 +1,4 @@
-//! What is lost: the line, answers, the worker, the function, the instance.
+//! Losses: the line, answers, the worker, the function, the instance.
 
 use super::{MS, Rig};
 

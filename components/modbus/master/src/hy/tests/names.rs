@@ -3,7 +3,7 @@
 use super::HyVfd;
 use hal_bench::Bench;
 
-/// What `halcmd show pin` and `show param` list for LinuxCNC 2.9's `hy_vfd`.
+/// Pins and parameters that `halcmd show` lists for LinuxCNC 2.9's `hy_vfd`.
 const LINUXCNC: &str = "
 float OUT ACV CNST CNTR Cont DCV OutA OutF Rott SetF Tmp base-freq freq-lower-limit frequency-command max-freq
 float OUT rated-motor-current rated-motor-rev rated-motor-voltage spindle-speed-fb

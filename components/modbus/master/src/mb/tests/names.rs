@@ -55,7 +55,7 @@ HAL_TX_NAME=wrs
 FIRST_ELEMENT=0
 ";
 
-/// What `halcmd show pin` lists for LinuxCNC 2.9's `mb2hal` with that file.
+/// Pins that `halcmd show pin` lists for LinuxCNC 2.9's `mb2hal` with that file.
 const PINS: &str = "
 bit OUT 01.a.bit 01.a.bit-inv 01.b.bit 01.b.bit-inv coils.00.bit coils.00.bit-inv coils.01.bit coils.01.bit-inv
 u32 OUT 01.num_errors coils.num_errors hold.num_errors inp.num_errors wc.num_errors wcs.num_errors wr.num_errors
