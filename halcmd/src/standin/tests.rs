@@ -284,6 +284,14 @@ fn a_simulation_replaces_programs_of_hardware_and_no_modules() {
     ] {
         assert_eq!(asked.replaces(name, absent), want, "{asked:?} {name} {absent}");
     }
+    // A plugin of that name is no program.
+    for (asked, name, want) in [
+        (asked("", true, false), "hy_vfd", false),
+        (asked("hy_vfd", true, false), "hy_vfd", true),
+        (asked("", false, true), "gladevcp", true),
+    ] {
+        assert_eq!(asked.replaces_module(name), want, "{asked:?} {name}");
+    }
     for (text, want) in [
         ("loadusr -W hy_vfd -d /dev/ttyUSB0", true),
         ("loadusr -W /usr/bin/hy_vfd", true),

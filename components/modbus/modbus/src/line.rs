@@ -87,3 +87,8 @@ impl fmt::Display for LinePlace {
         }
     }
 }
+
+/// Returns whether a text may be the path of a device.
+pub(crate) fn is_path(text: &str) -> bool {
+    text.starts_with('/') && text.len() <= 255 && !text.chars().any(char::is_control)
+}

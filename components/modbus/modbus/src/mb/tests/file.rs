@@ -111,7 +111,8 @@ fn mistakes_are_named_with_file_line_and_remedy() {
 #[test]
 fn arguments_that_are_wrong_are_refused_in_words() {
     for (args, words) in [
-        (&[][..], "ini= with a file of mb2hal is needed, or transactions="),
+        (&["ini=x.ini", "transactions=a:03:0:1"][..], "ini= and transactions=: only one of them"),
+        (&["device=%"], "device=%: must be a path such as /dev/ttyUSB0"),
         (&["ini=nowhere.ini"], "nowhere.ini"),
         (&["transactions=a:07:0:1"], "transactions=a:07:0:1: NAME:FUNCTION:FIRST:COUNT is needed"),
         (&["transactions=a:03:0:126"], "transactions=a:03:0:126: NAME"),
@@ -119,7 +120,7 @@ fn arguments_that_are_wrong_are_refused_in_words() {
         (&["transactions=a:03:65535:2"], "transactions=a:03:65535:2: NAME"),
         (&["transactions=a:03:0:1,a:03:1:1"], "transactions=a:03:1:1: NAME"),
         (&["transactions=a:03:0:1", "rate=1"], "rate=1: a serial line has one of"),
-        (&["transactions=a:03:0:1", "parity=x"], "parity=x: none, even or odd"),
+        (&["transactions=a:03:0:1", "parity=x"], "parity=x: must be none, even or odd"),
     ] {
         let refused = Bench::new().load::<Modbus>(args).unwrap_err();
         assert!(refused.contains(words), "{args:?}: {refused}");

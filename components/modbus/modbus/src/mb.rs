@@ -53,7 +53,8 @@ Devices on Modbus lines: RTU on serial lines, and TCP.
 
 `loadrt modbus ini=FILE` takes the file of LinuxCNC's program `mb2hal` as it is, and makes the same pins, under `mb2hal` or its
 `HAL_MODULE_NAME`. It needs no function in a thread: a worker for each line reads and writes the pins. Without a file,
-`transactions=` lists requests as `NAME:FUNCTION:FIRST:COUNT`, for one line and one device.
+`transactions=` lists requests as `NAME:FUNCTION:FIRST:COUNT`, for one line and one device; without any, the line is there for
+`modbus.probe` alone.
 
 | entry of `[TRANSACTION_nn]` | meaning |
 |---|---|

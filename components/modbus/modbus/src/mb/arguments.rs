@@ -4,7 +4,7 @@ use super::{
     config::{KINDS, LinkConfig, MbConfig, TransactionConfig},
     refused::BadArgument,
 };
-use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace};
+use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace, is_path};
 use hal_component::{Arg, Builder, abi::ArgSpec};
 use std::path::Path;
 
@@ -32,18 +32,23 @@ pub(crate) fn read(b: &Builder<'_>) -> Result<MbConfig, BadArgument> {
     let ini = b.arg_text("ini").filter(|path| !path.is_empty());
     match (ini, transactions.is_empty()) {
         (Some(path), true) => MbConfig::read(Path::new(&path)).map_err(BadArgument::Ini),
-        (None, false) => inline(b, &transactions),
-        _ => Err(BadArgument::Nothing),
+        (Some(_), false) => Err(BadArgument::Both),
+        (None, _) => inline(b, &transactions),
     }
 }
 
 /// Makes transactions of the list.
 fn inline(b: &Builder<'_>, list: &[String]) -> Result<MbConfig, BadArgument> {
     let device = b.arg_text("device").unwrap_or_default();
-    let address = device.rsplit_once(':').filter(|_| !device.starts_with('/'));
+    let is_host = |host: &str| {
+        let usual = |c: char| c.is_ascii_alphanumeric() || ".-_:[]".contains(c);
+        (1..=253).contains(&host.len()) && host.chars().all(usual)
+    };
+    let address = device.rsplit_once(':').filter(|(host, _)| is_host(host));
     let place = match address.and_then(|(host, port)| Some((host, port.parse().ok()?))) {
         Some((host, port)) => LinePlace::Tcp(TcpPlace { host: host.to_owned(), port }),
-        None => LinePlace::Serial(serial(b, device)?),
+        None if is_path(&device) => LinePlace::Serial(serial(b, device)?),
+        None => return Err(BadArgument::Device(device)),
     };
     let rate = b.arg_float("update_rate").unwrap_or(20.0);
     let mut transactions: Vec<TransactionConfig> = Vec::new();

@@ -80,6 +80,9 @@ impl fmt::Display for BadEntry {
 impl fmt::Display for BadIni {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Unreadable(error @ hal_ini::Error::File { .. }) => {
+                write!(f, "{error}: ini= must be a file of mb2hal, such as mb2hal.ini")
+            }
             Self::Unreadable(error) => error.fmt(f),
             Self::Missing { file, section, key, what, near } => {
                 write!(f, "{file}: [{section}]{key} is missing: {what}")?;
@@ -102,8 +105,10 @@ impl core::error::Error for BadIni {}
 /// Argument that is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BadArgument {
-    /// Neither a file nor transactions, or both.
-    Nothing,
+    /// A file and transactions.
+    Both,
+    /// A device that is neither a path nor an address.
+    Device(String),
     /// A rate that no line has.
     Rate(i64),
     /// There is no such parity.
@@ -117,11 +122,13 @@ pub(crate) enum BadArgument {
 impl fmt::Display for BadArgument {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nothing => f.write_str(
-                "ini= with a file of mb2hal is needed, or transactions= with a list such as inputs:02:0:8",
+            Self::Both => f.write_str("ini= and transactions=: only one of them is possible"),
+            Self::Device(text) => write!(
+                f,
+                "device={text}: must be a path such as /dev/ttyUSB0, or HOST:PORT such as 192.168.1.9:502"
             ),
             Self::Rate(rate) => write!(f, "rate={rate}: {}", BadEntry::Rate),
-            Self::Parity(text) => write!(f, "parity={text}: none, even or odd"),
+            Self::Parity(text) => write!(f, "parity={text}: must be none, even or odd"),
             Self::Transaction(text) => write!(
                 f,
                 "transactions={text}: NAME:FUNCTION:FIRST:COUNT is needed, such as inputs:02:0:8, with the functions 01 to 06, 15 and 16, and as many elements as one request holds"

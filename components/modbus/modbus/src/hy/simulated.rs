@@ -43,7 +43,7 @@ impl SimulatedPins {
             )?,
             frequency: b.item(
                 &name("frequency"),
-                "Frequency at the output of the simulated inverter, in Hz, negative in reverse.",
+                "Frequency at the output of the simulated inverter, in hertz, negative in reverse.",
                 0.0,
             )?,
             running: b.item(&name("running"), "TRUE while the simulated inverter runs.", false)?,

@@ -185,7 +185,8 @@ fn arguments_become_settings_of_the_inverter() {
 fn arguments_that_are_wrong_are_refused_in_words() {
     for (arg, words) in [
         ("rate=12345", "rate=12345: a serial line has one of 110, 300, 600"),
-        ("parity=some", "parity=some: none, even or odd"),
+        ("parity=some", "parity=some: must be none, even or odd"),
+        ("device=%", "device=%: must be a path"),
         ("name=a b", "name=a b: 1 to 24 letters"),
         ("register=PD300=1", "register=PD300=1: PDnnn=VALUE is needed"),
         ("register=14", "register=14: PDnnn=VALUE is needed"),

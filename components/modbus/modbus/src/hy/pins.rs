@@ -33,16 +33,16 @@ macro_rules! shown {
 }
 
 shown! {
-    set_f: f64, "SetF", "Frequency that is set, in Hz.";
-    out_f: f64, "OutF", "Frequency at the output, in Hz.";
-    out_a: f64, "OutA", "Current at the output, in A.";
+    set_f: f64, "SetF", "Frequency that is set, in hertz.";
+    out_f: f64, "OutF", "Frequency at the output, in hertz.";
+    out_a: f64, "OutA", "Current at the output, in units of 1 A.";
     rott: f64, "Rott", "Turns per minute, as the inverter calculates them.";
     dcv: f64, "DCV", "Voltage of its direct current, in the inverter's unit: V or 0.1 V.";
     acv: f64, "ACV", "Voltage of its output, in the inverter's unit: V or 0.1 V.";
-    cont: f64, "Cont", "Counter of the inverter.";
+    cont: f64, "Cont", "Counter of the inverter, in counts.";
     tmp: f64, "Tmp", "Temperature of the inverter, in its unit.";
-    cntr: f64, "CNTR", "Command: 1 forward, 17 reverse, 8 stop.";
-    cnst: f64, "CNST", "State of the inverter after the last command, as bits; the pins CNST-* are those bits.";
+    cntr: f64, "CNTR", "Command, 0 to 255: 1 is forward, 17 reverse, 8 stop.";
+    cnst: f64, "CNST", "State of the inverter after the last command, 0 to 255; the pins CNST-* are its bits.";
     cnst_run: bool, "CNST-run", "TRUE while it is commanded to run.";
     cnst_jog: bool, "CNST-jog", "TRUE while it is commanded to jog.";
     cnst_command_rf: bool, "CNST-command-rf", "TRUE while it is commanded to turn in reverse.";
@@ -52,12 +52,12 @@ shown! {
     cnst_bracking: bool, "CNST-bracking", "TRUE while it brakes.";
     cnst_track_start: bool, "CNST-track-start", "TRUE while it takes up a motor that turns.";
     spindle_speed_fb: f64, "spindle-speed-fb", "Speed by the frequency at the output, in turns per minute, never negative.";
-    frequency_command: f64, "frequency-command", "Frequency for speed-command within the inverter's limits, in 0.01 Hz.";
-    max_freq: f64, "max-freq", "Greatest frequency (PD005), in Hz.";
-    base_freq: f64, "base-freq", "Rated frequency of the motor (PD004), in Hz.";
-    freq_lower_limit: f64, "freq-lower-limit", "Least frequency (PD011), in Hz.";
-    rated_motor_voltage: f64, "rated-motor-voltage", "Rated voltage of the motor (PD141), in V.";
-    rated_motor_current: f64, "rated-motor-current", "Rated current of the motor (PD142), in A.";
+    frequency_command: f64, "frequency-command", "Frequency for speed-command within the inverter's limits, in units of 0.01 Hz.";
+    max_freq: f64, "max-freq", "Greatest frequency (PD005), in hertz.";
+    base_freq: f64, "base-freq", "Rated frequency of the motor (PD004), in hertz.";
+    freq_lower_limit: f64, "freq-lower-limit", "Least frequency (PD011), in hertz.";
+    rated_motor_voltage: f64, "rated-motor-voltage", "Rated voltage of the motor (PD141), in volts.";
+    rated_motor_current: f64, "rated-motor-current", "Rated current of the motor (PD142), in units of 1 A.";
     rated_motor_rev: f64, "rated-motor-rev", "Turns per minute of the motor at the greatest frequency, from PD144 and PD005.";
     motor_poles: u32, "motor-poles", "Number of the motor's poles (PD143).";
     hycomm_ok: bool, "hycomm-ok", "TRUE while the last request was answered.";
@@ -145,7 +145,7 @@ impl InputPins {
             )?,
             tolerance: b.item(
                 &name("spindle-at-speed-tolerance"),
-                "Largest difference at speed, as a share of speed-command.",
+                "Largest difference at speed, as a fraction of speed-command.",
                 0.02,
             )?,
             at_speed: b.item(
@@ -160,7 +160,7 @@ impl InputPins {
             )?,
             retval: b.item(
                 &name("retval"),
-                "Code of the last error: -12 no answer, -16 a wrong one, else the system's number, negative.",
+                "Code of the last error: -12 no answer, -16 a wrong one, else the negative number of the system; no unit.",
                 0.0,
             )?,
         })

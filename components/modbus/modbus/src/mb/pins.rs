@@ -159,8 +159,12 @@ impl WriteWord {
 
 fn scale(b: &mut Builder<'_>, base: &str) -> Result<(In<f64>, In<f64>), Error> {
     Ok((
-        b.item(&format!("{base}.scale"), "Factor between register and float.", 1.0)?,
-        b.item(&format!("{base}.offset"), "Added behind the factor.", 0.0)?,
+        b.item(&format!("{base}.scale"), "Ratio of float to register.", 1.0)?,
+        b.item(
+            &format!("{base}.offset"),
+            "Number that is added to the scaled value, in the unit of the float.",
+            0.0,
+        )?,
     ))
 }
 

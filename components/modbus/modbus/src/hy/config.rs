@@ -1,6 +1,6 @@
 //! Arguments of `hy_vfd`.
 
-use crate::line::{Parity, RATES, SerialPlace};
+use crate::line::{Parity, RATES, SerialPlace, is_path};
 use core::fmt;
 use hal_component::{Arg, Builder, abi::ArgSpec};
 
@@ -69,6 +69,8 @@ pub(crate) enum BadArgument {
     Rate(i64),
     /// There is no such parity.
     Parity(String),
+    /// A device that is no path.
+    Device(String),
     /// A name that no pin can have.
     Name(String),
     /// A setting that is none.
@@ -86,7 +88,13 @@ impl fmt::Display for BadArgument {
                 let all: Vec<String> = RATES.iter().map(ToString::to_string).collect();
                 write!(f, "rate={rate}: a serial line has one of {}", all.join(", "))
             }
-            Self::Parity(text) => write!(f, "parity={text}: none, even or odd"),
+            Self::Parity(text) => write!(f, "parity={text}: must be none, even or odd"),
+            Self::Device(text) => {
+                write!(
+                    f,
+                    "device={text}: must be a path of at most 255 letters, such as /dev/ttyUSB0"
+                )
+            }
             Self::Name(text) => write!(
                 f,
                 "name={text}: 1 to {MAX_NAME} letters, digits, '-', '_' and '.' are possible"
@@ -119,12 +127,16 @@ impl HyConfig {
         if !(1..=MAX_NAME).contains(&name.len()) || !name.chars().all(usual) {
             return Err(BadArgument::Name(name));
         }
+        let path = text("device");
+        if !is_path(&path) {
+            return Err(BadArgument::Device(path));
+        }
         let seconds = b.arg_float("timeout").unwrap_or(0.5);
         Ok(Self {
             name,
             unit: byte("target", 1),
             place: SerialPlace {
-                path: text("device"),
+                path,
                 rate: u32::try_from(rate)
                     .ok()
                     .filter(|rate| RATES.contains(rate))
