@@ -87,7 +87,7 @@ pub(crate) struct Drive {
     state: u8,
     /// A command to run was sent, and no stop was answered since.
     may_run: bool,
-    /// InverterPlace in the round.
+    /// Place in the round.
     turn: usize,
     last_answer: i64,
     is_lost: bool,

@@ -28,7 +28,7 @@ const MOST: usize = 4;
 /// Largest number of different messages.
 const MESSAGES: usize = 50;
 
-/// InverterPlace of the inverter.
+/// Place of the inverter.
 #[derive(Clone, Debug)]
 pub(crate) enum InverterPlace {
     Serial(SerialPlace),
