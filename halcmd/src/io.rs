@@ -1,10 +1,11 @@
-//! Lines that start a program of LinuxCNC whose work a component does: `io`, `halui`, `hal_input`, `milltask` and
-//! `linuxcncsvr`; lines that load `iocontrol` again after a start from an INI file; and the line that loads `motmod`, which such a
+//! Lines that start a program of LinuxCNC whose work a component does: `io`, `halui`, `milltask`, `linuxcncsvr`, and those
+//! of [`Native`]; lines that load `iocontrol` again after a start from an INI file; and the line that loads `motmod`, which such a
 //! start tells of its homing module, and after which it loads `halui`.
 
 use crate::{
     Command, Error, Session,
     ini::{Entry, Ini},
+    session::natives::Native,
 };
 use hal_protocol::{At, Code, Finding, Request};
 
@@ -12,8 +13,6 @@ use hal_protocol::{At, Code, Finding, Request};
 const NAMES: [&str; 3] = ["iocontrol", "io", "iov2"];
 /// The component with the operator's pins, a program in LinuxCNC.
 const OPERATOR: &str = "halui";
-/// The component of gamepads and keyboards, a program in LinuxCNC.
-pub(crate) const INPUT: &str = "hal_input";
 /// Programs that are not started, and the reason.
 const NOT_STARTED: [(&str, &str); 2] = [
     ("milltask", "the task is built in, and a start from an INI file with a section TASK loads it"),
@@ -36,9 +35,9 @@ impl Session<'_> {
                 if base == OPERATOR {
                     return self.with_operator();
                 }
-                if base == INPUT {
-                    let (module, args) = (INPUT.to_owned(), input_args(&launch.args));
-                    let note = Some(format!("Realtime module '{INPUT}' loaded"));
+                if let Some(native) = Native::of(launch).filter(|n| !self.has_stand_in(n)) {
+                    let (module, args) = (native.component().to_owned(), native.arguments(launch)?);
+                    let note = Some(format!("Realtime module '{module}' loaded"));
                     return Ok(Some(Command::Send(Request::Load { module, args }, note)));
                 }
                 if let Some((name, why)) = NOT_STARTED.iter().find(|(name, _)| *name == base) {
@@ -64,6 +63,12 @@ impl Session<'_> {
         }
         let note = Some(format!("Realtime module '{module}' loaded"));
         Ok(Some(Command::Send(Request::Load { module: module.to_owned(), args }, note)))
+    }
+
+    /// Returns whether a person wants a stand-in in the place of a program.
+    fn has_stand_in(&self, native: &Native) -> bool {
+        let name = native.program();
+        self.asked.names().any(|asked| asked == name) || self.stand_ins.replaces(name)
     }
 
     /// Turns `loadusr halui` into `loadrt halui` with the arguments that the INI file has for it. Before `motmod` it waits
@@ -179,56 +184,4 @@ pub(crate) fn operator_args(ini: &Ini) -> Vec<String> {
         args.push(format!("mdi_commands={}", lines.join("|")));
     }
     args
-}
-
-/// Returns the arguments of the component `hal_input` that mean what those of LinuxCNC's program of that name mean: letters
-/// of features are in front of the device that they are for. Its pins are set in the background.
-fn input_args(words: &[String]) -> Vec<String> {
-    let (mut devices, mut letters) = (Vec::new(), None);
-    for word in words {
-        if word.starts_with('-') {
-            letters = Some(word.as_str());
-            continue;
-        }
-        // A comma separates devices; in a name any letter stands for it.
-        let device = match word.replace(',', "?") {
-            name if name == *word => name,
-            name => name.strip_prefix('+').map_or(format!("*{name}*"), |name| format!("+*{name}*")),
-        };
-        devices
-            .push(letters.take().map_or(device.clone(), |letters| format!("{letters} {device}")));
-    }
-    // Without a device behind them, the component says what is missing.
-    devices.extend(letters.map(str::to_owned));
-    let mut args = vec!["task=1".to_owned()];
-    if !devices.is_empty() {
-        args.push(format!("devices={}", devices.join(",")));
-    }
-    args
-}
-
-#[cfg(test)]
-mod tests {
-    use super::input_args;
-
-    #[test]
-    fn arguments_of_hal_input() {
-        for (words, devices) in [
-            (&["-KRAL", "Gamepad"][..], "-KRAL Gamepad"),
-            (&["Gamepad"], "Gamepad"),
-            (
-                &["-KA", "Dual Action:1", "-L", "+AT Keyboard", "3"],
-                "-KA Dual Action:1,-L +AT Keyboard,3",
-            ),
-            (&["-KRAL", "+Logitech", "Dual"], "-KRAL +Logitech,Dual"),
-            (&["Pads, Inc."], "*Pads? Inc.*"),
-            (&["-K", "+Pads, Inc."], "-K +*Pads? Inc.*"),
-            (&["-KRAL"], "-KRAL"),
-        ] {
-            let words: Vec<String> = words.iter().map(|word| (*word).to_owned()).collect();
-            let want = ["task=1".to_owned(), format!("devices={devices}")];
-            assert_eq!(input_args(&words), want, "{words:?}");
-        }
-        assert_eq!(input_args(&[]), ["task=1"]);
-    }
 }

@@ -8,6 +8,7 @@ pub mod dry_run;
 pub(crate) mod execute;
 mod late;
 pub(crate) mod messages;
+pub(crate) mod natives;
 mod open_command;
 pub(crate) mod program;
 pub(crate) mod prompt;

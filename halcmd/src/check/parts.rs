@@ -1,7 +1,10 @@
 //! Parts of a machine: the modules and programs that its files load, and whether each is there.
 
 use crate::{
-    Command, Error, io::INPUT, language::syntax::Statement, session::dry_run::DryRun, standin,
+    Command, Error,
+    language::syntax::Statement,
+    session::{dry_run::DryRun, natives::Native},
+    standin,
 };
 use hal_protocol::{At, Kind, Link, Reply, Request};
 use std::{
@@ -98,7 +101,10 @@ pub(super) fn text(
 /// Returns the name of the module or program that a line loads or starts, and whether it is a module.
 fn loaded(words: &[String]) -> Option<(String, bool)> {
     match Statement::of_words(words).0.command().ok()? {
-        Command::Launch(launch) => Some((launch.name().to_owned(), launch.name() == INPUT)),
+        Command::Launch(launch) => Some(match Native::of(&launch) {
+            Some(native) => (native.component().to_owned(), true),
+            None => (launch.name().to_owned(), false),
+        }),
         Command::Send(Request::Load { module, .. } | Request::LoadForeign { module, .. }, _) => {
             Some((module, true))
         }
@@ -124,8 +130,9 @@ mod tests {
         for (line, want) in [
             ("loadrt and2 count=2", Some(("and2", true))),
             ("loadrt --c --prefix p mine", Some(("mine", true))),
-            ("loadusr -W hy_vfd -n vfd", Some(("hy_vfd", false))),
-            ("loadusr -Wn vfd /usr/bin/hy_vfd", Some(("hy_vfd", false))),
+            ("loadusr -W hy_vfd -n vfd", Some(("hy_vfd", true))),
+            ("loadusr -W mb2hal config=x", Some(("modbus", true))),
+            ("loadusr -Wn vfd /usr/bin/gs2_vfd", Some(("gs2_vfd", false))),
             ("loadusr -Wn mpg python -u /x/mpg.py --port=/dev/ttyUSB0", Some(("mpg.py", false))),
             ("loadusr -W hal_input -KRAL Gamepad", Some(("hal_input", true))),
             ("loadusr", None),

@@ -66,13 +66,6 @@ impl Asked {
         }
     }
 
-    /// Returns whether `loadrt` of a module that is there is replaced. A plugin may have the name of LinuxCNC's program, such as
-    /// `hy_vfd`: it simulates its hardware itself.
-    pub(crate) fn replaces_module(&self, name: &str) -> bool {
-        let is_program = known::find(name).is_some_and(|known| known.kind == PartKind::Program);
-        if is_program { self.names.contains(name) } else { self.replaces(name, false) }
-    }
-
     /// Returns whether hardware is simulated.
     pub(super) const fn is_simulated(&self) -> bool {
         self.simulated

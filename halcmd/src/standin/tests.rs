@@ -272,8 +272,8 @@ fn a_simulation_replaces_programs_of_hardware_and_no_modules() {
     let asked =
         |text: &str, simulated, headless| Asked::of([text].into_iter(), simulated, headless);
     for (asked, name, absent, want) in [
-        (asked("", true, false), "hy_vfd", false, true),
-        (asked("", false, false), "hy_vfd", false, false),
+        (asked("", true, false), "gs2_vfd", false, true),
+        (asked("", false, false), "gs2_vfd", false, false),
         (asked("", true, false), "hostmot2", true, false),
         (asked("a,hostmot2 b", true, false), "hostmot2", false, true),
         (asked("missing", true, false), "mine", true, true),
@@ -284,20 +284,12 @@ fn a_simulation_replaces_programs_of_hardware_and_no_modules() {
     ] {
         assert_eq!(asked.replaces(name, absent), want, "{asked:?} {name} {absent}");
     }
-    // A plugin of that name is no program.
-    for (asked, name, want) in [
-        (asked("", true, false), "hy_vfd", false),
-        (asked("hy_vfd", true, false), "hy_vfd", true),
-        (asked("", false, true), "gladevcp", true),
-    ] {
-        assert_eq!(asked.replaces_module(name), want, "{asked:?} {name}");
-    }
     for (text, want) in [
-        ("loadusr -W hy_vfd -d /dev/ttyUSB0", true),
-        ("loadusr -W /usr/bin/hy_vfd", true),
+        ("loadusr -W gs2_vfd -d /dev/ttyUSB0", true),
+        ("loadusr -W /usr/bin/gs2_vfd", true),
         ("loadusr -W pumagui", true),
-        ("# loadusr -W hy_vfd", false),
-        ("loadrt hostmot2\nsetp hy_vfd.0.a 1", false),
+        ("# loadusr -W gs2_vfd", false),
+        ("loadrt hostmot2\nsetp gs2_vfd.0.a 1", false),
     ] {
         assert_eq!(known::is_named_in(text.as_bytes()), want, "{text}");
     }

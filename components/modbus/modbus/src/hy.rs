@@ -50,7 +50,8 @@ impl Component for HyVfd {
 Spindle with an inverter of Huanyang on a serial line (RS-485).
 
 Pins and parameters have the names of LinuxCNC's program `hy_vfd`. Its options are arguments here, as in
-`loadrt hy_vfd device=/dev/ttyUSB0 rate=9600`, and the function `hy_vfd` belongs in the servo thread.
+`loadrt hy_vfd device=/dev/ttyUSB0 rate=9600`, and the function `hy_vfd` belongs in the servo thread. A line
+`loadusr -W hy_vfd -d /dev/ttyUSB0 -r 9600` loads it as well: its pins are then set every millisecond in the background.
 
 | setting of the inverter | value |
 |---|---|
@@ -114,7 +115,7 @@ getp hy_vfd.spindle-at-speed # -> TRUE
     const ARGS: &'static [&'static ArgSpec] = ARGS;
 
     fn create(b: &mut Builder<'_>) -> Result<(), Error> {
-        let HyConfig { name, unit, place, writes, timeout_ns } =
+        let HyConfig { name, unit, place, writes, timeout_ns, is_task } =
             HyConfig::read(b).map_err(|why| Error::new(why.to_string()))?;
         let char_ns = place.char_ns();
         let (results_in, results) = b.seqlock(Results::default());
@@ -143,7 +144,12 @@ getp hy_vfd.spindle-at-speed # -> TRUE
             steps: steps.clone(),
             was: Was::new(clock.gaps()),
         };
-        b.function(&name, "Reads the pins, shows the inverter, and watches the worker.", gate)?;
+        let about = "Reads the pins, shows the inverter, and watches the worker.";
+        if is_task {
+            b.task(&name, about, PERIOD_NS, gate)?;
+        } else {
+            b.function(&name, about, gate)?;
+        }
         let first = at.clone();
         b.on_open(move |_| first.open().map(drop).map_err(|why| Error::new(why.to_string())))?;
         let stop = halt.clone();

@@ -101,7 +101,7 @@ impl Session<'_> {
             | Request::LoadForeign { ref module, ref args, .. } => {
                 let (module, args) = (module.clone(), args.clone());
                 self.dry_run.get_or_insert_default().loaded.insert(module.clone());
-                if self.asked.replaces_module(&module) {
+                if self.asked.replaces(&module, false) {
                     self.expect_module(&module, &args);
                     return Ok(());
                 }

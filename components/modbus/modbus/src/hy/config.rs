@@ -19,6 +19,11 @@ mod pd {
 const MAX_NAME: usize = 24;
 
 pub(crate) const ARGS: &[&ArgSpec] = &[
+    &Arg::bit(
+        "task",
+        "TRUE sets the pins every millisecond in the background, without a function.",
+    )
+    .or("FALSE"),
     &Arg::text("name", "Name before all pins, and of the function.").or("hy_vfd"),
     &Arg::text("device", "Serial line, best by its name in /dev/serial/by-id.").or("/dev/ttyS0"),
     &Arg::int("rate", "Bits per second (PD164).").or("19200"),
@@ -60,6 +65,8 @@ pub(crate) struct HyConfig {
     /// Settings to write, with their values.
     pub(crate) writes: Vec<(u8, u16)>,
     pub(crate) timeout_ns: i64,
+    /// The pins are set in the background.
+    pub(crate) is_task: bool,
 }
 
 /// Argument that is refused.
@@ -147,6 +154,7 @@ impl HyConfig {
             },
             writes: writes(b)?,
             timeout_ns: nanoseconds(seconds),
+            is_task: b.arg_int("task") == Some(1),
         })
     }
 }
