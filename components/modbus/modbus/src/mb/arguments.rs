@@ -29,7 +29,7 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
 /// Reads the arguments.
 pub(crate) fn read(b: &Builder<'_>) -> Result<MbConfig, BadArgument> {
     let transactions = b.arg_texts("transactions");
-    let ini = b.arg_text("ini").filter(|path| !path.is_empty());
+    let ini = b.arg_text("ini");
     match (ini, transactions.is_empty()) {
         (Some(path), true) => MbConfig::read(Path::new(&path)).map_err(BadArgument::Ini),
         (Some(_), false) => Err(BadArgument::Both),
