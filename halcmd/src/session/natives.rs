@@ -76,7 +76,7 @@ fn input(words: &[String]) -> Vec<String> {
 enum Meaning {
     /// The argument of this name.
     Argument(&'static str),
-    /// One of these words, which may be shortened.
+    /// A word of a list, which may be shortened.
     Word(&'static str, &'static [&'static str]),
     /// A setting to write.
     Register,

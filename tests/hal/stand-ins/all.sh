@@ -13,7 +13,7 @@ echo "status $?"
 echo "-- check knows it"
 halcmd check --level warning named.ini
 echo "-- the real clock"
-halrun --instance b --headless --for 100ms --stub hostmot2,hm2_pci,hy_vfd,xhc-whb04b-6,dial.py,mb2hal mill.ini 2>&1 | grep -v 'stand-in pin'
+halrun --instance b --headless --for 100ms --stub hostmot2,hm2_pci,gs2_vfd,xhc-whb04b-6,dial.py,vfdmod mill.ini 2>&1 | grep -v 'stand-in pin'
 echo "status $?"
 echo "-- a script"
 halrun --instance b --virtual --stub hostmot2,hm2_pci -f script.hal 2>&1 </dev/null

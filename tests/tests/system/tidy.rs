@@ -357,7 +357,7 @@ const FORMATS: &[&str] = &["format_args!(", "write_fmt("];
 /// Functions in components' realtime files that allocate or lock, because they run while a component is created, opened
 /// or closed. `-` stands for declarations outside of functions. Each must be used.
 const BEFORE_THREADS: &[(&str, &[&str])] = &[
-    ("components/drivers/gpio/src/device.rs", &["gone", "open", "simulate"]),
+    ("components/drivers/gpio/src/device.rs", &["messages", "open", "simulate"]),
     ("components/drivers/gpio/src/kernel.rs", &["numbers", "open", "request"]),
     ("components/drivers/input/src/show.rs", &["new"]),
     ("components/drivers/parport/src/device.rs", &["open", "simulated"]),

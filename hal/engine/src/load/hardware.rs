@@ -7,7 +7,7 @@ use crate::{
 };
 use core::ffi::c_void;
 
-/// One failure in the count of failures so far, which is the high half.
+/// Value of a failure in the count of failures so far, which is the high half.
 const FAILURE: u64 = 1 << 32;
 
 /// Parts of one component's hardware that have failed. A component that is gone has no hardware.

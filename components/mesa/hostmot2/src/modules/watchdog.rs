@@ -25,7 +25,7 @@ const MOST: u32 = 0x7FFF_FFFF;
 struct Keeper {
     /// True from the first write on.
     runs: AtomicBool,
-    /// True from a release until an answer shows that the card has received it, or it is given up.
+    /// True from a release until an answer shows that the card has received it, or until it is aborted.
     releases: AtomicBool,
     /// Number of releases, the one at the beginning included.
     count: AtomicU32,

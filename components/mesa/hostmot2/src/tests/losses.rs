@@ -225,7 +225,7 @@ fn a_bite_never_ends_unseen_however_many_packets_are_lost() {
     assert!(bites > 100, "{bites}");
 }
 
-/// What was armed before the card was lost has not come because the card has forgotten it.
+/// An index that was armed before the card was lost has not come because the card has forgotten it.
 #[test]
 fn an_index_that_was_armed_before_the_card_was_abandoned_does_not_count() {
     for before_the_loss in [true, false] {

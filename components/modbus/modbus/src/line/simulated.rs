@@ -2,7 +2,7 @@
 
 use super::{Carrier, PAUSE};
 use core::time::Duration;
-use hal_component::{Builder, Error, In, Touch};
+use hal_component::{Builder, Decl, Error, Field, In, Touch};
 use hal_modbus_devices::{Bus, Device, Faults};
 use port::{Exchange, Lost};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -53,6 +53,16 @@ impl<D: Device> Carrier for SimulatedLine<D> {
     }
 }
 
+/// Declares a pin of simulated hardware, which is listed only if a pattern names it.
+pub(crate) fn hidden<F: Field>(
+    b: &mut Builder<'_>,
+    name: &str,
+    about: &str,
+    initial: F::Value,
+) -> Result<F, Error> {
+    F::make(b, Decl::new(name, about).hidden(), initial)
+}
+
 /// Pins that are faults of a simulated line.
 #[derive(Debug, Touch)]
 pub(crate) struct SimulatedFaultPins {
@@ -67,23 +77,27 @@ impl SimulatedFaultPins {
     pub(crate) fn make(b: &mut Builder<'_>, prefix: &str) -> Result<Self, Error> {
         let name = |pin| format!("{prefix}.sim.{pin}");
         Ok(Self {
-            cut: b.item(&name("cut"), "TRUE cuts the simulated line: nothing arrives.", false)?,
-            noise: b.item(
+            cut: hidden(b, &name("cut"), "TRUE cuts the simulated line: nothing arrives.", false)?,
+            noise: hidden(
+                b,
                 &name("noise"),
                 "Share of simulated answers with noise and a wrong bit, 0 to 1.",
                 0.0,
             )?,
-            half: b.item(
+            half: hidden(
+                b,
                 &name("half"),
                 "Share of simulated answers of which only half arrives, 0 to 1.",
                 0.0,
             )?,
-            other: b.item(
+            other: hidden(
+                b,
                 &name("other"),
                 "Share of simulated answers that another device gives, 0 to 1.",
                 0.0,
             )?,
-            delay: b.item(
+            delay: hidden(
+                b,
                 &name("delay"),
                 "Time by which simulated answers are late, in seconds.",
                 0.0,

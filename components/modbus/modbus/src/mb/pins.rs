@@ -1,6 +1,7 @@
 //! Pins of a transaction.
 
 use super::config::{Function, MbConfig, TransactionConfig};
+use crate::line::hidden;
 use hal_component::{Builder, Error, In, Out, Touch};
 use hal_modbus::{Call, ModbusAnswer, ModbusRequest, ModbusTable};
 
@@ -227,22 +228,22 @@ impl SimulatedValues {
             words: Vec::new(),
             coils: Vec::new(),
             registers: Vec::new(),
-            silent: b.item(&format!("{base}.silent"), doc, false)?,
+            silent: hidden(b, &format!("{base}.silent"), doc, false)?,
         };
         for pin in &of.pins {
             let name = format!("{base}.{pin}");
             match of.kind {
                 Function::Read(table) if table.is_bits() => {
-                    pins.bits.push(b.item(&name, "Value in the simulated device.", false)?);
+                    pins.bits.push(hidden(b, &name, "Value in the simulated device.", false)?);
                 }
                 Function::Read(_) => {
-                    pins.words.push(b.item(&name, "Value in the simulated device.", 0)?);
+                    pins.words.push(hidden(b, &name, "Value in the simulated device.", 0)?);
                 }
                 Function::WriteCoil | Function::WriteCoils => {
-                    pins.coils.push(b.item(&name, "Value in the simulated device.", false)?);
+                    pins.coils.push(hidden(b, &name, "Value in the simulated device.", false)?);
                 }
                 Function::WriteRegister | Function::WriteRegisters => {
-                    pins.registers.push(b.item(&name, "Value in the simulated device.", 0)?);
+                    pins.registers.push(hidden(b, &name, "Value in the simulated device.", 0)?);
                 }
             }
         }

@@ -112,11 +112,29 @@ struct Server<'a> {
     clock: Duration,
 }
 
+/// File or address that the system refuses.
+#[derive(Clone, Debug)]
+enum Subject {
+    File(PathBuf),
+    Address(SocketAddr),
+    Output,
+}
+
+impl Display for Subject {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File(file) => file.display().fmt(f),
+            Self::Address(at) => at.fmt(f),
+            Self::Output => f.write_str("standard output"),
+        }
+    }
+}
+
 /// Reason why the card cannot be simulated.
 #[derive(Debug)]
 enum Failure {
-    /// The system refuses: what was to be done, and why it was not.
-    System(String, std::io::Error),
+    /// The system refuses a file or an address.
+    System(Subject, std::io::Error),
     /// The board has no such channel of smart serial.
     NoChannel(&'static str, usize, usize),
     /// A line of a play is no scene.
@@ -126,7 +144,7 @@ enum Failure {
 impl Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::System(what, error) => write!(f, "{what}: {error}"),
+            Self::System(subject, error) => write!(f, "{subject}: {error}"),
             Self::NoChannel(board, port, channel) => {
                 write!(f, "{board} has no smart-serial channel {port}.{channel}")
             }
@@ -136,12 +154,6 @@ impl Display for Failure {
 }
 
 impl std::error::Error for Failure {}
-
-/// Returns a function that adds what was to be done.
-fn system(what: impl Display) -> impl FnOnce(std::io::Error) -> Failure {
-    let what = what.to_string();
-    move |error| Failure::System(what, error)
-}
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(board) = Board::named(arguments.board) else { return Ok(()) };
@@ -159,19 +171,22 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let play = match &arguments.world {
         Some(file) => {
-            let text = std::fs::read_to_string(file).map_err(system(file.display()))?;
+            let text = std::fs::read_to_string(file);
+            let text = text.map_err(|e| Failure::System(Subject::File(file.clone()), e))?;
             Play::parse(&text).map_err(|bad| Failure::Play(file.clone(), bad))?
         }
         None => Play::default(),
     };
     let at = SocketAddr::from((arguments.address, arguments.port));
-    let record = arguments.record.as_ref();
-    let record = record.map(|file| File::create(file).map_err(system(file.display())));
+    let at_address = |error| Failure::System(Subject::Address(at), error);
+    let in_record =
+        |error| Failure::System(Subject::File(arguments.record.clone().unwrap_or_default()), error);
+    let record = arguments.record.as_ref().map(File::create).transpose().map_err(in_record)?;
     let mut server = Server {
         arguments,
         card,
-        socket: UdpSocket::bind(at).map_err(system(at))?,
-        record: record.transpose()?.map(BufWriter::new),
+        socket: UdpSocket::bind(at).map_err(at_address)?,
+        record: record.map(BufWriter::new),
         there: FaultyLine::new(rates(0), arguments.seed),
         back: FaultyLine::new(rates(arguments.delay), arguments.seed.wrapping_add(1)),
         late: None,
@@ -179,16 +194,16 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         play,
         clock: now(),
     };
-    // Whoever started the program waits for this line: a packet before it would be refused.
+    // A program that starts this one waits for this line: a packet before it would be refused.
     writeln!(std::io::stdout(), "{} at {at}", arguments.board)
-        .map_err(system("standard output"))?;
+        .map_err(|error| Failure::System(Subject::Output, error))?;
     let mut packet = [0; MAX_PACKET];
     loop {
-        let (length, from) = server.socket.recv_from(&mut packet).map_err(system(at))?;
+        let (length, from) = server.socket.recv_from(&mut packet).map_err(at_address)?;
         let packet = packet.get(..length).unwrap_or_default();
         for length in server.there.carry(length).arrivals(length) {
             let packet = packet.get(..length).unwrap_or_default();
-            server.take(packet, from).map_err(system("record"))?;
+            server.take(packet, from).map_err(in_record)?;
         }
     }
 }
