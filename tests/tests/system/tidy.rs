@@ -371,7 +371,7 @@ const BEFORE_THREADS: &[(&str, &[&str])] = &[
         "components/drivers/port/src/simulated_lines.rs",
         &["-", "lines", "new", "read_from", "written"],
     ),
-    ("components/drivers/speaker/src/device.rs", &["lost", "open"]),
+    ("components/drivers/speaker/src/device.rs", &["-", "lost"]),
     ("components/drivers/stepgen/src/pulses.rs", &["new"]),
     ("components/drivers/viagpio/src/device.rs", &["simulated"]),
     ("components/drivers/viagpio/src/hardware.rs", &["ask"]),

@@ -77,7 +77,8 @@ FALSE while the inverter answers.
 `spindle-at-speed` compares with `speed-command`, as LinuxCNC's does: it stays FALSE for a speed outside the inverter's limits, and
 a message says so. A speed of 0 stops the inverter, where LinuxCNC's program lets it turn at its least frequency.
 
-On the virtual clock, and with `--simulate`, the inverter is simulated, with ramps, trips and a time-out of its own: pins `sim.*`.
+On the virtual clock, and with `--simulate`, the inverter is simulated, with ramps, trips and a time-out of its own: `show pin
+hy_vfd.sim.*` lists its pins.
 
 # Example
 

@@ -83,7 +83,8 @@ time-out in the device.
 
 `modbus.probe unit=1 table=holding first=0` asks a device once, between the requests of its line.
 
-On the virtual clock, and with `--simulate`, the devices are simulated: `mb2hal.sim.NAME.PIN` are their values.
+On the virtual clock, and with `--simulate`, the devices are simulated: `mb2hal.sim.NAME.PIN` are their values, and
+`show pin mb2hal.*sim.*` lists all pins of the simulation.
 
 # Pins
 
