@@ -13,6 +13,8 @@ use std::sync::{
 
 /// Time without a step of the worker after which it is taken for dead, in nanoseconds.
 const DEAD_NS: i64 = 500_000_000;
+/// Time without a step of the worker after which the function lets the time of a simulated inverter pass, in nanoseconds.
+const STILL_NS: i64 = 5_000_000;
 /// Time between stops that are sent for a dead worker, in nanoseconds.
 const AGAIN_NS: i64 = 100_000_000;
 
@@ -128,11 +130,11 @@ impl Gate {
 impl Update for Gate {
     fn update(&mut self, _: Period) {
         let now = self.clock.now_ns();
-        if let Some(simulated) = &mut self.simulated {
-            simulated.exchange(now);
-        }
         let mut results = self.results.get();
         let is_dead = self.is_worker_dead(now);
+        if let Some(simulated) = &mut self.simulated {
+            simulated.exchange(now, STILL_NS < now.saturating_sub(self.was.worked));
+        }
         if is_dead {
             (results.fault, results.ready, results.hycomm_ok) = (true, false, false);
         }

@@ -66,16 +66,16 @@ impl SimulatedPins {
         })
     }
 
-    /// Realtime. Lets the simulation go on to this time with the faults that the pins say, and shows its true state.
-    pub(crate) fn exchange(&mut self, now: i64) {
-        {
-            let mut bus = self.line.bus();
-            bus.faults = self.faults.faults();
-            bus.devices.trip = self.trip.get();
-            bus.devices.timeout_ns = nanoseconds(self.timeout.get());
+    /// Realtime. Gives the simulation the faults that the pins say, and shows its true state. The worker lets its time pass; one
+    /// that stands still does not, and then this does. While the worker has the line, the pins keep their values for a cycle.
+    pub(crate) fn exchange(&mut self, now: i64, stands_still: bool) {
+        if stands_still {
+            self.line.advance(now);
         }
-        self.line.advance(now);
-        let bus = self.line.bus();
+        let Some(mut bus) = self.line.try_bus() else { return };
+        bus.faults = self.faults.faults();
+        bus.devices.trip = self.trip.get();
+        bus.devices.timeout_ns = nanoseconds(self.timeout.get());
         self.frequency.set(bus.devices.hz());
         self.running.set(bus.devices.runs());
         self.starts.set(bus.devices.starts());

@@ -5,7 +5,7 @@ use core::time::Duration;
 use hal_component::{Builder, Decl, Error, Field, In, Touch};
 use hal_modbus_devices::{Bus, Device, Faults};
 use port::{Exchange, Lost};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// Simulated line with its devices.
 #[derive(Debug)]
@@ -25,6 +25,17 @@ impl<D: Device> SimulatedLine<D> {
     /// Returns the line. In virtual time nobody else holds it; with `--simulate`, the others hold it for microseconds.
     pub(crate) fn bus(&self) -> MutexGuard<'_, Bus<D>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<D> SimulatedLine<D> {
+    /// Realtime. Returns the line unless another thread has it.
+    pub(crate) fn try_bus(&self) -> Option<MutexGuard<'_, Bus<D>>> {
+        match self.0.try_lock() {
+            Ok(bus) => Some(bus),
+            Err(TryLockError::Poisoned(bus)) => Some(bus.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
     }
 }
 
