@@ -112,10 +112,11 @@ fn a_search_that_cannot_be_is_refused() {
     }
     let scratch = Scratch::copy_of(&root().join("tests/setup"));
     let printer = fs::read_to_string(root().join("configs/printer/printer.setup")).unwrap();
-    scratch.write("slow.setup", printer.replace("latency = 11732", "latency = 200000"));
+    let slow = printer.replace("latency = 11732", "latency = 94000");
+    scratch.write("slow.setup", slow.replace("velocity = 90", "velocity = 3000"));
     for (answers, why) in [
         ("servo.toml", "servos have encoders: they lose no steps that a search could find"),
-        ("slow.setup", "too fast for this computer's jitter; a velocity of "),
+        ("slow.setup", "a velocity of 3000 is too fast for a jitter of 94000 ns"),
     ] {
         let output = run(&scratch, &format!("halsetup {answers} --test X --simulate 100,100"));
         assert_eq!((output.stdout.as_str(), output.status), ("", Some(1)), "{answers}");
