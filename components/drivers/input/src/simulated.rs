@@ -8,7 +8,7 @@ use crate::{
     described::{Described, WheelKind, Wheels},
     event::{InputEvent, kind},
 };
-use hal_component::{Builder, Decl, Error, In, Out, Touch};
+use hal_component::{Builder, Error, In, Out, Touch};
 use port::Lost;
 
 /// Simulated device, by its pins.
@@ -36,7 +36,7 @@ impl SimPins {
     /// A name is taken.
     pub(crate) fn make(b: &mut Builder<'_>, prefix: &str, has: &Abilities) -> Result<Self, Error> {
         let mut pins = Self {
-            unplugged: hidden(b, &format!("{prefix}.sim.unplugged"), UNPLUGGED, false)?,
+            unplugged: b.simulated(&format!("{prefix}.sim.unplugged"), UNPLUGGED, false)?,
             keys: Vec::new(),
             axes: Vec::new(),
             wheels: Vec::new(),
@@ -44,23 +44,20 @@ impl SimPins {
         };
         let name = |kind, code| format!("{prefix}.sim.{}", codes::name(kind, code));
         for code in has.keys.iter().copied() {
-            let pin = hidden(b, &name(kind::KEY, code), "TRUE holds it down", false)?;
+            let pin = b.simulated(&name(kind::KEY, code), "TRUE holds it down", false)?;
             pins.keys.push(SimPin { code, pin });
         }
         for (code, range) in has.abs.iter().copied() {
-            let pin = hidden(b, &name(kind::ABS, code), "Value of the axis", range.value)?;
+            let pin = b.simulated(&name(kind::ABS, code), "Value of the axis", range.value)?;
             pins.axes.push(SimPin { code, pin });
         }
         for code in has.rel.iter().copied() {
             let about = "Place of the wheel or ring; its changes are movements";
-            let pin = hidden(b, &name(kind::REL, code), about, 0)?;
+            let pin = b.simulated(&name(kind::REL, code), about, 0)?;
             pins.wheels.push(SimPin { code, pin });
         }
         for code in has.leds.iter().copied() {
-            let pin = b.declare(
-                Decl::new(&name(kind::LED, code), "TRUE while the light is on").hidden(),
-                false,
-            )?;
+            let pin = b.simulated(&name(kind::LED, code), "TRUE while the light is on", false)?;
             pins.lights.push(SimPin { code, pin });
         }
         Ok(pins)
@@ -68,15 +65,6 @@ impl SimPins {
 }
 
 const UNPLUGGED: &str = "TRUE makes every access fail as if the device had been unplugged";
-
-fn hidden<T: hal_component::Value>(
-    b: &mut Builder<'_>,
-    name: &str,
-    about: &str,
-    initial: T,
-) -> Result<In<T>, Error> {
-    b.declare(Decl::new(name, about).hidden(), initial)
-}
 
 /// Simulated devices, numbered from 0.
 #[derive(Clone, Debug, Default)]

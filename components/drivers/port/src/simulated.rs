@@ -5,7 +5,7 @@ use core::sync::atomic::{
     AtomicU8, AtomicU32,
     Ordering::{Acquire, Relaxed, Release},
 };
-use hal_component::{Builder, Decl, Error, In, Io, Out, Touch, Uses};
+use hal_component::{Builder, Error, In, Io, Out, Touch, Uses};
 
 /// Block of byte registers, and the PCI configuration of a device, in memory.
 ///
@@ -82,12 +82,12 @@ impl Simulated {
         }
         let about = format!("Raw byte in register `{name}`, 0 to 255, as last written");
         let full = format!("{}.{name}", self.prefix);
-        let whole = b.declare(Decl::new(&full, &about).hidden(), u32::from(reset))?;
+        let whole = b.simulated(&full, &about, u32::from(reset))?;
         let mut bits = Vec::new();
         for (bit, one) in ones(mask) {
             let about = format!("Raw bit {bit} of register `{name}`, as last written");
             let full = format!("{full}-{bit}");
-            bits.push((one, b.declare(Decl::new(&full, &about).hidden(), reset & one != 0)?));
+            bits.push((one, b.simulated(&full, &about, reset & one != 0)?));
         }
         self.shown.push(Shown { offset, whole, bits });
         Ok(())
@@ -110,7 +110,7 @@ impl Simulated {
              with its bit pins: a bit is 1 when either says so"
         );
         let full = format!("{}.{name}", self.prefix);
-        let whole = b.declare(Decl::new(&full, &about).hidden(), 0)?;
+        let whole = b.simulated(&full, &about, 0)?;
         self.drive_bits(b, name, offset, mask)?;
         if let Some(last) = self.driven.last_mut() {
             last.whole = Some(whole);
@@ -134,7 +134,7 @@ impl Simulated {
         for (bit, one) in ones(mask) {
             let about = format!("Raw bit {bit} that register `{name}` reads as");
             let full = format!("{}.{name}-{bit}", self.prefix);
-            bits.push((one, b.declare(Decl::new(&full, &about).hidden(), false)?));
+            bits.push((one, b.simulated(&full, &about, false)?));
         }
         self.driven.push(Driven { offset, mask, whole: None, bits });
         Ok(())
@@ -148,7 +148,7 @@ impl Simulated {
         let register = register & !3;
         let full = format!("{}.config-{register:02x}", self.prefix);
         let about = format!("Double word 0x{register:02X} of the PCI configuration");
-        let pin = b.declare(Decl::new(&full, &about).hidden(), reset)?;
+        let pin = b.simulated(&full, &about, reset)?;
         self.config.push((register, pin));
         Ok(())
     }
@@ -211,7 +211,7 @@ impl Count {
     fn new(b: &mut Builder<'_>, prefix: &str, name: &str) -> Result<Self, Error> {
         let about = format!("Number of register {name} since the load; wraps at 2^32");
         let full = format!("{prefix}.{name}");
-        Ok(Self(AtomicU32::new(0), b.declare(Decl::new(&full, &about).hidden(), 0)?))
+        Ok(Self(AtomicU32::new(0), b.simulated(&full, &about, 0)?))
     }
 
     fn grow(&self) {

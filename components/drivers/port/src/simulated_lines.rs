@@ -5,7 +5,7 @@ use core::sync::atomic::{
     AtomicI64, AtomicU32, AtomicU64,
     Ordering::{Acquire, Relaxed, Release},
 };
-use hal_component::{Builder, Clock, Decl, Error, In, Out, Touch, Uses};
+use hal_component::{Builder, Clock, Error, In, Out, Touch, Uses};
 
 /// Largest number of lines that are requested together.
 const MOST: usize = 64;
@@ -66,7 +66,7 @@ impl SimulatedChip {
     pub fn new(b: &mut Builder<'_>, prefix: &str) -> Result<Self, Error> {
         let name = format!("{prefix}.vanished");
         let about = "TRUE makes every access fail as if the chip had been removed";
-        let vanished = b.declare(Decl::new(&name, about).hidden(), false)?;
+        let vanished = b.simulated(&name, about, false)?;
         Ok(Self { prefix: prefix.to_owned(), vanished, clock: b.clock() })
     }
 
@@ -90,10 +90,10 @@ impl SimulatedChip {
                 let about = "Level on the wire that the driver drives: TRUE is high";
                 // Requested outputs are inactive.
                 let initial = line.is_active_low;
-                pins.shown.push((bit, b.declare(Decl::new(&name, about).hidden(), initial)?));
+                pins.shown.push((bit, b.simulated(&name, about, initial)?));
             } else {
                 let about = "Level on the wire that the driver reads: TRUE is high";
-                pins.driven.push((bit, b.declare(Decl::new(&name, about).hidden(), false)?));
+                pins.driven.push((bit, b.simulated(&name, about, false)?));
             }
             active_low |= if line.is_active_low { 1 << bit } else { 0 };
         }

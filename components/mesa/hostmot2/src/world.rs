@@ -6,7 +6,7 @@ mod remotes;
 use self::remotes::RemoteWorld;
 use crate::{making::Making, simulated::SimulatedCard};
 use hal_card::{Card, Rates};
-use hal_component::{Decl, Error, Field, In, Out, ParamRw, Touch, Uses};
+use hal_component::{Error, In, Out, ParamRw, Touch, Uses};
 use hal_firmware::Tag;
 use std::sync::Arc;
 
@@ -204,10 +204,10 @@ pub(crate) fn make(m: &mut Making<'_, '_>, card: &Arc<SimulatedCard>) -> Result<
             }
             None => m.at(&format!("sim.in-{pin:03}")),
         };
-        let outside = if is_turned { None } else { Some(hidden(m, &name, about, level)?) };
+        let outside = if is_turned { None } else { Some(m.b.simulated(&name, about, level)?) };
         let about = "Level that a meter reads at the I/O pin";
         let name = m.at(&format!("sim.out-{pin:03}"));
-        let level = hidden(m, &name, about, level)?;
+        let level = m.b.simulated(&name, about, level)?;
         terminals.push(Terminal { pin, outside, level, active_low });
     }
     let world = World {
@@ -241,20 +241,11 @@ pub(crate) fn make(m: &mut Making<'_, '_>, card: &Arc<SimulatedCard>) -> Result<
         remotes: plugged::make(m)?,
         watchdog: {
             let name = m.at("sim.watchdog-bitten");
-            hidden(m, &name, "True once the watchdog has bitten", false)?
+            m.b.simulated(&name, "True once the watchdog has bitten", false)?
         },
         line: line(m)?,
     };
     Ok(world)
-}
-
-fn hidden<F: Field>(
-    m: &mut Making<'_, '_>,
-    name: &str,
-    about: &str,
-    initial: F::Value,
-) -> Result<F, Error> {
-    F::make(m.b, Decl::new(name, about).hidden(), initial)
 }
 
 fn scanned(m: &mut Making<'_, '_>) -> Result<Vec<In<bool>>, Error> {
@@ -263,7 +254,7 @@ fn scanned(m: &mut Making<'_, '_>) -> Result<Vec<In<bool>>, Error> {
     let about = "True while the scanned input is active";
     let pins = (0..width).map(|n| {
         let name = m.at(&format!("sim.inmux.00.in-{n:02}"));
-        hidden(m, &name, about, false)
+        m.b.simulated(&name, about, false)
     });
     pins.collect()
 }
@@ -280,15 +271,14 @@ fn encoders(m: &mut Making<'_, '_>) -> Result<Vec<Turning>, Error> {
             encoders.push(Turning {
                 encoder: n,
                 is_muxed,
-                counts: hidden(m, &counts, "Place of the encoder, in counts", 0)?,
-                position: hidden(
-                    m,
+                counts: m.b.simulated(&counts, "Place of the encoder, in counts", 0)?,
+                position: m.b.simulated(
                     &position,
                     "Place beyond the counts, in units of the scale",
                     0.0,
                 )?,
                 scale,
-                turn: hidden(m, &turn, "Counts from one index to the next; 0 for none", 0)?,
+                turn: m.b.simulated(&turn, "Counts from one index to the next; 0 for none", 0)?,
             });
         }
     }
@@ -305,7 +295,7 @@ fn outputs(
     let used = m.module(tag).map_or(0, |(_, used)| used);
     let pins = (0..used).map(|n| {
         let name = m.at(&format!("sim.{kind}.{n:02}.{pin}"));
-        hidden(m, &name, about, 0.0)
+        m.b.simulated(&name, about, 0.0)
     });
     pins.collect()
 }
@@ -317,7 +307,7 @@ fn relays(m: &mut Making<'_, '_>) -> Result<Vec<Closed>, Error> {
     let mut relays = Vec::new();
     for relay in m.outputs(Tag::Ssr, 0, 31) {
         let name = m.at(&format!("sim.ssr.00.closed-{relay:02}"));
-        let closed = hidden(m, &name, "True while the relay is closed", false)?;
+        let closed = m.b.simulated(&name, "True while the relay is closed", false)?;
         relays.push(Closed { relay, closed });
     }
     Ok(relays)
@@ -327,18 +317,18 @@ fn lights(m: &mut Making<'_, '_>) -> Result<Vec<Out<bool>>, Error> {
     let used = m.module(Tag::Led).map_or(0, |(_, used)| used);
     let pins = (1..=used).map(|n| {
         let name = m.at(&format!("sim.led.CR{n:02}"));
-        hidden(m, &name, "True while the light is on", false)
+        m.b.simulated(&name, "True while the light is on", false)
     });
     pins.collect()
 }
 
 fn line(m: &mut Making<'_, '_>) -> Result<LinePins, Error> {
     let plugged = m.at("sim.line.plugged");
-    let plugged = hidden(m, &plugged, "True while the cable is plugged in", true)?;
+    let plugged = m.b.simulated(&plugged, "True while the cable is plugged in", true)?;
     let mut rate = |name: &str, what: &str| {
         let about = format!("Packets per million that {what}");
         let name = m.at(&format!("sim.line.{name}"));
-        hidden(m, &name, &about, 0)
+        m.b.simulated(&name, &about, 0)
     };
     Ok(LinePins {
         plugged,

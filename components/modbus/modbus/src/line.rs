@@ -5,7 +5,7 @@ mod simulated;
 mod tcp;
 
 pub(crate) use serial::{NotOpened, Parity, RATES, SerialPlace};
-pub(crate) use simulated::{SimulatedFaultPins, SimulatedLine, hidden};
+pub(crate) use simulated::{SimulatedFaultPins, SimulatedLine};
 pub(crate) use tcp::TcpPlace;
 
 use core::{fmt, time::Duration};

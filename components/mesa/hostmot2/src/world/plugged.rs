@@ -1,9 +1,6 @@
 //! Pins of the terminals of remotes, from the remotes' accounts.
 
-use super::{
-    hidden,
-    remotes::{RemoteTerminals, RemoteWorld, TerminalPins},
-};
+use super::remotes::{RemoteTerminals, RemoteWorld, TerminalPins};
 use crate::{
     making::Making,
     modules::{Element, Flow, Form},
@@ -16,7 +13,7 @@ pub(super) fn make(m: &mut Making<'_, '_>) -> Result<Vec<RemoteWorld>, Error> {
     for remote in m.remotes.clone() {
         let name = m.at(&format!("sim.{}.{}.{}", remote.kind, remote.port, remote.channel));
         let about = "True while the remote's cable is plugged in";
-        let plugged = hidden(m, &format!("{name}.plugged"), about, true)?;
+        let plugged = m.b.simulated(&format!("{name}.plugged"), about, true)?;
         let mut terminals = Vec::new();
         for element in &remote.elements {
             if element.form == Form::Padding {
@@ -43,20 +40,24 @@ fn pins(m: &mut Making<'_, '_>, name: &str, element: &Element) -> Result<Termina
         (Form::Bits, true) => {
             let about = "Level that is connected to the input";
             let pins =
-                (0..element.bits).map(|n| hidden(m, &format!("{name}-{n:02}"), about, false));
+                (0..element.bits).map(|n| m.b.simulated(&format!("{name}-{n:02}"), about, false));
             TerminalPins::Levels(pins.collect::<Result<_, _>>()?)
         }
         (Form::Bits, false) => {
             let about = "Level that a meter reads at the output";
             let pins =
-                (0..element.bits).map(|n| hidden(m, &format!("{name}-{n:02}"), about, false));
+                (0..element.bits).map(|n| m.b.simulated(&format!("{name}-{n:02}"), about, false));
             TerminalPins::ShownLevels(pins.collect::<Result<_, _>>()?)
         }
-        (_, true) if has_range => TerminalPins::Value(hidden(m, name, "Value at the input", 0.0)?),
-        (_, false) if has_range => {
-            TerminalPins::ShownValue(hidden(m, name, "Value at the output", 0.0)?)
+        (_, true) if has_range => {
+            TerminalPins::Value(m.b.simulated(name, "Value at the input", 0.0)?)
         }
-        (_, true) => TerminalPins::Raw(hidden(m, name, "Number that the remote has", 0)?),
-        (_, false) => TerminalPins::ShownRaw(hidden(m, name, "Number that the remote has got", 0)?),
+        (_, false) if has_range => {
+            TerminalPins::ShownValue(m.b.simulated(name, "Value at the output", 0.0)?)
+        }
+        (_, true) => TerminalPins::Raw(m.b.simulated(name, "Number that the remote has", 0)?),
+        (_, false) => {
+            TerminalPins::ShownRaw(m.b.simulated(name, "Number that the remote has got", 0)?)
+        }
     })
 }

@@ -1,6 +1,6 @@
 //! Pins of the simulated inverter and its line.
 
-use crate::line::{SimulatedFaultPins, SimulatedLine, hidden};
+use crate::line::{SimulatedFaultPins, SimulatedLine};
 use hal_component::{Builder, Error, In, Out, Touch};
 use hal_modbus_devices::Inverter;
 use port::Exchange as _;
@@ -31,34 +31,24 @@ impl SimulatedPins {
         let name = |pin| format!("{prefix}.sim.{pin}");
         Ok(Self {
             faults: SimulatedFaultPins::make(b, prefix)?,
-            trip: hidden(
-                b,
-                &name("trip"),
+            trip: b.simulated(&name("trip"),
                 "TRUE trips the simulated inverter: its output is off until a stop has come after the trip.",
                 false,
             )?,
-            timeout: hidden(
-                b,
-                &name("timeout"),
+            timeout: b.simulated(&name("timeout"),
                 "Time without a frame after which the simulated inverter stops by its own clock, in seconds; 0 for never.",
                 0.0,
             )?,
-            frequency: hidden(
-                b,
-                &name("frequency"),
+            frequency: b.simulated(&name("frequency"),
                 "Frequency at the output of the simulated inverter, in hertz, negative in reverse.",
                 0.0,
             )?,
-            running: hidden(b, &name("running"), "TRUE while the simulated inverter runs.", false)?,
-            starts: hidden(
-                b,
-                &name("starts"),
+            running: b.simulated(&name("running"), "TRUE while the simulated inverter runs.", false)?,
+            starts: b.simulated(&name("starts"),
                 "Number of times that the simulated inverter has begun to run.",
                 0,
             )?,
-            frames: hidden(
-                b,
-                &name("frames"),
+            frames: b.simulated(&name("frames"),
                 "Number of frames that the simulated inverter has heard.",
                 0,
             )?,

@@ -2,7 +2,7 @@
 
 use super::{Carrier, PAUSE};
 use core::time::Duration;
-use hal_component::{Builder, Decl, Error, Field, In, Touch};
+use hal_component::{Builder, Error, In, Touch};
 use hal_modbus_devices::{Bus, Device, Faults};
 use port::{Exchange, Lost};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
@@ -64,16 +64,6 @@ impl<D: Device> Carrier for SimulatedLine<D> {
     }
 }
 
-/// Declares a pin of simulated hardware, which is listed only if a pattern names it.
-pub(crate) fn hidden<F: Field>(
-    b: &mut Builder<'_>,
-    name: &str,
-    about: &str,
-    initial: F::Value,
-) -> Result<F, Error> {
-    F::make(b, Decl::new(name, about).hidden(), initial)
-}
-
 /// Pins that are faults of a simulated line.
 #[derive(Debug, Touch)]
 pub(crate) struct SimulatedFaultPins {
@@ -88,27 +78,27 @@ impl SimulatedFaultPins {
     pub(crate) fn make(b: &mut Builder<'_>, prefix: &str) -> Result<Self, Error> {
         let name = |pin| format!("{prefix}.sim.{pin}");
         Ok(Self {
-            cut: hidden(b, &name("cut"), "TRUE cuts the simulated line: nothing arrives.", false)?,
-            noise: hidden(
-                b,
+            cut: b.simulated(
+                &name("cut"),
+                "TRUE cuts the simulated line: nothing arrives.",
+                false,
+            )?,
+            noise: b.simulated(
                 &name("noise"),
                 "Share of simulated answers with noise and a wrong bit, 0 to 1.",
                 0.0,
             )?,
-            half: hidden(
-                b,
+            half: b.simulated(
                 &name("half"),
                 "Share of simulated answers of which only half arrives, 0 to 1.",
                 0.0,
             )?,
-            other: hidden(
-                b,
+            other: b.simulated(
                 &name("other"),
                 "Share of simulated answers that another device gives, 0 to 1.",
                 0.0,
             )?,
-            delay: hidden(
-                b,
+            delay: b.simulated(
                 &name("delay"),
                 "Time by which simulated answers are late, in seconds.",
                 0.0,

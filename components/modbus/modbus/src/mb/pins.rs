@@ -1,7 +1,6 @@
 //! Pins of a transaction.
 
 use super::config::{Function, MbConfig, TransactionConfig};
-use crate::line::hidden;
 use hal_component::{Builder, Error, In, Out, Touch};
 use hal_modbus::{Call, ModbusAnswer, ModbusRequest, ModbusTable};
 
@@ -228,22 +227,22 @@ impl SimulatedValues {
             words: Vec::new(),
             coils: Vec::new(),
             registers: Vec::new(),
-            silent: hidden(b, &format!("{base}.silent"), doc, false)?,
+            silent: b.simulated(&format!("{base}.silent"), doc, false)?,
         };
         for pin in &of.pins {
             let name = format!("{base}.{pin}");
             match of.kind {
                 Function::Read(table) if table.is_bits() => {
-                    pins.bits.push(hidden(b, &name, "Value in the simulated device.", false)?);
+                    pins.bits.push(b.simulated(&name, "Value in the simulated device.", false)?);
                 }
                 Function::Read(_) => {
-                    pins.words.push(hidden(b, &name, "Value in the simulated device.", 0)?);
+                    pins.words.push(b.simulated(&name, "Value in the simulated device.", 0)?);
                 }
                 Function::WriteCoil | Function::WriteCoils => {
-                    pins.coils.push(hidden(b, &name, "Value in the simulated device.", false)?);
+                    pins.coils.push(b.simulated(&name, "Value in the simulated device.", false)?);
                 }
                 Function::WriteRegister | Function::WriteRegisters => {
-                    pins.registers.push(hidden(b, &name, "Value in the simulated device.", 0)?);
+                    pins.registers.push(b.simulated(&name, "Value in the simulated device.", 0)?);
                 }
             }
         }
