@@ -13,7 +13,7 @@ use crate::{
     worker::{DeviceTexts, PERIOD_NS, ReadDevice, WantedDevice, Worker},
 };
 use hal_component::{
-    Arg, Builder, Component, Error, Texts,
+    Arg, Builder, Component, Error, StillWatch, Texts,
     abi::{ArgSpec, component_flags},
 };
 use port::Lost;
@@ -214,7 +214,7 @@ fn declare(
         steps,
         clock: b.clock(),
         messages: b.messages(),
-        worked: None,
+        worker: StillWatch::new(),
         is_dead: false,
     };
     if is_task {

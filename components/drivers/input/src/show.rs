@@ -9,7 +9,7 @@ use crate::{
     reader::{DeviceRecord, UNKNOWN},
 };
 use hal_component::{
-    Clock, Gives, Hardware, Messages, Period, SeqReader, Takes, Touch, Update, to_s32,
+    Clock, Gives, Hardware, Messages, Period, SeqReader, StillWatch, Takes, Touch, Update, to_s32,
 };
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -28,9 +28,8 @@ pub(crate) struct Show {
     pub(crate) steps: Takes<AtomicU32>,
     pub(crate) clock: Clock,
     pub(crate) messages: Messages,
-    /// Steps that were seen last, and the machine time of that; none before the first run.
     #[state]
-    pub(crate) worked: Option<(u32, i64)>,
+    pub(crate) worker: StillWatch,
     #[state]
     pub(crate) is_dead: bool,
 }
@@ -75,11 +74,8 @@ struct WasWheel {
 
 impl Update for Show {
     fn update(&mut self, _: Period) {
-        let (steps, now) = (self.steps.load(Relaxed), self.clock.now_ns());
-        let (seen, since) = self.worked.unwrap_or((steps, now));
-        let since = if steps == seen { since } else { now };
-        self.worked = Some((steps, since));
-        let is_dead = now.wrapping_sub(since) > DEAD_NS;
+        let still_ns = self.worker.still_ns(self.steps.load(Relaxed), self.clock.now_ns());
+        let is_dead = still_ns > DEAD_NS;
         if is_dead && !self.is_dead {
             const TEXT: &str = "the worker of hal_input does not work: all buttons are FALSE, all axes at \
                                 their centres";

@@ -177,9 +177,8 @@ impl<D: Device> Bus<D> {
             let [a, b, c, ..] = self.random().to_le_bytes();
             answer.splice(0..0, [a, b, c]);
         }
-        // Anything that is no time is none.
-        let delay = if 0.0 < delay && delay <= 3600.0 { whole_ns(delay) } else { 0 };
-        let mut at = heard.saturating_add(self.timing.answer_ns).saturating_add(delay);
+        let answers = heard.saturating_add(self.timing.answer_ns);
+        let mut at = answers.saturating_add(hal_modbus::nanoseconds(delay));
         let (first, mut last) = (at, at);
         for byte in answer {
             at = at.saturating_add(self.timing.char_ns);
@@ -202,10 +201,4 @@ impl<D: Device> Bus<D> {
         self.seed ^= self.seed >> 27;
         self.seed.wrapping_mul(0x2545_F491_4F6C_DD1D)
     }
-}
-
-/// Returns seconds of a delay as nanoseconds.
-#[expect(clippy::cast_possible_truncation, reason = "at most an hour")]
-const fn whole_ns(seconds: f64) -> i64 {
-    (seconds * 1e9) as i64
 }

@@ -30,4 +30,4 @@ pub use crc::{crc, is_whole, push_crc};
 pub use exception::Exception;
 pub use miss::Miss;
 pub use request::{BadRequest, Call, MAX_TCP, ModbusRequest, ModbusTable};
-pub use silence::{HUANYANG_SILENCE_NS, char_ns, silence_ns};
+pub use silence::{HUANYANG_SILENCE_NS, char_ns, nanoseconds, silence_ns};

@@ -1,4 +1,4 @@
-//! Times without bytes that separate frames on serial lines.
+//! Times: those without bytes that separate frames on serial lines, and seconds as nanoseconds.
 
 /// Silence that Huanyang's inverters need before a request, in nanoseconds: one that follows sooner has no answer.
 pub const HUANYANG_SILENCE_NS: i64 = 6_000_000;
@@ -11,6 +11,13 @@ const SECOND_NS: i64 = 1_000_000_000;
 pub const fn char_ns(baud: u32, bits: u8) -> i64 {
     let baud = if baud == 0 { 1 } else { baud as i64 };
     SECOND_NS * bits as i64 / baud
+}
+
+/// Returns up to 100,000 s as nanoseconds; anything else is no time, and 0.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "at most 100,000 s")]
+pub const fn nanoseconds(seconds: f64) -> i64 {
+    if 0.0 < seconds && seconds <= 100_000.0 { (seconds * 1e9) as i64 } else { 0 }
 }
 
 /// Returns the silence between frames on a line, in nanoseconds: 3.5 characters, or 1.75 ms above 19200 bits per second.

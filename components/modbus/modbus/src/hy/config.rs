@@ -3,6 +3,7 @@
 use crate::line::{Parity, RATES, SerialPlace, is_path};
 use core::fmt;
 use hal_component::{Arg, Builder, abi::ArgSpec};
+use hal_modbus::nanoseconds;
 
 /// Numbers of settings that have arguments.
 mod pd {
@@ -203,9 +204,4 @@ fn register(text: &str) -> Option<(u8, u16)> {
     let (number, value) = text.split_once('=')?;
     let number = number.strip_prefix("PD").or(number.strip_prefix('P')).unwrap_or(number);
     Some((number.parse().ok()?, value.parse().ok()?))
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "at most 10 s")]
-const fn nanoseconds(seconds: f64) -> i64 {
-    (seconds * 1e9) as i64
 }

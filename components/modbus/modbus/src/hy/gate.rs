@@ -5,7 +5,9 @@ use super::{
     pins::{InputPins, Inputs, ResultPins, Results},
     simulated::SimulatedPins,
 };
-use hal_component::{Clock, Hardware, Messages, Period, SeqReader, SeqWriter, Touch, Update};
+use hal_component::{
+    Clock, Hardware, Messages, Period, SeqReader, SeqWriter, StillWatch, Touch, Update,
+};
 use std::sync::{
     Arc,
     atomic::{AtomicU32, Ordering::Relaxed},
@@ -42,9 +44,7 @@ pub(crate) struct Gate {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Was {
     cycles: u32,
-    steps: u32,
-    /// Machine time of the worker's last step.
-    worked: i64,
+    worker: StillWatch,
     /// Machine time of the last stop for a dead worker.
     stopped: i64,
     lapses: u32,
@@ -61,8 +61,7 @@ impl Was {
     pub(crate) const fn new(gaps: u32) -> Self {
         Self {
             cycles: 0,
-            steps: 0,
-            worked: 0,
+            worker: StillWatch::new(),
             stopped: 0,
             lapses: 0,
             gaps,
@@ -75,13 +74,9 @@ impl Was {
 }
 
 impl Gate {
-    /// Returns whether the worker has stopped working. Stops the inverter then, in its place.
-    fn is_worker_dead(&mut self, now: i64) -> bool {
-        let steps = self.steps.load(Relaxed);
-        if steps != self.was.steps || self.was.cycles == 0 {
-            (self.was.steps, self.was.worked) = (steps, now);
-        }
-        let is_dead = DEAD_NS < now.saturating_sub(self.was.worked);
+    /// Returns whether a worker that has stood still for so long is dead. Stops the inverter then, in its place.
+    fn is_worker_dead(&mut self, still_ns: i64, now: i64) -> bool {
+        let is_dead = DEAD_NS < still_ns;
         if is_dead && AGAIN_NS <= now.saturating_sub(self.was.stopped) {
             self.was.stopped = now;
             self.halt.stop();
@@ -131,9 +126,10 @@ impl Update for Gate {
     fn update(&mut self, _: Period) {
         let now = self.clock.now_ns();
         let mut results = self.results.get();
-        let is_dead = self.is_worker_dead(now);
+        let still_ns = self.was.worker.still_ns(self.steps.load(Relaxed), now);
+        let is_dead = self.is_worker_dead(still_ns, now);
         if let Some(simulated) = &mut self.simulated {
-            simulated.exchange(now, STILL_NS < now.saturating_sub(self.was.worked));
+            simulated.exchange(now, STILL_NS < still_ns);
         }
         if is_dead {
             (results.fault, results.ready, results.hycomm_ok) = (true, false, false);

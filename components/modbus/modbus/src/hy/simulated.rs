@@ -2,6 +2,7 @@
 
 use crate::line::{SimulatedFaultPins, SimulatedLine};
 use hal_component::{Builder, Error, In, Out, Touch};
+use hal_modbus::nanoseconds;
 use hal_modbus_devices::Inverter;
 use port::Exchange as _;
 
@@ -71,10 +72,4 @@ impl SimulatedPins {
         self.starts.set(bus.devices.starts());
         self.frames.set(bus.devices.frames());
     }
-}
-
-/// Returns seconds up to an hour as nanoseconds, and 0 for anything else.
-#[expect(clippy::cast_possible_truncation, reason = "at most an hour")]
-const fn nanoseconds(seconds: f64) -> i64 {
-    if 0.0 < seconds && seconds <= 3600.0 { (seconds * 1e9) as i64 } else { 0 }
 }

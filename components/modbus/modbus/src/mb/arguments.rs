@@ -6,6 +6,7 @@ use super::{
 };
 use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace, is_path};
 use hal_component::{Arg, Builder, abi::ArgSpec};
+use hal_modbus::nanoseconds;
 use std::path::Path;
 
 const MS: i64 = 1_000_000;
@@ -106,9 +107,4 @@ fn transaction(text: &str) -> Option<TransactionConfig> {
         period_ns: 0,
         timeout_ns: 500 * MS,
     })
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "at least one a thousandth of a second")]
-const fn nanoseconds(seconds: f64) -> i64 {
-    if 0.0 < seconds && seconds <= 100_000.0 { (seconds * 1e9) as i64 } else { 0 }
 }

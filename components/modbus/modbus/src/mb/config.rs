@@ -3,7 +3,7 @@
 use super::refused::{BadEntry, BadIni};
 use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace};
 use hal_ini::{Entry, Ini};
-use hal_modbus::{Call, ModbusRequest, ModbusTable};
+use hal_modbus::{Call, ModbusRequest, ModbusTable, nanoseconds};
 use std::path::Path;
 
 /// Largest number of transactions.
@@ -332,9 +332,4 @@ fn decimal(entry: &Entry, least: f64, most: f64) -> Result<f64, BadIni> {
     let read: Option<f64> = entry.value.trim().parse().ok();
     let fits = read.filter(|n| (least..=most).contains(n));
     fits.ok_or_else(|| BadIni::bad(entry, BadEntry::Number { least, most }))
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "below an hour")]
-const fn nanoseconds(seconds: f64) -> i64 {
-    if 0.0 < seconds && seconds <= 100_000.0 { (seconds * 1e9) as i64 } else { 0 }
 }

@@ -4,7 +4,9 @@ use super::{
     cause::Cause,
     pins::{InputPins, ResultPins, Results, SimInputs, SimPins, SimResults},
 };
-use hal_component::{Builder, Clock, Error, Period, SeqReader, SeqWriter, Touch, Update};
+use hal_component::{
+    Builder, Clock, Error, Period, SeqReader, SeqWriter, StillWatch, Touch, Update,
+};
 use std::sync::{
     Arc,
     atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
@@ -81,9 +83,7 @@ pub(crate) struct Ends {
 #[derive(Clone, Copy, Debug, Default)]
 struct Was {
     buttons: u32,
-    steps: u32,
-    /// Machine time of the worker's last step, in nanoseconds.
-    worked: i64,
+    worker: StillWatch,
 }
 
 impl Gate {
@@ -112,12 +112,9 @@ impl Gate {
 
     /// Returns whether the worker has stopped working.
     fn is_worker_dead(&mut self) -> bool {
-        let (steps, now) = (self.shared.steps.load(Relaxed), self.clock.now_ns());
-        if steps != self.was.steps || self.was.worked == 0 {
-            (self.was.steps, self.was.worked) = (steps, now);
-        }
+        let steps = self.shared.steps.load(Relaxed);
         let longest = if self.shared.loads.load(Relaxed) { LOAD_NS } else { DEAD_NS };
-        now - self.was.worked > longest
+        self.was.worker.still_ns(steps, self.clock.now_ns()) > longest
     }
 }
 
