@@ -48,7 +48,7 @@ impl DeviceSpec {
     /// Reads a specification such as `-KRAL +Gamepad:1`.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The word has other letters, or names no device.
     pub(crate) fn parse(word: &str) -> Result<Self, BadSpec> {
         let word = word.trim();
         let (letters, rest) = match word.strip_prefix('-') {

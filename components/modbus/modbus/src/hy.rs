@@ -62,13 +62,21 @@ Pins and parameters have the names of LinuxCNC's program `hy_vfd`. Its options a
 | PD164 | 1 for 9600, 2 for 19200, 3 for 38400: `rate` |
 | PD165 | 3: 8 bits, no parity, 1 stop bit, RTU |
 
-Requests go round on the line: command, frequency, and each measurement; a change of the command goes first. The command is
-sent anew in each round.
+The driver sends the command, the frequency and a request for each measurement, one after the other, and begins again. It sends a
+changed command before anything else.
 
-The inverter is told to stop, whatever else happens, when `spindle-on` or `enable` is FALSE, when the function does not run for
-0.2 s, when the instance stops or ends, and, by the function itself, when the worker stands still for 0.5 s. Only a killed
-process (`kill -9`), a computer without power and a cut line leave it without a stop: a contactor in the e-stop chain, or the
-inverter's own time-out where it has one, are for those. Set that longer than `timeout`.
+The driver sends a stop to the inverter in each of these cases:
+
+| case | after |
+|---|---|
+| `spindle-on` or `enable` is FALSE | one request |
+| the function does not run | 0.2 s |
+| the worker stands still: the function sends the stop | 0.5 s |
+| the instance stops or ends | at once |
+
+The driver cannot send a stop when the process is killed (`kill -9`), when the computer loses its power, or when the line is cut. Put a
+contactor into the e-stop chain for these cases, or set the inverter's own time-out if it has one. The time-out must be longer
+than `timeout`.
 
 `fault` is TRUE while the inverter has not answered for `timeout`; the motion controller is off then, and refuses to be switched
 on. Nothing starts by itself: after a fault, a stop or a gap in time, and after the load, the spindle turns once `spindle-on` was

@@ -223,6 +223,19 @@ fn the_table_of_components_is_true() {
     golden::check_part(&root().join("components/README.md"), BEGIN, END, &table(&pages()));
 }
 
+/// Pins of simulated hardware are no part of a machine: they are listed only if a pattern names them, and `check` wants no wire
+/// to them.
+#[test]
+fn simulated_pins_do_not_show() {
+    let shown: BTreeSet<String> = pages()
+        .into_iter()
+        .filter(|page| page.items.iter().any(|e| e.first.contains(".sim.")))
+        .map(|page| page.offer.component)
+        .collect();
+    // A camera and a robot whose simulation is also a demonstration.
+    assert_eq!(shown.into_iter().collect::<Vec<_>>(), ["align", "robot"]);
+}
+
 #[test]
 fn the_page_of_each_component_is_true() {
     let folder = root().join("components/pages");
