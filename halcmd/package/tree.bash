@@ -5,7 +5,8 @@
 # Programs look for plugins, Python modules and Tcl files beside themselves, so all of it is one folder, and the path has links.
 package=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 top=$(cd "$package/../.." && pwd)
-target=${CARGO_TARGET_DIR:-$top/target} # of cargo
+# Of cargo, which takes a relative path as one from its own folder.
+target=$(cd "$top" && realpath -m "${CARGO_TARGET_DIR:-target}")
 
 version_of() { sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' "$top/Cargo.toml"; }
 # The day of the newest entry of the changelog: pages and archives are the same whenever they are made.
