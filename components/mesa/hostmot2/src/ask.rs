@@ -15,7 +15,7 @@ const ATTEMPTS: u32 = 5;
 /// Longest wait for one answer.
 const WITHIN: Duration = Duration::from_millis(200);
 
-/// Longest wait for answers to a question that was repeated.
+/// Silence after which no further answer to a repeated question is expected.
 const QUIET: Duration = Duration::from_millis(10);
 
 /// The account that a card gives of itself.

@@ -140,8 +140,12 @@ impl CardConfig {
             return Ok(());
         }
         if name == "stepgen_width" {
-            self.step_width = number(value, 8)?;
-            return if self.step_width == Some(0) { Err(Wrong::Width) } else { Ok(()) };
+            self.step_width = number(value, u8::MAX)?;
+            return if matches!(self.step_width, Some(0 | 9..)) {
+                Err(Wrong::Width)
+            } else {
+                Ok(())
+            };
         }
         if let Some(port) = name.strip_prefix("sserial_port_") {
             let port = port.parse().ok().filter(|port| *port < 8).ok_or(Wrong::Unknown)?;
@@ -232,7 +236,8 @@ mod tests {
             ("num_encoders=two", "a whole number from -1 on"),
             ("num_encoders=-2", "a whole number from -1 on"),
             ("num_encoders=256", "at most 255"),
-            ("stepgen_width=9", "at most 8"),
+            ("stepgen_width=9", "expected 1 to 8 I/O pins, or -1"),
+            ("stepgen_width=0", "expected 1 to 8 I/O pins, or -1"),
             ("sserial_port_8=0", "no such entry"),
             ("sserial_port_0=000000000", "expected up to eight letters"),
             ("sserial_port_0=0y", "expected up to eight letters"),

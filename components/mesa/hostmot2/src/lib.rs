@@ -283,20 +283,9 @@ fn plug(card: &SimulatedCard, kind: &str, named: &[&str]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Lights of a board that has any.
-const LIGHTS: u8 = 4;
-
 /// Returns how many instances of each kind of module are used.
 fn used(card: &Described, config: &CardConfig, name: &str) -> Result<Vec<(Tag, u8)>, Error> {
-    let mut used = Vec::new();
-    for module in &card.modules {
-        let Some(tag) = module.kind().filter(|tag| modules::COUNTED.contains(tag)) else {
-            continue;
-        };
-        // One instance of lights has those of the board.
-        let instances = if tag == Tag::Led { LIGHTS } else { module.instances };
-        used.push((tag, instances));
-    }
+    let mut used: Vec<_> = card.modules.iter().filter_map(modules::instances).collect();
     let there =
         |used: &[(Tag, u8)], tag| used.iter().find(|row| row.0 == tag).map_or(0, |row| row.1);
     // A limit is for all kinds that an entry names, of which a firmware has one.

@@ -192,7 +192,7 @@ impl Link {
     }
 }
 
-/// Most packets that are looked at for the answer of one cycle.
+/// Largest number of packets that are read in a row while an answer is awaited or old ones are discarded.
 pub(crate) const MAX_STRANGE: u32 = 64;
 
 /// Returns the sequence number after `n`, which is never 0.

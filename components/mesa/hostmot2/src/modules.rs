@@ -18,51 +18,52 @@ pub(crate) use watchdog::RESET;
 
 use crate::making::Making;
 use hal_component::{Error, In};
-use hal_firmware::Tag;
+use hal_firmware::{Module, Tag};
 
 /// Creates the pins of one kind of module.
 type Make = fn(&mut Making<'_, '_>) -> Result<(), Error>;
 
-/// All kinds, in the order in which their registers are read and written.
-const ALL: &[Make] = &[
-    dpll::make,
-    encoder::make,
-    stepgen::make,
-    pwmgen::make,
-    inm::make,
-    outm::make,
-    ssr::make,
-    led::make,
+/// All kinds, in the order in which their registers are read and written, each with the modules whose instances are counted and
+/// whose I/O pins are taken. The ports of smart serial are counted where they are asked for their remotes.
+const ALL: &[(&[Tag], Make)] = &[
+    (&[Tag::Dpll], dpll::make),
+    (&[Tag::Encoder, Tag::MuxedEncoder, Tag::MuxedEncoderSelect], encoder::make),
+    (&[Tag::StepGenerator], stepgen::make),
+    (&[Tag::Pwm], pwmgen::make),
+    (&[Tag::Inputs, Tag::InputMux], inm::make),
+    (&[Tag::Outputs], outm::make),
+    (&[Tag::Ssr], ssr::make),
+    (&[Tag::Led], led::make),
     // Before the I/O pins, which the used channels take.
-    sserial::make,
-    ioport::make,
-    // Behind the rest: a packet that lets its time begin again has all of it, or the last part where a cycle needs several packets.
-    watchdog::make,
+    (&[], sserial::make),
+    (&[Tag::IoPort], ioport::make),
+    // Last of the writes: the packet that restarts the watchdog has the cycle's other writes, too. If a cycle needs several packets,
+    // it is the last of them.
+    (&[Tag::Watchdog], watchdog::make),
     // Last: its place in the question changes.
-    raw::make,
+    (&[], raw::make),
 ];
 
-/// Kinds whose instances the entries of `config` limit. The ports of smart serial are counted where they are asked for their
-/// remotes; the I/O pins of all other kinds, which nothing here drives, are free.
-pub(crate) const COUNTED: &[Tag] = &[
-    Tag::Watchdog,
-    Tag::IoPort,
-    Tag::Encoder,
-    Tag::MuxedEncoder,
-    Tag::MuxedEncoderSelect,
-    Tag::StepGenerator,
-    Tag::Pwm,
-    Tag::Dpll,
-    Tag::Inputs,
-    Tag::InputMux,
-    Tag::Outputs,
-    Tag::Led,
-    Tag::Ssr,
-];
+/// Returns the number of instances of a module that can be used. Modules that nothing here drives have none, and their I/O pins
+/// are free.
+pub(crate) fn instances(module: &Module) -> Option<(Tag, u8)> {
+    let tag = module.kind().filter(|tag| ALL.iter().any(|(tags, _)| tags.contains(tag)))?;
+    let instances = match tag {
+        // One instance of lights has those of the board.
+        Tag::Led => LIGHTS,
+        // The register of enables has a bit for each.
+        Tag::Pwm => module.instances.min(32),
+        _ => module.instances,
+    };
+    Some((tag, instances))
+}
+
+/// Lights of a board that has any.
+const LIGHTS: u8 = 4;
 
 /// Creates the pins of all modules.
 pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
-    ALL.iter().try_for_each(|make| make(m))
+    ALL.iter().try_for_each(|(_, make)| make(m))
 }
 
 /// Meaning of the pins that select a timer.

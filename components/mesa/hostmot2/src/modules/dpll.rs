@@ -94,7 +94,10 @@ impl Writes for Following {
     fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
         let p = &self.pins;
         let khz = frequency(p.base_freq, cycle);
-        let size = whole(f64::from(p.ddsize.get()), 62).max(1);
+        let size = match p.ddsize.get() {
+            0 => 1,
+            size => size.min(62),
+        };
         let span = libm::scalbn(1.0, i32::try_from(size).unwrap_or(42));
         let rate = span * khz * 1000.0 / self.hz;
         // A divisor of the clock keeps the rate large and thereby fine.

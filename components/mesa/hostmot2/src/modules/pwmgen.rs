@@ -163,8 +163,7 @@ impl Instance {
 pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
     let Some((module, used)) = m.module(Tag::Pwm) else { return Ok(()) };
     let mut instances = Vec::new();
-    // The register of enables has 32 bits.
-    for instance in 0..used.min(32) {
+    for instance in 0..used {
         let name = m.at(&format!("pwmgen.{instance:02}"));
         instances.push(Instance {
             pins: Generator::make(m.b, &name)?,

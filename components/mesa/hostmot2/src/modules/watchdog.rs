@@ -11,7 +11,7 @@ use core::sync::atomic::{
     AtomicBool, AtomicU32,
     Ordering::{Acquire, Relaxed, Release},
 };
-use hal_component::{Error, Gives, Hardware, Io, Messages, ParamRw, Takes, Touch};
+use hal_component::{Clock, Error, Gives, Hardware, Io, Messages, ParamRw, Takes, Touch};
 use hal_firmware::{Tag, registers};
 
 /// Value that lets the time begin again.
@@ -29,6 +29,8 @@ struct Keeper {
     releases: AtomicBool,
     /// Number of releases, the one at the beginning included.
     count: AtomicU32,
+    /// Number of the release after which a bite was said; 0 before the first bite.
+    said: AtomicU32,
 }
 
 /// Function half that reads.
@@ -41,9 +43,6 @@ struct Status {
     /// The card's I/O pins: failed while they are inputs.
     hardware: Hardware,
     keeper: Takes<Keeper>,
-    /// Number of the release after which a bite was said last.
-    #[state]
-    said: u32,
     /// Message about a bite.
     #[state]
     says: &'static str,
@@ -60,8 +59,9 @@ impl Reads for Status {
         // A card that may have missed its release says what it said before. Pairs with `write`.
         let is_new = bitten && !self.keeper.releases.load(Acquire);
         let count = self.keeper.count.load(Acquire); // Pairs with `write`.
-        if is_new && core::mem::replace(&mut self.said, count) != count {
+        if is_new && self.keeper.said.load(Relaxed) != count {
             self.has_bit.set(true);
+            self.keeper.said.store(count, Release); // Pairs with `write`, which then sees the pin.
             self.messages.error(self.says, &[]);
         }
         self.hardware.note(bitten || self.has_bit.get());
@@ -80,49 +80,48 @@ struct Keep {
     keeper: Gives<Keeper>,
     #[state]
     renewals: Renewals,
+    clock: Clock,
+    /// Frequency of the card's clock in hertz.
     #[state]
-    clock: f64,
+    hz: f64,
     #[state]
     period: Kept,
     #[state]
     status: u16,
     #[state]
     reset: u16,
+    /// Machine time at which the release under way began; none before its first packet.
     #[state]
-    was_bitten: bool,
-    /// Seconds since the release under way began.
-    #[state]
-    since: f64,
+    begun: Option<i64>,
 }
 
 impl Writes for Keep {
-    fn write(&mut self, to: &mut Outgoing<'_>, cycle: Cycle) {
-        let is_bitten = self.has_bit.get();
-        if is_bitten {
+    fn write(&mut self, to: &mut Outgoing<'_>, _: Cycle) {
+        let said = self.keeper.said.load(Acquire); // Pairs with `read`.
+        if self.has_bit.get() {
             // Nothing keeps the watchdog quiet until a person has looked.
-            self.was_bitten = true;
             return;
         }
-        if self.was_bitten {
-            self.was_bitten = false;
-            self.since = 0.0;
-            let count = self.keeper.count.load(Relaxed); // Only this function writes it.
+        let count = self.keeper.count.load(Relaxed); // Only this function writes it.
+        if said == count {
+            self.begun = None;
             self.keeper.count.store(count.wrapping_add(1).max(1), Release); // Pairs with `read`.
             self.keeper.releases.store(true, Release); // Pairs with `read`.
             self.renewals.renew();
         }
-        let timeout = f64::from(self.timeout.get()) * 1e-9;
-        let ticks = libm::floor(timeout * self.clock) - 1.0;
+        let timeout_ns = self.timeout.get();
+        let ticks = libm::floor(f64::from(timeout_ns) * 1e-9 * self.hz) - 1.0;
         self.period.put(to, whole(ticks, MOST).max(1));
         // Not renewed like other registers: a bite that no answer has shown yet would end unseen. A release that no answer
         // confirms is repeated only until the card may have bitten again. Pairs with `read`.
         if self.keeper.releases.load(Acquire) {
-            if self.since == 0.0 || self.since < timeout {
+            let now = self.clock.now_ns();
+            let begun = *self.begun.get_or_insert(now);
+            if now.wrapping_sub(begun) < i64::from(timeout_ns).max(1) {
                 to.put(self.status, 0);
             } else {
                 self.keeper.releases.store(false, Release); // Pairs with `read`.
             }
-            self.since += cycle.period;
         }
         to.put(self.reset, RESET);
         self.keeper.runs.store(true, Release); // Pairs with `read`.
@@ -143,6 +142,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
         runs: AtomicBool::new(false),
         releases: AtomicBool::new(true),
         count: AtomicU32::new(1),
+        said: AtomicU32::new(0),
     });
     let status = Status {
         status: m.read(&module, registers::WATCHDOG_STATUS, 0)?,
@@ -150,7 +150,6 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
         messages: m.b.messages(),
         hardware: m.b.hardware(),
         keeper: takes,
-        said: 0,
         says: m.says(BITTEN),
     };
     let keep = Keep {
@@ -158,12 +157,12 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
         timeout,
         keeper: gives,
         renewals: m.renewals.clone(),
-        clock: m.clock(&module)?,
+        clock: m.b.clock(),
+        hz: m.clock(&module)?,
         period: Kept::new(m.address(&module, registers::WATCHDOG_TIMEOUT, 0)?),
         status: m.address(&module, registers::WATCHDOG_STATUS, 0)?,
         reset: m.address(&module, registers::WATCHDOG_RESET, 0)?,
-        was_bitten: false,
-        since: 0.0,
+        begun: None,
     };
     m.reads.push(Box::new(status));
     m.writes.push(Box::new(keep));

@@ -246,7 +246,7 @@ fn an_encoder_that_turns_before_the_first_write_has_a_speed() {
 /// The register of enables has a bit for each of 32 generators.
 #[test]
 fn more_generators_than_the_register_has_bits_are_left_alone() {
-    let rig = Rig::with("7i92", "num_pwmgens=40");
+    let rig = Rig::new("7i92 pwmgen=40");
     let is_there = |pin| rig.bench.names().iter().any(|line| line.starts_with(&rig.at(pin)));
     assert!(is_there("pwmgen.31.") && !is_there("pwmgen.32."));
     rig.set("pwmgen.31.enable", true);

@@ -225,6 +225,26 @@ fn a_bite_never_ends_unseen_however_many_packets_are_lost() {
     assert!(bites > 100, "{bites}");
 }
 
+/// The thread is late by more than the watchdog waits, right after a release that the card has received.
+#[test]
+fn a_bite_behind_a_release_that_nobody_has_confirmed_is_seen() {
+    for timeout_ns in [5_000_000_u32, 800_000] {
+        let rig = Rig::new("7i92");
+        rig.set("watchdog.timeout_ns", timeout_ns);
+        rig.cycles(3);
+        rig.bench.pass(20 * PERIOD);
+        rig.bench.run(&rig.at("read"), PERIOD);
+        assert!(rig.bit("watchdog.has_bit") && rig.bit("sim.watchdog-bitten"));
+        rig.set("watchdog.has_bit", false);
+        rig.bench.run(&rig.at("write"), PERIOD);
+        rig.bench.pass(20 * PERIOD);
+        rig.bench.run(&rig.at("write"), PERIOD);
+        rig.bench.run(&rig.at("read"), PERIOD);
+        assert!(rig.bit("sim.watchdog-bitten"), "{timeout_ns}: the outputs stay off");
+        assert!(rig.bit("watchdog.has_bit"), "{timeout_ns}: a person is told again");
+    }
+}
+
 /// An index that was armed before the card was lost has not come because the card has forgotten it.
 #[test]
 fn an_index_that_was_armed_before_the_card_was_abandoned_does_not_count() {

@@ -82,7 +82,9 @@ pub(crate) struct PortState {
     missed: u32,
     /// Time that the command under way has taken.
     waited: f64,
-    /// True if no answer tells whether the card has received the command.
+    /// True once an answer has shown that the card has received the command.
+    is_received: bool,
+    /// True if an answer was missing before that: the command may be finished, or may never have come.
     is_unsure: bool,
     /// Number of the present start.
     start: u32,
@@ -99,6 +101,7 @@ impl PortState {
             answers: 0,
             missed: 0,
             waited: 0.0,
+            is_received: false,
             is_unsure: false,
             start: 0,
             exchanged: false,
@@ -170,7 +173,7 @@ impl Port {
 
     /// Writes the registers of a step.
     fn send(&mut self, step: PortStep, to: &mut Outgoing<'_>) {
-        self.state.is_unsure = false;
+        (self.state.is_received, self.state.is_unsure) = (false, false);
         let at = self.at;
         let command = match step {
             PortStep::Stop | PortStep::GiveUp => STOP_ALL,
@@ -214,8 +217,8 @@ impl Port {
                     self.fail(to);
                 }
             }
-            News::None => self.state.is_unsure = true,
-            News::Came { .. } => {}
+            News::None => self.state.is_unsure = !self.state.is_received,
+            News::Came { .. } => self.state.is_received = true,
         }
     }
 
