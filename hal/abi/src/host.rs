@@ -136,6 +136,9 @@ pub struct CallHost {
     /// half, and the number of failures so far, which goes round, in the high half.
     pub failed_hardware: Option<unsafe extern "C" fn(*const c_void) -> u64>,
 }
+/// A failure in the number of failures so far, which is the high half of [`CallHost::failed_hardware`].
+pub const HARDWARE_FAILURE: u64 = 1 << 32;
+
 // SAFETY: `#[repr(C)]`, size first, zero is valid.
 unsafe impl Record for CallHost {
     const MIN: usize = offset_of!(Self, awaited);

@@ -38,7 +38,7 @@ pub use argument::{ArgSpec, FROM_AFAR, arg, arg_bounds};
 pub use cell::{Cell, Slot};
 pub use foreign::{ForeignFile, ForeignLoader, Load, edit};
 pub use homing::{Homing, HomingJoint, HomingSettings, homing_call, homing_flags, homing_state};
-pub use host::{ArgValue, CallHost, Host, ServiceRef, StreamRef, host_flags};
+pub use host::{ArgValue, CallHost, HARDWARE_FAILURE, Host, ServiceRef, StreamRef, host_flags};
 pub use motion::{
     MOTION_TEXT, Motion, MotionAnswer, MotionCommand, motion_flags, motion_kind, motion_setting,
     motion_source,

@@ -68,19 +68,16 @@ pub(super) struct Table {
     pub(super) is_from_afar: Cell<bool>,
 }
 
-/// Arguments as given, checked against their declaration, and the lists that argument values point
-/// to.
-/// One failure of hardware in the count of failures so far, which is the high half.
-pub(super) const FAILURE: u64 = 1 << 32;
-
 impl Table {
     /// Counts a part of hardware that has failed, or that works again.
     pub(super) fn note_hardware(&self, failed: bool) {
-        let change = if failed { FAILURE | 1 } else { u64::MAX };
+        let change = if failed { abi::HARDWARE_FAILURE | 1 } else { u64::MAX };
         self.failed_hardware.fetch_add(change, Relaxed);
     }
 }
 
+/// Arguments as given, checked against their declaration, and the lists that argument values point
+/// to.
 #[derive(Default)]
 pub(super) struct Args {
     pub(super) specs: Vec<ArgSpec>,

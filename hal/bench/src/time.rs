@@ -1,6 +1,7 @@
 //! The clock of the bench.
 
-use crate::{Bench, table::FAILURE};
+use crate::Bench;
+use hal_component::abi::HARDWARE_FAILURE;
 use std::sync::atomic::Ordering::Relaxed;
 
 impl Bench {
@@ -23,7 +24,7 @@ impl Bench {
     /// Returns the number of parts of the hardware that have failed.
     #[must_use]
     pub fn failed_hardware(&self) -> u64 {
-        self.table.borrow().failed_hardware.load(Relaxed) % FAILURE
+        self.table.borrow().failed_hardware.load(Relaxed) % HARDWARE_FAILURE
     }
 
     /// Counts a gap in time.

@@ -155,6 +155,12 @@ impl Value {
         }
     }
 
+    /// Returns the value as a number; `None` for a port, which has no value of its own.
+    #[must_use]
+    pub fn as_number(&self) -> Option<f64> {
+        (!matches!(self, Self::Port(_))).then(|| self.number())
+    }
+
     /// Returns the type of the value.
     #[must_use]
     pub const fn ty(&self) -> Type {

@@ -56,7 +56,7 @@ struct Stretch {
 /// Returns a value as a number. Returns `None` for a port and for a float that is not finite.
 #[must_use]
 pub fn number(value: Value) -> Option<f64> {
-    (!matches!(value, Value::Port(_))).then(|| value.number()).filter(|number| number.is_finite())
+    value.as_number().filter(|number| number.is_finite())
 }
 
 /// Measures a channel between two times. A change exactly at `from` counts as the initial value. No

@@ -190,8 +190,7 @@ impl<'g> Look<'g> {
     /// Returns the value of an item of any type as a float. Returns `None` for a port.
     fn number(&self, item: Ix) -> Option<f64> {
         let item = self.graph.item(item)?;
-        let value = Value::from_bits(item.ty, item.bits());
-        (!matches!(value, Value::Port(_))).then(|| value.number())
+        Value::from_bits(item.ty, item.bits()).as_number()
     }
 
     /// Returns the value of the item with this name as a float.

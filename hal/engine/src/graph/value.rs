@@ -59,8 +59,7 @@ impl Model {
     /// Returns the value of a pin, a parameter or a signal as a number; `None` if there is none of this name, or if it is a
     /// port.
     pub(crate) fn number(&self, name: &str) -> Option<f64> {
-        let value = self.get_item(name).or_else(|_| self.get_signal(name)).ok()?;
-        (!matches!(value, Value::Port(_))).then(|| value.number())
+        self.get_item(name).or_else(|_| self.get_signal(name)).ok()?.as_number()
     }
 
     /// Executes `sets`. For a port it sets the size of the queue, which is possible only once.

@@ -6,9 +6,7 @@ use crate::{
     sync::{Arc, AtomicU64, Ordering},
 };
 use core::ffi::c_void;
-
-/// Value of a failure in the count of failures so far, which is the high half.
-const FAILURE: u64 = 1 << 32;
+use hal_abi::HARDWARE_FAILURE;
 
 /// Parts of one component's hardware that have failed. A component that is gone has no hardware.
 #[derive(Debug)]
@@ -25,7 +23,7 @@ impl FailedHardware {
     fn note(&self, failed: bool) {
         if failed {
             self.own.fetch_add(1, Ordering::Relaxed);
-            self.shared.failed_hardware.fetch_add(FAILURE | 1, Ordering::Release); // Pairs with `count`.
+            self.shared.failed_hardware.fetch_add(HARDWARE_FAILURE | 1, Ordering::Release); // Pairs with `count`.
         } else if self.own.load(Ordering::Relaxed) > 0 {
             self.own.fetch_sub(1, Ordering::Relaxed);
             self.shared.failed_hardware.fetch_sub(1, Ordering::Release); // Pairs with `count`.
@@ -66,7 +64,7 @@ mod tests {
         let shared = Shared::new(ClockKind::Virtual);
         let counts = || {
             let both = shared.failed_hardware.load(Ordering::Acquire);
-            (both % FAILURE, both / FAILURE)
+            (both % HARDWARE_FAILURE, both / HARDWARE_FAILURE)
         };
         let (one, other) =
             (FailedHardware::new(Arc::clone(&shared)), FailedHardware::new(Arc::clone(&shared)));

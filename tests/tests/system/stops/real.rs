@@ -14,7 +14,8 @@ use std::process::Command;
 const STANDS: &str = "2";
 /// Shortest gap in machine time, in nanoseconds.
 const GAP_NS: i64 = 1_000_000_000;
-/// Longest period of a base thread in seconds, and as long for the servo thread's own functions.
+/// Time for which a step generator still moves after the switch-off, in seconds: one base period (100 us), and as long again for the
+/// servo thread.
 const BASE_S: f64 = 2.0 * 100e-6;
 /// Time after which a card's watchdog bites, in nanoseconds: less than the process stands still.
 const WATCHDOG_NS: &str = "300000000";
@@ -44,19 +45,26 @@ fn judge_gap(moving: &Moving, frames: &[Frame]) -> Result<(), String> {
     // The first cycle that runs is the one that was due when the process stood still, at its own time; or the next one.
     let off = (gap..=gap + 1).find(|n| frames.get(*n).is_some_and(|f| !f.on));
     let off = off.ok_or("the machine is not off in the first cycle")?;
+    if !frames[..gap].iter().all(|f| f.on) {
+        return Err("the machine was off before the gap".to_owned());
+    }
     if let Some(n) = frames[off..].iter().position(|f| f.on || f.amplified) {
         return Err(format!("an amplifier is on {n} cycles behind the gap"));
     }
     // Commands follow the motors while the machine is off. A step generator of the base thread makes its steps until the end of
     // this cycle takes its speed away.
-    let Some((first, later)) = frames[off..].split_first() else { return Ok(()) };
-    let Some((last, _)) = later.split_first() else { return Ok(()) };
-    let ways = first.motors.iter().zip(&last.motors).map(|(a, b)| (a - b).abs());
+    let [first, next, later @ ..] = &frames[off..] else {
+        return Err("nothing was watched behind the gap".to_owned());
+    };
+    if later.len() < WATCHED / 2 {
+        return Err(format!("only {} cycles were watched behind the gap", later.len()));
+    }
+    let ways = first.motors.iter().zip(&next.motors).map(|(a, b)| (a - b).abs());
     let way = ways.fold(0.0, f64::max);
     if moving.speed * BASE_S < way {
         return Err(format!("the motors move by {way} behind the gap"));
     }
-    match later.iter().position(|frame| frame.motors != last.motors) {
+    match later.iter().position(|frame| frame.motors != next.motors) {
         Some(n) => Err(format!("motor commands change {n} cycles behind the gap")),
         None => Ok(()),
     }

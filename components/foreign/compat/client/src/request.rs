@@ -64,18 +64,6 @@ impl Handle {
     }
 }
 
-/// Returns a value as a number of C.
-fn number(value: &Value) -> c_double {
-    match value {
-        Value::Bit(truth) => c_double::from(u8::from(*truth)),
-        Value::Float(x) => *x,
-        Value::S32(n) => c_double::from(*n),
-        Value::U32(n) => c_double::from(*n),
-        Value::S64(n) => *n as c_double,
-        Value::U64(n) | Value::Port(n) => *n as c_double,
-    }
-}
-
 /// Connects to an instance.
 ///
 /// # Safety
@@ -171,7 +159,7 @@ pub(crate) unsafe extern "C" fn ferrule_get(
     match handle.value(name) {
         Ok(found) if !value.is_null() => {
             // SAFETY: guaranteed by the caller.
-            unsafe { value.write(number(&found)) };
+            unsafe { value.write(found.number()) };
             0
         }
         Ok(_) => 0,
