@@ -135,7 +135,8 @@ const fn code(code: Code, text: &'static str, doc: &'static str) -> CodeRow {
     CodeRow { code, text, doc }
 }
 
-/// All codes, those of a start in the order in which they are checked.
+/// All codes, those of a start in the order in which they are checked; but what has stopped a start is told before what the
+/// machine does because of that.
 pub const CODES: &[CodeRow] = &[
     code(
         Code::Ocupado,

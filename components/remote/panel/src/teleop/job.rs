@@ -1,10 +1,11 @@
 //! A job: its start through the task, its end, and the lease meanwhile.
 
 mod cancel;
+mod readiness;
 
+use self::readiness::Readiness;
 use super::check::{self, Lengths};
 use crate::{
-    engine::STOPPED,
     error::{Code as Kind, Error},
     server::Panel,
     session::Session,
@@ -29,8 +30,6 @@ pub(super) use cancel::{MAX_END, cancel};
 const LOOK: Duration = Duration::from_millis(20);
 /// Longest time until the status shows the end of a job, or a stop.
 const SETTLE: Duration = Duration::from_secs(1);
-/// State of the task's status while the machine is on.
-const ON: u64 = 2;
 
 /// A user of the protocol, as the panel knows it.
 #[derive(Clone, Debug)]
@@ -58,53 +57,9 @@ pub(super) fn leased(panel: &Panel, client: Option<u64>) -> Option<String> {
     Some(format!("{} has the control lease", holder.user))
 }
 
-/// Returns why the machine begins no job of this client now, because of somebody else.
-fn busy(panel: &Panel, client: u64) -> Option<String> {
-    if let Some(text) = leased(panel, Some(client)) {
-        return Some(text);
-    }
-    let machine = panel.machine.borrow();
-    if machine.task.as_ref().is_some_and(|task| number(task, "interpreter") != 0) {
-        return Some("another job runs".to_owned());
-    }
-    let motion = machine.motion.as_ref()?;
-    let flag = |name: &str| motion.get(name) == Some(&Json::Bool(true));
-    (flag("jogging") || flag("homing")).then(|| "somebody moves the machine".to_owned())
-}
-
 /// Returns a number of a status; 0 if there is none.
 pub(super) fn number(status: &Map<String, Json>, name: &str) -> u64 {
     status.get(name).and_then(Json::as_u64).unwrap_or_default()
-}
-
-/// Returns why the machine is not ready, apart from what others do.
-fn unready(panel: &Panel) -> Option<Reason> {
-    let machine = panel.machine.borrow();
-    let off = |text: &str| Some(Reason::new(Code::Apagado, text));
-    if !panel.heart.allowed.load(Relaxed) {
-        return off("remote.allow-motion is FALSE: the machine permits no remote motion");
-    }
-    let (Some(task), Some(motion)) = (&machine.task, &machine.motion) else {
-        return off("the machine has no task controller");
-    };
-    match number(task, "state") {
-        ON => {}
-        0 => return off("the machine is in e-stop"),
-        _ => return off("the machine is off"),
-    }
-    let traj = |name: &str| panel.info.get("ini")?.get("TRAJ")?.get(name)?.as_str();
-    let needs_homing = traj("NO_FORCE_HOMING").is_none_or(|text| text.trim() != "1");
-    if needs_homing && motion.get("all_homed") != Some(&Json::Bool(true)) {
-        let is = |name: &str, n: usize| motion.get(name)?.get(n)?.as_bool();
-        let joint = (0..16)
-            .find(|n| is("joint_active", *n) == Some(true) && is("joint_homed", *n) == Some(false));
-        let text = match joint {
-            Some(n) => format!("joint {n} is not homed"),
-            None => "a joint is not homed".to_owned(),
-        };
-        return Some(Reason::new(Code::SinAjuste, text));
-    }
-    None
 }
 
 /// Returns where the machine is, in machine units.
@@ -145,16 +100,16 @@ impl Stops {
 impl Start<'_> {
     /// Refuses the start if the machine is not ready, or not this client's, or anything has been stopped since.
     fn check(&self) -> Result<(), Reason> {
-        if let Some(text) = busy(self.panel, self.client) {
-            return Err(Reason::new(Code::Ocupado, text));
-        }
-        if let Some(why) = unready(self.panel) {
-            return Err(why);
-        }
-        if Stops::of(self.panel) != self.stops {
-            return Err(Reason::new(Code::Ocupado, STOPPED));
-        }
-        Ok(())
+        let panel = self.panel;
+        let traj = |name: &str| panel.info.get("ini")?.get("TRAJ")?.get(name)?.as_str();
+        let readiness = Readiness {
+            leased: leased(panel, Some(self.client)),
+            is_allowed: panel.heart.allowed.load(Relaxed),
+            is_stopped: Stops::of(panel) != self.stops,
+            needs_homing: traj("NO_FORCE_HOMING").is_none_or(|text| text.trim() != "1"),
+            machine: &panel.machine.borrow(),
+        };
+        readiness.refusal().map_or(Ok(()), Err)
     }
 
     /// Waits for something, as long as the start is not refused.
