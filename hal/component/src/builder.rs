@@ -160,19 +160,6 @@ impl<'h> Builder<'h> {
         self.declare(Decl::new(name, doc), initial)
     }
 
-    /// Creates a pin of simulated hardware, which is listed only if a pattern names it.
-    ///
-    /// # Errors
-    /// As [`Self::item`].
-    pub fn simulated<T: Value, D: Dir>(
-        &mut self,
-        name: &str,
-        doc: &str,
-        initial: T,
-    ) -> Result<Item<T, D>, Error> {
-        self.declare(Decl::new(name, doc).hidden(), initial)
-    }
-
     /// Creates a pin or parameter from a full declaration.
     ///
     /// # Errors

@@ -1,8 +1,9 @@
 //! Declarations of pins and parameters, and errors.
 
 use crate::{
-    Field,
+    Builder, Field, Item, Value,
     abi::{self, ItemSpec, Status, Str, item_flags},
+    item::Dir,
 };
 use std::borrow::Cow;
 
@@ -71,6 +72,21 @@ impl<'a> Decl<'a> {
     pub const fn safety(mut self) -> Self {
         self.flags |= item_flags::SAFETY;
         self
+    }
+}
+
+impl Builder<'_> {
+    /// Creates a pin of simulated hardware, which is listed only if a pattern names it.
+    ///
+    /// # Errors
+    /// As [`Builder::item`].
+    pub fn simulated<T: Value, D: Dir>(
+        &mut self,
+        name: &str,
+        doc: &str,
+        initial: T,
+    ) -> Result<Item<T, D>, Error> {
+        self.declare(Decl::new(name, doc).hidden(), initial)
     }
 }
 

@@ -56,6 +56,8 @@ for name, stop in [
     stat.poll()
     print(states[stat.task_state], bool(stat.estop), stat.task_mode == linuxcnc.MODE_MANUAL, stat.paused,
           stat.interp_state == linuxcnc.INTERP_IDLE, stat.wait, stat.feedrate, repr(stat.file), len(stat.position))
+# Each field that motion knows in the place of a task is one of its record.
+print("fields", sorted(linuxcnc._pages._FROM_MOTION), all(stat._task[name] is not None for name in linuxcnc._pages._FROM_MOTION))
 command.auto(linuxcnc.AUTO_RESUME)
 assert done()
 until(lambda: motion["velocity"] > 2.9)

@@ -40,6 +40,28 @@ fn dependencies(table: &toml::Table) -> Vec<String> {
     list.map(|t| t.keys().cloned().collect()).unwrap_or_default()
 }
 
+/// A driver that notes the state of its hardware has a test in which that fails: then motion is off.
+#[test]
+fn each_driver_that_notes_its_hardware_has_a_test_in_which_it_fails() {
+    // The report itself, and the reader of all failures.
+    let others = ["port", "motion"];
+    let (mut drivers, mut untested) = (0, Vec::new());
+    for (name, (folder, _)) in manifests() {
+        let files = files_below(&folder.join("src"), ".rs");
+        let texts: Vec<_> = files.iter().map(|f| std::fs::read_to_string(f).unwrap()).collect();
+        let has = |words: &str| texts.iter().any(|text| text.contains(words));
+        let is_driver = folder.starts_with(root().join("components"))
+            && (has("b.hardware()") || has("Report::new(b"))
+            && !others.contains(&name.as_str());
+        drivers += usize::from(is_driver);
+        if is_driver && !has("failed_hardware()") {
+            untested.push(name);
+        }
+    }
+    assert!(drivers >= 7, "only {drivers} drivers are found");
+    assert!(untested.is_empty(), "no test asks for failed_hardware() in {untested:?}");
+}
+
 /// Parts of a crate that have no tests are not built for them (`test = false`, `doctest = false`); a test that is
 /// written there later would not run.
 #[test]
@@ -371,7 +393,7 @@ const BEFORE_THREADS: &[(&str, &[&str])] = &[
         "components/drivers/port/src/simulated_lines.rs",
         &["-", "lines", "new", "read_from", "written"],
     ),
-    ("components/drivers/speaker/src/device.rs", &["-", "lost"]),
+    ("components/drivers/speaker/src/device.rs", &["-", "fmt", "lost"]),
     ("components/drivers/stepgen/src/pulses.rs", &["new"]),
     ("components/drivers/viagpio/src/device.rs", &["simulated"]),
     ("components/drivers/viagpio/src/hardware.rs", &["ask"]),

@@ -51,12 +51,17 @@ impl Device {
 
 /// Error of a register that cannot be opened.
 #[derive(Debug)]
-pub(crate) struct Closed(std::io::Error);
+pub(crate) struct Closed(pub(crate) std::io::Error);
 
 impl core::fmt::Display for Closed {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let Self(why) = self;
-        write!(f, "{PORTS}: {why}: only root opens it; or run with --simulate")
+        let who = if why.kind() == std::io::ErrorKind::PermissionDenied {
+            ": only root opens it"
+        } else {
+            ""
+        };
+        write!(f, "{PORTS}: {why}{who}; or run with --simulate")
     }
 }
 

@@ -111,7 +111,7 @@ fn release(device: &Device) -> Result<(), Lost> {
 
 #[cfg(test)]
 mod tests {
-    use super::Speaker;
+    use super::{Speaker, device::Closed};
     use hal_bench::{Bench, trace::replay};
 
     #[test]
@@ -132,6 +132,31 @@ mod tests {
             164 1 0 0 | 166 9 9
             164 1 0 0 | 164 10 10";
         assert_eq!(replay::<Speaker>(rows), 10);
+    }
+
+    #[test]
+    fn a_register_that_does_not_open_says_who_opens_it() {
+        let text = |errno| Closed(std::io::Error::from_raw_os_error(errno)).to_string();
+        assert_eq!(
+            text(13),
+            "/dev/port: Permission denied (os error 13): only root opens it; or run with --simulate"
+        );
+        assert_eq!(
+            text(2),
+            "/dev/port: No such file or directory (os error 2); or run with --simulate"
+        );
+    }
+
+    #[test]
+    fn a_register_that_does_not_answer_is_lost_hardware() {
+        let mut bench = Bench::new().with_hardware();
+        bench.create::<Speaker>(&[]).unwrap();
+        // It was never opened.
+        for _ in 0..3 {
+            bench.run("speaker.0.write", 1_000_000);
+        }
+        assert_eq!(bench.failed_hardware(), 1);
+        assert_eq!(bench.said(), ["error 6 at the loudspeaker: it is tried again"]);
     }
 
     #[test]

@@ -206,7 +206,7 @@ fn sampled(theirs: &str, ours: &str) -> (usize, Differ) {
         for (column, (theirs, ours)) in theirs.iter().zip(&ours).enumerate() {
             all += 1;
             let difference = (theirs - ours).abs();
-            // What is no number differs from everything.
+            // NaN differs from everything.
             let difference = if difference.is_nan() { f64::INFINITY } else { difference };
             if difference > 0.0 {
                 let entry = differ.entry(column).or_insert((0, row, 0.0_f64));

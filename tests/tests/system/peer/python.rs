@@ -307,6 +307,7 @@ abort rests True on True e-stop False queue 0
 on False True False True nothing 1.0 '' 9
 pause rests True on True e-stop False queue 1
 on False True True True pause 1.0 '' 9
+fields ['feed_override', 'rapid_override', 'state', 'tool_offset', 'wait', 'wait_ends', 'wait_number', 'wait_since'] True
 resumed
 3 programs need a task, and this machine has none: loadrt task
 True

@@ -3,7 +3,7 @@
 import _machine
 
 from ._constants import OPERATOR_DISPLAY, OPERATOR_ERROR
-from ._pages import Blank, page, task_page
+from ._pages import Blank, is_stale, page, task_page
 
 #: Messages of this program: refused commands, and what it has the operator told.
 own = []
@@ -74,7 +74,7 @@ class error_channel:
 
     def poll(self):
         """Returns the oldest message that was not returned yet as (kind, text), or None."""
-        if self._page is None or isinstance(self._page, Blank):
+        if is_stale(self._page):
             self._open()
         self._page.poll()
         collect()

@@ -5,6 +5,7 @@ error; a machine without a task has the state that motion knows.
 """
 
 import os
+import time
 
 import _machine
 
@@ -54,6 +55,10 @@ class Blank:
     def __init__(self, name):
         self._fields = BLANK[name]
 
+    def is_stale(self):
+        """Returns whether the component may be there by now: a machine that starts is asked at each look."""
+        return True
+
     def __contains__(self, name):
         return name in self._fields
 
@@ -85,6 +90,11 @@ class WithoutTask(Blank):
     def __init__(self, motion):
         super().__init__("task.status")
         self._motion = motion
+        self._since = time.monotonic()
+
+    def is_stale(self):
+        """Returns whether a task may have been loaded: that is asked once in a second."""
+        return time.monotonic() - self._since > 1.0
 
     def __getitem__(self, name):
         read = _FROM_MOTION.get(name)
@@ -98,9 +108,14 @@ def task_page(channel, motion):
     try:
         return page(channel, "task.status")
     except _machine.error:
-        if isinstance(motion, Blank):
+        if isinstance(motion, Blank) or channel.loaded("task")[1] is not None:
             raise
         return WithoutTask(motion)
+
+
+def is_stale(page):
+    """Returns whether a page is to be opened again."""
+    return page is None or isinstance(page, Blank) and page.is_stale()
 
 
 def page(channel, name):

@@ -4,7 +4,7 @@ import _machine
 
 from ._constants import *
 from ._files import LETTERS, Facts, ini_file
-from ._pages import Blank, page, task_page
+from ._pages import is_stale, page, task_page
 
 _TASK_STATES = (STATE_ESTOP, STATE_ESTOP_RESET, STATE_ON)
 _MODES = (MODE_MANUAL, MODE_AUTO, MODE_MDI)
@@ -271,7 +271,6 @@ class stat:
             self._facts = Facts(ini_file(self._channel))
         self._pages = pages
         self._motion, self._task = pages
-        self._is_whole = not any(isinstance(p, Blank) for p in pages)
 
     def __getattr__(self, name):
         if name not in ("_motion", "_task", "_facts"):
@@ -285,7 +284,7 @@ class stat:
 
     def poll(self):
         """Updates the state."""
-        if self._pages is None or not self._is_whole:
+        if self._pages is None or any(map(is_stale, self._pages)):
             self._open()
         for one in self._pages:
             one.poll()
