@@ -105,7 +105,7 @@ pub use snapshot::{Snapshot, SnapshotReader};
 pub use solved::{Solution, Solved, Unsolved, Ways};
 pub use still::StillWatch;
 pub use stream::{StreamIn, StreamOut};
-pub use texts::Texts;
+pub use texts::{Texts, lasting};
 pub use wait::Wait;
 pub use worker::Work;
 

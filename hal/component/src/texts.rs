@@ -1,11 +1,28 @@
 //! Texts of messages: the log and the results of commands take static ones.
 
-use std::collections::BTreeSet;
+use std::{
+    collections::BTreeSet,
+    sync::{Mutex, PoisonError},
+};
 
 /// Longest text in bytes.
 const MAX_LEN: usize = 400;
 /// Text in the place of those that are not kept.
 const OTHER: &str = "too many different messages: the command NAME.status shows the last one";
+
+/// Returns a text with the life of the process, which realtime messages need; equal texts are stored once. It is for texts that
+/// a load makes; those that come from outside while the machine runs are bounded by [`Texts`].
+#[must_use]
+pub fn lasting(text: String) -> &'static str {
+    static TEXTS: Mutex<BTreeSet<&str>> = Mutex::new(BTreeSet::new());
+    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = texts.get(text.as_str()) {
+        return known;
+    }
+    let kept = text.leak();
+    texts.insert(kept);
+    kept
+}
 
 /// Texts that live as long as the process, each once.
 #[derive(Debug)]
@@ -33,7 +50,7 @@ impl Texts {
         if self.texts.len() >= self.most {
             return OTHER;
         }
-        let kept: &'static str = Box::leak(text.into_boxed_str());
+        let kept = lasting(text);
         self.texts.insert(kept);
         kept
     }
@@ -42,6 +59,14 @@ impl Texts {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn equal_texts_last_once() {
+        let first = lasting("no answer {}".to_owned());
+        assert_eq!(first, "no answer {}");
+        assert!(core::ptr::eq(first, lasting("no answer {}".to_owned())));
+        assert_eq!(lasting(String::new()), "");
+    }
 
     #[test]
     fn each_text_is_kept_once_and_not_too_many() {

@@ -10,7 +10,7 @@ use core::sync::atomic::{
     AtomicI64, AtomicU32, AtomicU64,
     Ordering::{Acquire, Relaxed, Release},
 };
-use hal_component::{Builder, Error};
+use hal_component::{Builder, Error, lasting};
 use port::{LinePins, Lines, Lost, SimulatedChip, SimulatedLine};
 use std::sync::OnceLock;
 
@@ -189,8 +189,7 @@ impl Device {
         };
         let gone = format!("{chip} is gone: {gone}; load the machine again when it is back");
         let other = format!("{chip}: error {{}} {other}");
-        let keep = |text: String| &*Box::leak(text.into_boxed_str());
-        ChipMessages { gone: keep(gone), other: keep(other) }
+        ChipMessages { gone: lasting(gone), other: lasting(other) }
     }
 
     /// Makes all outputs inactive. Every group is tried.

@@ -256,7 +256,11 @@ impl Counter {
         let is_seen = way.checked_mul(samples * sample).is_some_and(|time| time <= span.all * 2);
         if !is_seen {
             self.position = self.goal;
-            self.lines = Lines { index: self.index_at(self.goal), ..self.lines_at(self.goal) };
+            let lines = Lines { index: self.index_at(self.goal), ..self.lines_at(self.goal) };
+            if quadrature((self.lines.a, self.lines.b), (lines.a, lines.b)) == 2 {
+                self.control |= ERROR;
+            }
+            self.lines = lines;
             self.index = self.index_level();
             return;
         }

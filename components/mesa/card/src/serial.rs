@@ -50,6 +50,8 @@ const REMOTE_WATCHDOG: u64 = 50_000_000;
 #[derive(Debug)]
 pub(crate) struct SerialPort {
     command: u32,
+    /// Its processor finishes no command.
+    hangs: bool,
     data: u8,
     channels: usize,
     clock_hz: u32,
@@ -84,6 +86,7 @@ impl SerialPort {
     pub(crate) fn new(channels: usize, clock_hz: u32) -> Self {
         let mut port = Self {
             command: 0,
+            hangs: false,
             data: 0,
             channels: channels.min(CHANNELS),
             clock_hz,
@@ -103,6 +106,11 @@ impl SerialPort {
             }
             None => false,
         }
+    }
+
+    /// Lets the processor of the port finish no command from now on, or each again.
+    pub(crate) const fn hang(&mut self, hangs: bool) {
+        self.hangs = hangs;
     }
 
     pub(crate) fn cut(&mut self, channel: usize, is_cut: bool) {
@@ -164,7 +172,10 @@ impl SerialPort {
         if command & IGNORE != 0 {
             return;
         }
-        self.command = 0;
+        self.command = if self.hangs { command } else { 0 };
+        if self.hangs {
+            return;
+        }
         let mask = command & 0xFF;
         if command & REQUEST != 0 {
             let [low, high, ..] = (command & 0x1FFF).to_le_bytes();

@@ -177,6 +177,13 @@ impl Card {
         }
     }
 
+    /// Lets the processor of a smart-serial port finish no command from now on, or each again.
+    pub fn hang_serial(&mut self, port: usize, hangs: bool) {
+        if let Some(port) = self.serial.get_mut(port) {
+            port.hang(hangs);
+        }
+    }
+
     /// Returns the remote of a channel.
     #[must_use]
     pub fn remote(&self, port: usize, channel: usize) -> Option<&Remote> {

@@ -8,7 +8,7 @@ use crate::{
     modules::UsedRemote,
     plan::{Place, ReadPlan},
 };
-use hal_component::{Builder, Error, ParamRw};
+use hal_component::{Builder, Error, ParamRw, lasting};
 use hal_firmware::{Module, Register, Tag};
 use port::Exchange;
 use std::sync::{Arc, atomic::AtomicU16};
@@ -39,15 +39,10 @@ pub(crate) struct Making<'m, 'h> {
     pub(crate) used: Vec<(Tag, u8)>,
 }
 
-/// Returns a text that lives as long as the log, which writes it later. Only loading makes such texts.
-pub(crate) fn said(text: String) -> &'static str {
-    text.leak()
-}
-
 impl Making<'_, '_> {
     /// Returns a message that begins with the card's name.
     pub(crate) fn says(&self, text: &str) -> &'static str {
-        said(format!("{}: {text}", self.name))
+        lasting(format!("{}: {text}", self.name))
     }
 
     /// Returns the module of a kind with the number of its instances that are used, if that is not 0.

@@ -2,10 +2,7 @@
 use hal_component::{
     Arg, Builder, Component, Error, In, Messages, ParamRw, Period, Touch, Update,
     abi::{ArgSpec, component_flags},
-};
-use std::{
-    collections::BTreeSet,
-    sync::{Mutex, PoisonError},
+    lasting,
 };
 
 /// Message that a bit triggers.
@@ -59,18 +56,6 @@ impl Component for Message {
     }
 }
 
-/// Returns a text with static lifetime, which realtime messages need; equal texts are stored only once.
-fn lasting(text: String) -> &'static str {
-    static TEXTS: Mutex<BTreeSet<&str>> = Mutex::new(BTreeSet::new());
-    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(text) = texts.get(&*text) {
-        return text;
-    }
-    let text = text.leak();
-    texts.insert(text);
-    text
-}
-
 #[derive(Touch)]
 struct Run {
     trigger: In<bool>,
@@ -100,7 +85,7 @@ impl Update for Run {
 
 #[cfg(test)]
 mod tests {
-    use super::{Message, lasting};
+    use super::Message;
     use hal_bench::Bench;
 
     #[test]
@@ -129,13 +114,6 @@ mod tests {
             all.extend(said);
         }
         assert!(all.iter().all(|m| m == "second {}"));
-    }
-
-    #[test]
-    fn a_text_is_kept_once() {
-        let first = lasting("kept once".to_owned());
-        assert!(std::ptr::eq(first, lasting("kept once".to_owned())));
-        assert_ne!(first, lasting("kept twice".to_owned()));
     }
 
     #[test]

@@ -4,13 +4,13 @@ mod counter;
 
 use crate::{
     link::{Kept, Outgoing},
-    making::{Making, said},
+    making::Making,
     module::{Cycle, Writes},
     numbers::whole,
 };
 use core::sync::atomic::Ordering::{Acquire, Release};
 use counter::{Armed, Commands, Counter, Counters, Counting, Feedback, Probe, Tick, WRONG, bits};
-use hal_component::{Error, Gives, In, Touch, Uses};
+use hal_component::{Error, Gives, In, Touch, Uses, lasting};
 use hal_firmware::{Module, Register, Tag, registers};
 
 /// Kind of module: its tag and registers. Both kinds make the same pins.
@@ -233,7 +233,7 @@ fn counter(
         probe: probe.clone(),
         armed: takes,
         messages: m.b.messages(),
-        wrong: said(format!("{name}: {WRONG}")),
+        wrong: lasting(format!("{name}: {WRONG}")),
         state: Counting::default(),
     };
     let control = Kept::new(m.address(module, kind.control, instance)?);

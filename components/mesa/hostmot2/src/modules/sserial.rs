@@ -23,12 +23,8 @@ use self::{
     port::{Port, PortState},
     talk::{Answered, CHANNELS},
 };
-use crate::{
-    config::ChannelUse,
-    making::{Making, said},
-    plan::ReadPlan,
-};
-use hal_component::Error;
+use crate::{config::ChannelUse, making::Making, plan::ReadPlan};
+use hal_component::{Error, lasting};
 use hal_firmware::{Module, Tag};
 
 /// Number of the first I/O pin of each sort, and the name of its form: the pins of a sort are numbered by channel.
@@ -73,7 +69,7 @@ pub(crate) fn make(m: &mut Making<'_, '_>) -> Result<(), Error> {
              effect",
             m.name
         );
-        m.b.messages().warn(said(text), &[]);
+        m.b.messages().warn(lasting(text), &[]);
     }
     let Some(module) = module.copied() else { return Ok(()) };
     let (mut inputs, mut ports) = (Vec::new(), Vec::new());
@@ -135,11 +131,11 @@ fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<FoundRemote
                      {:08x}, mode {mode})",
                     m.name, answered.unit
                 );
-                m.b.messages().info(said(text), &[]);
+                m.b.messages().info(lasting(text), &[]);
                 found.push(FoundRemote { answered, mode, description, values });
             }
             Err(why) => m.b.messages().warn(
-                said(format!(
+                lasting(format!(
                     "{}: smart-serial port {port}, channel {channel}: the remote {name} is not used: {why}",
                     m.name
                 )),
@@ -154,7 +150,7 @@ fn find(m: &Making<'_, '_>, module: &Module, port: u8) -> Result<Vec<FoundRemote
              its power, and load the driver again",
             m.name
         );
-        m.b.messages().warn(said(text), &[]);
+        m.b.messages().warn(lasting(text), &[]);
     }
     Ok(found)
 }
@@ -262,7 +258,7 @@ fn make_port(
         messages: m.b.messages(),
         exchanges,
         at,
-        unfinished: said(format!(
+        unfinished: lasting(format!(
             "{name}: command {{}} is not finished: the port is stopped; when the cause is known, set {name}.run to 0 \
              and 1 to begin again"
         )),
@@ -272,7 +268,7 @@ fn make_port(
 }
 
 fn texts(remote: &str, port: &str, unit: u32) -> Texts {
-    let texts = |text: &str| said(format!("{remote} (unit {unit:08x}): {text}"));
+    let texts = |text: &str| lasting(format!("{remote} (unit {unit:08x}): {text}"));
     Texts {
         silent: texts(
             "no exchange: the remote does not answer (status {}): check its cable and its power",

@@ -1,6 +1,6 @@
 //! Packets that are lost, late, doubled or cut; a card that is gone, and one that comes back.
 
-use super::{PERIOD, Rig};
+use super::{PERIOD, Rig, last_card};
 
 #[test]
 fn one_lost_packet_in_a_hundred_moves_nothing_else() {
@@ -289,7 +289,7 @@ fn each_loss_is_said_with_the_name_of_the_card() {
     let lost = |rig: &Rig, n: u32| rig.set("sim.line.lost", n);
     // (cause, expected beginning)
     type Cause = fn(&Rig, &dyn Fn(&Rig, u32));
-    let causes: [(Cause, &str); 4] = [
+    let causes: [(Cause, &str); 7] = [
         (
             |rig, lost| {
                 lost(rig, 1_000_000);
@@ -320,6 +320,25 @@ fn each_loss_is_said_with_the_name_of_the_card() {
                 }
             },
             "the card's watchdog has bitten, because no packet of the write function came",
+        ),
+        (
+            // While somebody else has the device, it fails with EBUSY.
+            |rig, _| last_card().with(|_| rig.cycle()).unwrap(),
+            "the network reports error 16 in place of an answer: its inputs keep their values",
+        ),
+        (
+            |rig, _| last_card().with(|_| rig.cycle()).unwrap(),
+            "the network does not take the packet of writes (error 16); it is tried again",
+        ),
+        (
+            |rig, _| {
+                rig.set("encoder.00.quad-error-enable", true);
+                rig.cycles(3);
+                rig.set("sim.encoder.00.counts", 1_000_002);
+                rig.cycles(3);
+                assert!(rig.bit("encoder.00.quad-error"));
+            },
+            "encoder.00: A and B changed together: counts are lost",
         ),
     ];
     for (cause, expected) in causes {

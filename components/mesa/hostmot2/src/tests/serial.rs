@@ -190,6 +190,37 @@ fn a_remote_that_falls_out_stops_its_port_and_nothing_starts_by_itself() {
 }
 
 #[test]
+fn a_port_whose_processor_hangs_is_stopped_and_says_the_command() {
+    // While data are exchanged, and in a start.
+    for (begins, command) in [(false, 4097.0), (true, 2048.0)] {
+        let rig = running("sserial_port_0=0");
+        let hang = |hangs| last_card().with(|inside| inside.card.hang_serial(0, hangs)).unwrap();
+        if begins {
+            rig.set("sserial.port-0.run", false);
+            rig.cycles(5);
+            hang(true);
+            rig.set("sserial.port-0.run", true);
+        } else {
+            hang(true);
+        }
+        rig.cycles(5000);
+        assert_eq!((rig.word("sserial.port-0.port_state"), rig.bench.failed_hardware()), (4, 1));
+        let said = rig.bench.said().join("\n");
+        let text = format!("hm2_7i76e.0.sserial.port-0: command {command} is not finished");
+        assert_eq!(said.matches(&text).count(), 1, "{said}");
+        // The processor works again: a person begins.
+        hang(false);
+        rig.cycles(100);
+        assert_eq!(rig.bench.failed_hardware(), 1);
+        rig.set("sserial.port-0.run", false);
+        rig.cycles(5);
+        rig.set("sserial.port-0.run", true);
+        rig.cycles(10);
+        assert_eq!((rig.word("sserial.port-0.port_state"), rig.bench.failed_hardware()), (3, 0));
+    }
+}
+
+#[test]
 fn a_short_fault_is_counted_and_forgotten() {
     let rig = running("");
     rig.set("sim.7i76.0.0.plugged", false);

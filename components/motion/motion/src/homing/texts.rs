@@ -1,5 +1,7 @@
 //! Messages about a homing module of a user, made as it is loaded.
 
+use hal_component::lasting;
+
 /// Messages for the operator, with the name of the module, and `{}` for the joint.
 #[derive(Debug)]
 pub(crate) struct Texts {
@@ -13,9 +15,7 @@ impl Texts {
     /// Makes the messages, which live as long as the process.
     pub(crate) fn new(name: &str) -> Self {
         let name = name.replace(['{', '}'], "");
-        let text = |what: &str| -> &'static str {
-            Box::leak(format!("joint {{}}: the homing module '{name}' {what}").into_boxed_str())
-        };
+        let text = |what: &str| lasting(format!("joint {{}}: the homing module '{name}' {what}"));
         Self {
             not_finite: text("wrote a number that is not finite; the machine is switched off"),
             inconsistent: text(

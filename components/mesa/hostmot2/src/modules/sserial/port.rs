@@ -210,10 +210,11 @@ impl Port {
             News::Came { command: 0, .. } if self.state.is_unsure => self.send(step, to),
             News::Came { command: 0, faults } => self.finish(step, faults, to),
             News::Came { command, .. } if self.state.waited > LONGEST => {
-                self.messages.error(self.unfinished, &[f64::from(command)]);
+                // Whoever gives up has said why.
                 if step == PortStep::GiveUp {
                     self.state.phase = PortPhase::Failed;
                 } else {
+                    self.messages.error(self.unfinished, &[f64::from(command)]);
                     self.fail(to);
                 }
             }
