@@ -1,6 +1,6 @@
 //! The stop epoch of motion, as its record has it.
 
-use hal_protocol::{Client, Snapshot, Value};
+use hal_protocol::{Client, FieldInfo, Snapshot, Value};
 
 /// The record of motion, for its stop epoch.
 #[derive(Debug)]
@@ -16,12 +16,8 @@ impl EpochPage {
     /// Opens the record. A machine without motion has none.
     pub fn open(client: &mut Client) -> Option<Self> {
         let snapshot = client.snapshot("motion.status").ok()?;
-        let place = |name: &str| {
-            let fields = &snapshot.info().fields;
-            let at = fields.iter().position(|field| field.name == name)?;
-            Some(fields.iter().take(at).map(|field| field.count as usize).sum())
-        };
-        let (cycle, epoch) = (place("cycle")?, place("epoch")?);
+        let fields = &snapshot.info().fields;
+        let (cycle, epoch) = (place(fields, "cycle")?, place(fields, "epoch")?);
         Some(Self { snapshot, values: Vec::new(), cycle, epoch })
     }
 
@@ -30,5 +26,28 @@ impl EpochPage {
         self.snapshot.wait(&mut self.values)?;
         let number = |n: usize| self.values.get(n).map(Value::bits);
         Some((number(self.cycle)?, number(self.epoch)?))
+    }
+}
+
+/// Returns the number of the first value of a field.
+fn place(fields: &[FieldInfo], name: &str) -> Option<usize> {
+    let at = fields.iter().position(|field| field.name == name)?;
+    Some(fields.iter().take(at).map(|field| field.count as usize).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::place;
+
+    #[test]
+    fn a_field_stands_behind_all_values_of_those_before_it() {
+        let fields = serde_json::json!([
+            { "name": "joint", "ty": "float", "count": 9, "doc": "" },
+            { "name": "cycle", "ty": "u64", "count": 1, "doc": "" },
+            { "name": "epoch", "ty": "u64", "count": 1, "doc": "" },
+        ]);
+        let fields: Vec<_> = serde_json::from_value(fields).unwrap();
+        let places = ["joint", "cycle", "epoch", "other"].map(|name| place(&fields, name));
+        assert_eq!(places, [Some(0), Some(9), Some(10), None]);
     }
 }

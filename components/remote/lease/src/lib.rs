@@ -2,11 +2,13 @@
 #![forbid(unsafe_code)]
 
 mod epoch;
+#[cfg(test)]
+mod tests;
 mod user;
 
 use hal_ini::Ini;
 use hal_protocol::{
-    Client, Direction, Edit, Failure, ItemInfo, Kind, Link as _, Orders, Place, Reply, Request,
+    Client, Direction, Edit, Failure, ItemInfo, Kind, Link, Orders, Place, Reply, Request,
     ThreadInfo, Unlisted,
 };
 use std::{collections::BTreeSet, fmt};
@@ -53,7 +55,7 @@ impl fmt::Display for NoOrders {
 ///
 /// # Errors
 /// The engine does not answer, or something moves that nothing stops.
-pub fn orders(client: &mut Client) -> Result<Orders, NoOrders> {
+pub fn orders(client: &mut dyn Link) -> Result<Orders, NoOrders> {
     let answer = client.call(Orders::list()).map_err(NoOrders::Engine)?;
     Orders::listed(&answer).map_err(NoOrders::Unlisted)
 }
@@ -64,10 +66,15 @@ pub fn orders(client: &mut Client) -> Result<Orders, NoOrders> {
 /// There is no engine, or no motion; something moves that nothing stops; or the machine's files have wired these pins otherwise.
 pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), String> {
     let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
+    arrange(&mut client, ini, program)
+}
+
+/// Does what [`load`] does, at the end of this link.
+fn arrange(client: &mut dyn Link, ini: Option<&Ini>, program: &str) -> Result<(), String> {
     // A machine that cannot be stopped is not commanded.
-    orders(&mut client).map_err(|why| why.to_string())?;
+    orders(client).map_err(|why| why.to_string())?;
     let mut requests = Vec::new();
-    let Reply::Threads(threads) = list(&mut client, Kind::Threads)? else {
+    let Reply::Threads(threads) = list(client, Kind::Threads)? else {
         return Err("the engine lists no threads".to_owned());
     };
     let has = |name: &str| threads.iter().any(|t| t.functs.iter().any(|f| f == name));
@@ -100,7 +107,7 @@ pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), Strin
              never; addf it there, before {program} is started"
         ));
     }
-    let Reply::Items(pins) = list(&mut client, Kind::Pins)? else {
+    let Reply::Items(pins) = list(client, Kind::Pins)? else {
         return Err("the engine lists no pins".to_owned());
     };
     let has_task = pins.iter().any(|pin| pin.name == JOB.0);
@@ -130,7 +137,7 @@ pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), Strin
     }
 }
 
-fn list(client: &mut Client, kind: Kind) -> Result<Reply, String> {
+fn list(client: &mut dyn Link, kind: Kind) -> Result<Reply, String> {
     let list = Request::List { kind, patterns: Vec::new(), ty: None };
     client.call(list).map_err(|e| e.to_string())
 }
@@ -211,69 +218,4 @@ fn reaches(pins: &[ItemInfo], from: &str, goal: &str, to: &str) -> bool {
         }
     }
     seen.contains(goal)
-}
-
-#[cfg(test)]
-mod tests {
-    //! Wiring that the machine's files have made.
-
-    use super::{ItemInfo, JOB, Request, join, reaches, runs_before, wire};
-    use hal_protocol::{Direction, Value};
-
-    fn pin(owner: u32, name: &str, direction: Direction, signal: &str) -> ItemInfo {
-        ItemInfo {
-            owner,
-            owner_name: String::new(),
-            direction,
-            value: Value::Bit(false),
-            name: name.to_owned(),
-            original: None,
-            signal: Some(signal.to_owned()),
-            doc: String::new(),
-        }
-    }
-
-    #[test]
-    fn a_stop_reaches_motion_through_parts_or_is_refused() {
-        let (i, o) = (Direction::In, Direction::Out);
-        let mut pins = vec![
-            pin(1, "remote.jog-stop", o, "a"),
-            pin(2, "or2.0.in0", i, "a"),
-            pin(2, "or2.0.out", o, "b"),
-            pin(2, "or2.1.out", o, "c"),
-            pin(3, "motion.jog-stop", i, "b"),
-            pin(3, "motion.other", i, "a"),
-            pin(3, "motion.out", o, "d"),
-        ];
-        assert!(reaches(&pins, "a", "b", "motion.jog-stop"));
-        assert!(!reaches(&pins, "a", "c", "motion.jog-stop"), "another part of the component");
-        assert!(!reaches(&pins, "a", "d", "motion.jog-stop"), "motion joins nothing");
-        let made = |pins: &[ItemInfo]| wire(pins, "remote.jog-stop", "s", "motion.jog-stop");
-        assert_eq!(made(&pins), Ok(None));
-        // Both are linked, and nothing joins them.
-        pins[4].signal = Some("c".to_owned());
-        made(&pins).unwrap_err();
-    }
-
-    #[test]
-    fn a_pin_is_read_beside_others() {
-        let pins = [pin(1, "task.job", Direction::Out, "busy")];
-        let link = Request::Net { signal: "busy".to_owned(), pins: vec!["remote.job".to_owned()] };
-        assert_eq!(join(&pins, JOB), Ok(Some(link)));
-        // Another signal at the pin shows something else.
-        let pins = [pins[0].clone(), pin(2, "remote.job", Direction::In, "other")];
-        join(&pins, JOB).unwrap_err();
-    }
-
-    #[test]
-    fn the_function_runs_before_the_controller() {
-        for (functs, right) in [
-            (&["remote", "motion-controller"][..], true),
-            (&["motion-controller", "remote"], false),
-            (&["remote"], false),
-        ] {
-            let functs: Vec<String> = functs.iter().map(|f| (*f).to_owned()).collect();
-            assert_eq!(runs_before(&functs, super::CONTROLLER), right, "{functs:?}");
-        }
-    }
 }

@@ -18,7 +18,17 @@ pub fn is_guest(place: &Place) -> bool {
     let (Ok(own), Ok(theirs)) = (user(Path::new("/proc/self")), user(place.folder())) else {
         return false;
     };
+    is_other(own, theirs)
+}
+
+/// Returns whether a user is a guest at another's. Root is nobody's.
+const fn is_other(own: u32, theirs: u32) -> bool {
     own != 0 && own != theirs
+}
+
+/// Returns whether a user may act for another: each for itself, and root for all.
+const fn may_act(user: u32, own: u32) -> bool {
+    user == own || user == 0
 }
 
 /// Returns whether the other end belongs to the user of this process, or to root.
@@ -27,7 +37,7 @@ pub fn is_own(stream: &TcpStream) -> bool {
     let own = fs::metadata("/proc/self").map(|process| process.uid());
     let ends = stream.peer_addr().and_then(|theirs| Ok((theirs, stream.local_addr()?)));
     let (Ok(own), Ok((theirs, ours))) = (own, ends) else { return false };
-    user_at(theirs, ours).is_some_and(|user| user == own || user == 0)
+    user_at(theirs, ours).is_some_and(|user| may_act(user, own))
 }
 
 /// Returns the user at the other end of an open connection of this computer, by the addresses of both ends.
@@ -74,7 +84,32 @@ fn entries(address: SocketAddr) -> Vec<String> {
 mod tests {
     //! Entries of the table.
 
-    use super::user_of;
+    use super::{is_guest, is_other, may_act, user_at, user_of};
+
+    #[test]
+    fn root_is_no_guest_and_acts_for_all() {
+        let rows = [
+            (0, 0, false, true),
+            (0, 7, false, true),
+            (7, 0, true, false),
+            (7, 7, false, true),
+            (7, 8, true, false),
+        ];
+        for (user, other, guest, acts) in rows {
+            assert_eq!(
+                (is_other(user, other), may_act(user, other)),
+                (guest, acts),
+                "{user} {other}"
+            );
+        }
+        // A folder of this process is its user's.
+        let place = hal_protocol::Place::at(std::env::temp_dir().join("none"), "default").unwrap();
+        assert!(!is_guest(&place), "a folder that is not there");
+        let own = std::env::temp_dir().join(format!("ferrule-guest-{}", std::process::id()));
+        std::fs::create_dir(&own).unwrap();
+        assert!(!is_guest(&hal_protocol::Place::at(&own, "default").unwrap()));
+        std::fs::remove_dir(&own).unwrap();
+    }
 
     #[test]
     fn the_user_is_that_of_an_open_connection() {
@@ -107,13 +142,19 @@ mod tests {
 
     #[test]
     fn a_connection_of_this_process_is_that_of_its_user() {
-        use std::net::{TcpListener, TcpStream};
+        use std::{
+            net::{TcpListener, TcpStream},
+            os::unix::fs::MetadataExt as _,
+        };
         for address in ["127.0.0.1:0", "[::1]:0"] {
             // Where the system has no IPv6, nobody connects by it.
             let Ok(listener) = TcpListener::bind(address) else { continue };
             let ours = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
             let (theirs, _) = listener.accept().unwrap();
             assert!(super::is_own(&theirs), "{address}");
+            let ends = (theirs.peer_addr().unwrap(), theirs.local_addr().unwrap());
+            let user = std::fs::metadata("/proc/self").map(|process| process.uid()).unwrap();
+            assert_eq!(user_at(ends.0, ends.1), Some(user), "{address}");
             drop(ours);
         }
     }
