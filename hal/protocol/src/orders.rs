@@ -7,6 +7,9 @@ use std::{collections::BTreeMap, fmt};
 const PATTERNS: [&str; 5] = ["motion.*", "iocontrol.*", "task.*", "remote.*", "robot.*"];
 /// Argument with the stop epoch in which an order was given.
 const EPOCH: &str = "epoch";
+/// The command whose presence says that there is motion, and the beginning of those of a robot behind its own controller.
+const MOTION: &str = "motion.abort";
+const ROBOT: &str = "robot.";
 /// The command whose presence says that there is a task.
 const TASK: &str = "task.run";
 /// Reset of the e-stop on a machine without a task.
@@ -123,7 +126,11 @@ impl Orders {
     /// Something moves that these commands cannot stop.
     pub fn of(commands: &[CommandInfo]) -> Result<Self, Missing> {
         let stops = Stops::of(commands)?;
-        let takes = |c: &CommandInfo| c.args.iter().any(|arg| arg.name == EPOCH);
+        // Beside motion, whose epoch is known, that of a robot is another one.
+        let has_motion = commands.iter().any(|c| c.name == MOTION);
+        let takes = |c: &CommandInfo| {
+            c.args.iter().any(|arg| arg.name == EPOCH) && !(has_motion && c.name.starts_with(ROBOT))
+        };
         let commands = commands.iter().map(|c| (c.name.clone(), takes(c))).collect();
         Ok(Self { stops, commands })
     }
@@ -286,6 +293,15 @@ mod tests {
         ] {
             let request = orders.request(name, Vec::new()).unwrap().unwrap();
             assert_eq!(text(orders.stamped(request, epoch)), expected);
+        }
+        // Beside motion, a robot's epoch is not the one that is known.
+        for (motion, expected) in
+            [("motion.feed", "robot.run epoch=7"), ("motion.abort", "robot.run")]
+        {
+            let machine =
+                super::tests::orders(&["robot.run epoch", "robot.stop", "robot.pause", motion]);
+            let request = Request::Command { name: "robot.run".to_owned(), args: Vec::new() };
+            assert_eq!(text(machine.stamped(request, Some(7))), expected);
         }
     }
 }

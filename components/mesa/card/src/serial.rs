@@ -50,7 +50,7 @@ const REMOTE_WATCHDOG: u64 = 50_000_000;
 #[derive(Debug)]
 pub(crate) struct SerialPort {
     command: u32,
-    /// Its processor finishes no command.
+    /// True if its processor finishes no command.
     hangs: bool,
     data: u8,
     channels: usize,

@@ -1,8 +1,11 @@
-//! The stop epoch of motion, as its record has it.
+//! The stop epoch of motion or of a robot behind its own controller, as its record has it.
 
 use hal_protocol::{Client, FieldInfo, Snapshot, Value};
 
-/// The record of motion, for its stop epoch.
+/// Names of the records: that of motion comes first.
+const RECORDS: [&str; 2] = ["motion.status", "robot.stops"];
+
+/// The record of motion, or of a robot in a machine without it, for its stop epoch.
 #[derive(Debug)]
 pub struct EpochPage {
     snapshot: Snapshot,
@@ -13,9 +16,9 @@ pub struct EpochPage {
 }
 
 impl EpochPage {
-    /// Opens the record. A machine without motion has none.
+    /// Opens the record. A machine without motion and robot has none.
     pub fn open(client: &mut Client) -> Option<Self> {
-        let snapshot = client.snapshot("motion.status").ok()?;
+        let snapshot = RECORDS.iter().find_map(|name| client.snapshot(name).ok())?;
         let fields = &snapshot.info().fields;
         let (cycle, epoch) = (place(fields, "cycle")?, place(fields, "epoch")?);
         Some(Self { snapshot, values: Vec::new(), cycle, epoch })

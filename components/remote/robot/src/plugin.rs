@@ -58,7 +58,8 @@ under way at once, and the connection. The connection also ends with the last li
 
 `enable` belongs to the e-stop chain: FALSE, for however short a time, sends EXIT, which stops the robot at once, and ends the
 connection. Nothing connects while it is FALSE, because a robot moves when it is connected, and nothing resumes when it is TRUE
-again. `hold` TRUE has the effect of a pause for as long as it lasts; `remote.hold` is linked to it.
+again. An order that was given before a stop and comes behind it is refused: the record `robot.stops` counts the stops, and a program
+gives the number that it saw as `epoch`. `hold` TRUE has the effect of a pause for as long as it lasts; `remote.hold` is linked to it.
 
 Values of `error`: 0 none, 1 stopped by a command, 2 enable is FALSE, 3 the connection was lost, 4 the controller does not answer,
 5 it has refused a line, 6 another client is connected to it, 7 it cannot be reached, 8 the worker does not work, 9 the function

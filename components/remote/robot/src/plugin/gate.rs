@@ -5,11 +5,11 @@ use super::{
     pins::{InputPins, ResultPins, Results, SimInputs, SimPins, SimResults},
 };
 use hal_component::{
-    Builder, Clock, Error, Period, SeqReader, SeqWriter, StillWatch, Touch, Update,
+    Builder, Clock, Error, Period, Plain, SeqReader, SeqWriter, Snapshot, StillWatch, Touch, Update,
 };
 use std::sync::{
     Arc,
-    atomic::{AtomicBool, AtomicU32, Ordering::Relaxed},
+    atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed},
 };
 
 /// Time without a step of the worker after which it is taken for dead, in nanoseconds.
@@ -48,6 +48,17 @@ pub(crate) struct Shared {
     pub(crate) hold: AtomicBool,
     /// Buttons pressed since the worker looked, of [`press`].
     pub(crate) presses: AtomicU32,
+    /// Number of stops so far, by a command, the pin `stop` or `enable`: an order from before the last one is refused.
+    pub(crate) epoch: AtomicU64,
+}
+
+/// The record of stops, by which a program stamps its orders.
+#[derive(Clone, Copy, Debug, Default, Plain)]
+pub(crate) struct Stops {
+    /// Number of the cycle.
+    cycle: u64,
+    /// Number of stops so far.
+    pub(crate) epoch: u64,
 }
 
 /// The function.
@@ -58,6 +69,7 @@ pub(crate) struct Gate {
     results: SeqReader<Results>,
     simulated: Option<Simulated>,
     clock: Clock,
+    stops: Snapshot<Stops>,
     #[state]
     shared: Arc<Shared>,
     #[state]
@@ -83,6 +95,8 @@ pub(crate) struct Ends {
 #[derive(Clone, Copy, Debug, Default)]
 struct Was {
     buttons: u32,
+    enabled: bool,
+    cycle: u64,
     worker: StillWatch,
 }
 
@@ -104,6 +118,7 @@ impl Gate {
             results,
             simulated,
             clock: b.clock(),
+            stops: b.snapshot("robot.stops", 1, "Stops of the robot so far, in each cycle.")?,
             shared,
             was: Was::default(),
         };
@@ -126,6 +141,7 @@ impl Update for Gate {
         if !enabled {
             shared.dropped.store(true, Relaxed);
         }
+        let was_enabled = core::mem::replace(&mut self.was.enabled, enabled);
         shared.hold.store(self.inputs.hold.get(), Relaxed);
         let bit = |is: bool, bit: u32| if is { bit } else { 0 };
         let buttons = bit(self.inputs.run.get(), press::RUN)
@@ -140,6 +156,11 @@ impl Update for Gate {
         if pressed != 0 {
             shared.presses.fetch_or(pressed, Relaxed);
         }
+        if was_enabled && !enabled || pressed & press::STOP != 0 {
+            shared.epoch.fetch_add(1, Relaxed);
+        }
+        self.was.cycle = self.was.cycle.wrapping_add(1);
+        self.stops.set(&Stops { cycle: self.was.cycle, epoch: shared.epoch.load(Relaxed) });
         if let Some(simulated) = &mut self.simulated {
             simulated.inputs.set(&simulated.pins.inputs());
             simulated.pins.shown.set(&simulated.results.get());

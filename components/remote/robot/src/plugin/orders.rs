@@ -49,6 +49,18 @@ pub(crate) struct Waiting {
     pub(crate) since: i64,
 }
 
+/// Argument of an order by which the robot may move.
+const EPOCH: ArgSpec = Arg::int(
+    "epoch",
+    "Stop epoch in which the order was given, as robot.stops has it: after a stop since then it is refused. -1 is now.",
+)
+.or("-1");
+
+/// Returns whether an order is from before a stop.
+fn is_from_before_a_stop(call: &Call<'_>, epoch: u64) -> bool {
+    call.int("epoch").is_some_and(|given| u64::try_from(given).is_ok_and(|given| given < epoch))
+}
+
 struct OrderRow {
     name: &'static str,
     doc: &'static str,
@@ -60,7 +72,7 @@ const ROWS: &[OrderRow] = &[
     OrderRow {
         name: "robot.connect",
         doc: "Connects to the controller: the robot takes the place of its tool as the part zero, and retracts. With --wait, until it is ready.",
-        args: &[],
+        args: &[&EPOCH],
         order: |_| RobotOrder::Connect,
     },
     OrderRow {
@@ -78,9 +90,10 @@ const ROWS: &[OrderRow] = &[
     OrderRow {
         name: "robot.run",
         doc: "Runs the loaded program. With --wait, until its end.",
-        args: &[&Arg::int("from", "Line to the robot to begin with, from 0.")
-            .within(0.0, 1e9)
-            .or("0")],
+        args: &[
+            &Arg::int("from", "Line to the robot to begin with, from 0.").within(0.0, 1e9).or("0"),
+            &EPOCH,
+        ],
         order: |call| {
             RobotOrder::Run(call.int("from").and_then(|n| usize::try_from(n).ok()).unwrap_or(0))
         },
@@ -94,7 +107,7 @@ const ROWS: &[OrderRow] = &[
     OrderRow {
         name: "robot.resume",
         doc: "Resumes a run that was paused.",
-        args: &[],
+        args: &[&EPOCH],
         order: |_| RobotOrder::Resume,
     },
     OrderRow {
@@ -124,6 +137,9 @@ pub(crate) fn open(
                     "a program is loaded at the machine or by the panel, and not from afar",
                 ));
             }
+            if order.begins_a_move() && is_from_before_a_stop(call, shared.epoch.load(Relaxed)) {
+                return Err(Error::new("the robot was stopped after this order was given"));
+            }
             if order.begins_a_move() && shared.loads.load(Relaxed) {
                 return Err(Error::new("a program is being loaded: wait until it is"));
             }
@@ -134,6 +150,9 @@ pub(crate) fn open(
             let ends_at_once =
                 matches!(order, RobotOrder::Load(_) | RobotOrder::Resume | RobotOrder::Disconnect);
             let ticket = if ends_at_once { call.awaited_ticket()? } else { call.ticket()? };
+            if order == RobotOrder::Stop {
+                shared.epoch.fetch_add(1, Relaxed);
+            }
             inbox.push(Waiting { order, ticket, since: clock.now_ns() });
             Ok(())
         })?;

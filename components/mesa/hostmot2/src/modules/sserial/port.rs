@@ -210,7 +210,7 @@ impl Port {
             News::Came { command: 0, .. } if self.state.is_unsure => self.send(step, to),
             News::Came { command: 0, faults } => self.finish(step, faults, to),
             News::Came { command, .. } if self.state.waited > LONGEST => {
-                // Whoever gives up has said why.
+                // The failure that it follows was reported.
                 if step == PortStep::GiveUp {
                     self.state.phase = PortPhase::Failed;
                 } else {

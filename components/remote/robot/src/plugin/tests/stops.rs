@@ -1,6 +1,9 @@
 //! Ends and holds of runs and connections.
 
-use super::{super::Robot, MS, Rig};
+use super::{
+    super::{Robot, gate::Stops},
+    MS, Rig,
+};
 use hal_bench::Bench;
 
 #[test]
@@ -81,6 +84,45 @@ fn a_connection_needs_the_function_and_ends_without_it() {
     rig.pass(10);
     assert_eq!((rig.error(), rig.0.get::<bool>("robot.sim.moving")), (9, false));
     assert!(rig.0.said().iter().any(|text| text.contains("function robot is in no thread")));
+}
+
+#[test]
+fn an_order_from_before_a_stop_is_refused() {
+    const STOPPED: &str = "the robot was stopped after this order was given";
+    type Stop = fn(&Rig);
+    let stops: [(&str, Stop); 3] = [
+        ("robot.stop", |rig| drop(rig.0.command("robot.stop", &[]).unwrap())),
+        ("stop", |rig| {
+            rig.0.set("robot.stop", true);
+            rig.pass(2);
+            rig.0.set("robot.stop", false);
+        }),
+        ("enable", |rig| {
+            rig.0.set("robot.enable", false);
+            rig.pass(2);
+            rig.0.set("robot.enable", true);
+        }),
+    ];
+    for (name, stop) in stops {
+        let rig = Rig::connected();
+        rig.load("G0 Z10\nG0 X50\n");
+        let at = || rig.0.snapshot::<Stops>("robot.stops").epoch;
+        let before = at();
+        let arg = format!("epoch={before}");
+        stop(&rig);
+        rig.pass(10);
+        assert_eq!(at(), before + 1, "{name}: one stop is one");
+        for order in ["robot.connect", "robot.run", "robot.resume"] {
+            assert_eq!(rig.0.command(order, &[&arg]).unwrap_err(), STOPPED, "{name} {order}");
+        }
+        // Of now, or without an epoch, it is given again.
+        rig.0.command("robot.connect", &[&format!("epoch={}", at())]).unwrap();
+        rig.pass(6000);
+        assert!(rig.0.get::<bool>("robot.ready"), "{name}");
+        rig.0.command("robot.run", &["epoch=-1"]).unwrap();
+        rig.pass(10);
+        assert!(rig.0.get::<bool>("robot.running"), "{name}");
+    }
 }
 
 #[test]
