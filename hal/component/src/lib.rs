@@ -90,7 +90,7 @@ pub use motion::{
     Motion, MotionEnd, MotionId, MotionRef, MotionRefusal, MotionSource, MotionToken, StopEpoch,
 };
 pub use motion_status::MotionStatus;
-pub use number::to_s32;
+pub use number::{divisor, to_s32};
 pub use operator::{Operator, OperatorRef, OperatorRequest};
 #[doc(hidden)]
 pub use pins::{pin_doc, pin_name};
