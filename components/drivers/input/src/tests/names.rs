@@ -2,7 +2,7 @@
 
 use super::fake::{FakeBus, device, known, try_load};
 use crate::{
-    bus::{Abilities, Identity},
+    bus::{Abilities, AxisRange, Identity},
     codes,
     event::kind,
 };
@@ -21,7 +21,8 @@ fn names_are_those_of_linuxcnc() {
         let (name, pins) = block.split_once('\n').unwrap();
         let name = name.trim_start_matches("# ");
         let device = if name == "unnamed codes" {
-            let has = Abilities { keys: vec![703], leds: vec![0], ..Abilities::default() };
+            let abs = vec![(29, AxisRange::default())];
+            let has = Abilities { keys: vec![703], abs, rel: vec![11], leds: vec![0, 11] };
             device(Identity { name: name.to_owned(), ..Identity::default() }, has)
         } else {
             let mut device = known(name);
@@ -83,5 +84,12 @@ fn each_name_means_one_code() {
         }
     }
     assert_eq!(codes::name(kind::KEY, 288), "btn-trigger");
-    assert_eq!(codes::name(kind::KEY, 703), "703");
+    for (kind, code, name) in [
+        (kind::KEY, 703, "key-703"),
+        (kind::REL, 11, "rel-11"),
+        (kind::ABS, 29, "abs-29"),
+        (kind::LED, 11, "led-11"),
+    ] {
+        assert_eq!(codes::name(kind, code), name);
+    }
 }
