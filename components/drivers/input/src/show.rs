@@ -9,7 +9,8 @@ use crate::{
     reader::{DeviceRecord, UNKNOWN},
 };
 use hal_component::{
-    Clock, Gives, Hardware, Messages, Period, SeqReader, StillWatch, Takes, Touch, Update, to_s32,
+    Clock, Gives, Hardware, Messages, Period, SeqReader, StillWatch, Takes, Touch, Update, divisor,
+    to_s32,
 };
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -148,7 +149,7 @@ impl ShownDevice {
         self.lights.store(lights, Relaxed);
     }
 
-    /// Blocks what is held as the device comes. Axes have their values from the first moment of a load.
+    /// Blocks keys, axes and rings that are held as the device comes. Axes have their values from the first moment of a load.
     fn block(&mut self, record: &DeviceRecord) {
         let is_back = self.was.opened != 0;
         self.was.opened = record.opened;
@@ -169,8 +170,9 @@ impl AxisPins {
         let centre = self.centre();
         let counts = value.map_or(centre, |value| self.counts_of(value, centre, was));
         was.counts = counts;
-        let scaled = || (f64::from(counts) - self.offset.get()) / scale(self.scale.get());
-        let position = if counts == centre { 0.0 } else { scaled() };
+        let position = (f64::from(counts) - self.offset.get()) / divisor(self.scale.get());
+        // An offset that is no number, or is too large, leaves the axis at its centre.
+        let position = if counts == centre || !position.is_finite() { 0.0 } else { position };
         self.counts.set(counts);
         self.position.set(position);
         self.is_pos.set(SIDE < position);
@@ -207,11 +209,6 @@ impl WheelPins {
             value.wrapping_sub(was.base)
         };
         self.counts.set(counts);
-        self.position.set(f64::from(counts) / scale(self.scale.get()));
+        self.position.set(f64::from(counts) / divisor(self.scale.get()));
     }
-}
-
-/// Returns a scale by which a number can be divided.
-const fn scale(scale: f64) -> f64 {
-    if scale == 0.0 || !scale.is_finite() { 1.0 } else { scale }
 }
