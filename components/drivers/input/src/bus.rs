@@ -3,6 +3,7 @@
 use crate::event::InputEvent;
 use core::fmt;
 use port::Lost;
+use std::path::Path;
 
 /// Number of 64-bit words for the keys of a device: the kernel has 768 codes.
 pub(crate) const KEY_WORDS: usize = 12;
@@ -23,14 +24,21 @@ pub(crate) struct Identity {
     pub(crate) product: u16,
     pub(crate) version: u16,
     pub(crate) name: String,
-    /// Place of its connection.
+    /// Place of its connection; over Bluetooth, the address of the computer's adapter.
     pub(crate) phys: String,
+    /// Its own address or serial number; empty for most devices on USB.
+    pub(crate) uniq: String,
 }
 
 impl Identity {
     /// Returns whether two devices are of the same make.
     pub(crate) fn is_same_make(&self, other: &Self) -> bool {
         (self.vendor, self.product, &self.name) == (other.vendor, other.product, &other.name)
+    }
+
+    /// Returns whether two devices of a make have the same place and the same address.
+    pub(crate) fn is_in_place(&self, other: &Self) -> bool {
+        self.is_same_make(other) && (&self.phys, &self.uniq) == (&other.phys, &other.uniq)
     }
 }
 
@@ -75,7 +83,7 @@ impl Abilities {
     }
 }
 
-/// State of a device, as the kernel knows it.
+/// State of a device, as the kernel has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct HeldState {
     /// Bits of the keys that are down.
@@ -89,32 +97,28 @@ impl HeldState {
 }
 
 /// Device that was found.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FoundDevice {
     /// Number of its node: 3 for event3.
     pub(crate) number: u32,
     pub(crate) identity: Identity,
 }
 
-/// Devices that were found.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct FoundDevices {
-    /// In the order of their numbers.
-    pub(crate) all: Vec<FoundDevice>,
-    /// Number of devices that the user may not open.
-    pub(crate) forbidden: usize,
-}
-
 /// All devices of a computer.
 pub(crate) trait Bus: Send {
-    /// Returns the devices that are there.
-    fn devices(&self) -> FoundDevices;
+    /// Returns the devices that are there, in the order of their numbers. Opens none of them.
+    fn devices(&self) -> Vec<FoundDevice>;
 
     /// Opens a device; `is_exclusive` keeps its events from all other programs.
     ///
     /// # Errors
-    /// The device is gone, or does not answer.
-    fn open(&self, number: u32, is_exclusive: bool) -> Result<Box<dyn InputDevice>, Lost>;
+    /// The device is gone, another one has its number now, or its node cannot be opened.
+    fn open(&self, device: &FoundDevice, is_exclusive: bool) -> Result<Box<dyn InputDevice>, Lost>;
+
+    /// Returns the number of the node that a path leads to.
+    fn number_of(&self, _path: &Path) -> Option<u32> {
+        None
+    }
 }
 
 /// Open device. None of its operations waits.
@@ -122,24 +126,24 @@ pub(crate) trait InputDevice: Send {
     /// Returns what the device has.
     ///
     /// # Errors
-    /// The device does not answer.
+    /// The node cannot be read.
     fn abilities(&self) -> Result<Abilities, Lost>;
 
     /// Takes the events that wait, as many as there is room for.
     ///
     /// # Errors
-    /// The device does not answer.
+    /// The node cannot be read.
     fn read(&mut self, room: &mut [InputEvent]) -> Result<usize, Lost>;
 
     /// Asks for the state; events that wait are part of it.
     ///
     /// # Errors
-    /// The device does not answer.
+    /// The node cannot be read.
     fn state(&mut self) -> Result<HeldState, Lost>;
 
     /// Switches a light.
     ///
     /// # Errors
-    /// The device does not answer, or the user may not write to it.
+    /// The device is gone, or the user may not write to it.
     fn light(&mut self, led: u16, is_on: bool) -> Result<(), Lost>;
 }

@@ -1,7 +1,10 @@
 //! Devices as text: the lines of `/proc/bus/input/devices`, with ranges of axes and differences.
 
 use crate::{
-    bus::{Abilities, AxisRange, Identity, KEY_COUNT, REL_COUNT},
+    bus::{
+        ABS_COUNT, Abilities, AxisRange, FoundDevice, Identity, KEY_COUNT, KEY_WORDS, LED_COUNT,
+        REL_COUNT,
+    },
     codes,
     event::kind,
 };
@@ -89,22 +92,45 @@ pub(crate) fn parse(text: &str) -> Result<Vec<Described>, BadLine> {
     Ok(all)
 }
 
+/// Returns the devices with a node that `/proc/bus/input/devices` lists, in the order of their numbers. Devices choose their
+/// names: a line that cannot be read is left out.
+pub(crate) fn listed(text: &str) -> Vec<FoundDevice> {
+    let device = |block: &str| {
+        let (mut found, mut number) = (Identity::default(), None);
+        for line in block.lines() {
+            match line.split_once(':') {
+                Some(("H", handlers)) => number = number.or_else(|| node(handlers)),
+                Some((letter @ ("I" | "N" | "P" | "U"), rest)) => {
+                    identity(&mut found, letter, rest.trim()).unwrap_or_default();
+                }
+                _ => {}
+            }
+        }
+        Some(FoundDevice { number: number?, identity: found })
+    };
+    let mut all: Vec<_> = text.split("\n\n").filter_map(device).collect();
+    all.sort_by_key(|device| device.number);
+    all
+}
+
+/// Returns the number of the node among handlers: 3 for ` Handlers=kbd event3`.
+fn node(handlers: &str) -> Option<u32> {
+    let mut names = handlers.trim().strip_prefix("Handlers=")?.split_whitespace();
+    names.find_map(|name| name.strip_prefix("event")?.parse().ok())
+}
+
+/// Returns a text of a device as it is compared: its first line, without spaces around it.
+pub(crate) fn first_line(text: &str) -> String {
+    text.lines().next().unwrap_or_default().trim().to_owned()
+}
+
 fn read(device: &mut Described, line: &str) -> Result<(), &'static str> {
     const LINE: &str = "a line of /proc/bus/input/devices, such as N: Name=\"Gamepad\", or one that begins with A: or D:";
     let (letter, rest) = line.split_once(':').ok_or(LINE)?;
     let rest = rest.trim();
     match letter {
-        "I" => identity(&mut device.identity, rest),
-        "N" => {
-            let name = rest.strip_prefix("Name=").ok_or("Name=\"…\"")?;
-            device.identity.name = name.trim_matches('"').to_owned();
-            Ok(())
-        }
-        "P" => {
-            device.identity.phys = rest.strip_prefix("Phys=").ok_or("Phys=…")?.to_owned();
-            Ok(())
-        }
-        "S" | "U" | "H" => Ok(()),
+        "I" | "N" | "P" | "U" => identity(&mut device.identity, letter, rest),
+        "S" | "H" => Ok(()),
         "B" => bits(&mut device.abilities, rest),
         "A" => axis(&mut device.abilities, rest),
         "D" => difference(&mut device.wheels, rest),
@@ -112,7 +138,22 @@ fn read(device: &mut Described, line: &str) -> Result<(), &'static str> {
     }
 }
 
-fn identity(identity: &mut Identity, text: &str) -> Result<(), &'static str> {
+/// Reads a line `I`, `N`, `P` or `U`.
+fn identity(identity: &mut Identity, letter: &str, text: &str) -> Result<(), &'static str> {
+    match letter {
+        "N" => {
+            let name = text.strip_prefix("Name=").ok_or("Name=\"…\"")?;
+            let name = name.strip_prefix('"').unwrap_or(name);
+            identity.name = first_line(name.strip_suffix('"').unwrap_or(name));
+        }
+        "P" => identity.phys = text.strip_prefix("Phys=").ok_or("Phys=…")?.to_owned(),
+        "U" => identity.uniq = text.strip_prefix("Uniq=").ok_or("Uniq=…")?.to_owned(),
+        _ => numbers(identity, text)?,
+    }
+    Ok(())
+}
+
+fn numbers(identity: &mut Identity, text: &str) -> Result<(), &'static str> {
     const EXPECTED: &str =
         "Bus=0003 Vendor=046d Product=c216 Version=0110, with numbers of 16 bits";
     for word in text.split_whitespace() {
@@ -135,7 +176,7 @@ fn bits(abilities: &mut Abilities, text: &str) -> Result<(), &'static str> {
         "a mask of codes, such as KEY=fff00000000 0 0 0 0: words of 64 bits, at most 12";
     let (name, mask) = text.split_once('=').ok_or(EXPECTED)?;
     let words: Vec<&str> = mask.split_whitespace().collect();
-    if words.is_empty() || words.len() > crate::bus::KEY_WORDS {
+    if words.is_empty() || words.len() > KEY_WORDS {
         return Err(EXPECTED);
     }
     let mut codes = Vec::new();
@@ -147,8 +188,8 @@ fn bits(abilities: &mut Abilities, text: &str) -> Result<(), &'static str> {
     match name {
         "KEY" => abilities.keys = codes,
         "REL" if below(REL_COUNT) => abilities.rel = codes,
-        "LED" if below(crate::bus::LED_COUNT) => abilities.leds = codes,
-        "ABS" if below(crate::bus::ABS_COUNT) => {
+        "LED" if below(LED_COUNT) => abilities.leds = codes,
+        "ABS" if below(ABS_COUNT) => {
             let usual = AxisRange { max: 255, flat: 15, value: 127, ..AxisRange::default() };
             abilities.abs = codes.into_iter().map(|code| (code, usual)).collect();
         }

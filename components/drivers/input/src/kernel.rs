@@ -1,12 +1,14 @@
 //! Devices of the kernel: nodes `/dev/input/eventN`.
 //!
-//! Reads never wait: the nodes are opened for that. Requests fill a buffer of a size that they state.
+//! Reads never wait: the nodes are opened for that. Requests fill a buffer of a size that they state. Devices are found in
+//! a list of the kernel's, because a node takes the kernel up to 16 ms to close.
 
 use crate::{
     bus::{
-        ABS_COUNT, Abilities, AxisRange, Bus, FoundDevice, FoundDevices, HeldState, Identity,
-        InputDevice, KEY_COUNT, KEY_WORDS,
+        ABS_COUNT, Abilities, AxisRange, Bus, FoundDevice, HeldState, Identity, InputDevice,
+        KEY_COUNT, KEY_WORDS, LED_COUNT, REL_COUNT,
     },
+    described::{first_line, listed},
     event::{EVENT_SIZE, InputEvent, kind},
 };
 use core::ffi::c_void;
@@ -16,23 +18,33 @@ use rustix::{
     io::Errno,
     ioctl::{self, Direction, Ioctl, IoctlOutput, Opcode, opcode},
 };
-use std::{fs, os::fd::OwnedFd, path::PathBuf};
+use std::{
+    fs,
+    os::fd::OwnedFd,
+    path::{Path, PathBuf},
+};
 
 /// Devices of this computer.
 #[derive(Debug)]
 pub(crate) struct Kernel {
     /// Folder of device nodes.
     pub(crate) nodes: PathBuf,
+    /// List of the devices.
+    pub(crate) list: PathBuf,
 }
+
+/// Largest size of the list, in bytes.
+const MOST_BYTES: u64 = 1 << 20;
 
 impl Default for Kernel {
     fn default() -> Self {
-        Self { nodes: "/dev/input".into() }
+        Self { nodes: "/dev/input".into(), list: "/proc/bus/input/devices".into() }
     }
 }
 
 impl Kernel {
-    fn node(&self, number: u32) -> Result<Node, Lost> {
+    /// Opens a node.
+    pub(crate) fn node(&self, number: u32) -> Result<Node, Lost> {
         let path = self.nodes.join(format!("event{number}"));
         let open = |mode| {
             let flags = mode | OFlags::NONBLOCK | OFlags::CLOEXEC;
@@ -48,36 +60,32 @@ impl Kernel {
 }
 
 impl Bus for Kernel {
-    fn devices(&self) -> FoundDevices {
-        let mut found = FoundDevices::default();
-        let Ok(entries) = fs::read_dir(&self.nodes) else { return found };
-        for entry in entries.flatten() {
-            let name = entry.file_name();
-            let number = name.to_str().and_then(|name| name.strip_prefix("event"));
-            let Some(number) = number.and_then(|n| n.parse().ok()) else { continue };
-            match self.node(number).and_then(|node| node.identity()) {
-                Ok(identity) => found.all.push(FoundDevice { number, identity }),
-                Err(lost) if lost.0 == Errno::ACCESS.raw_os_error() => found.forbidden += 1,
-                // It went away meanwhile.
-                Err(_) => {}
-            }
-        }
-        found.all.sort_by_key(|device| device.number);
-        found
+    fn devices(&self) -> Vec<FoundDevice> {
+        let bytes = hal_ini::file::contents(&self.list, MOST_BYTES).ok().flatten();
+        listed(&String::from_utf8_lossy(&bytes.unwrap_or_default()))
     }
 
-    fn open(&self, number: u32, is_exclusive: bool) -> Result<Box<dyn InputDevice>, Lost> {
-        let node = self.node(number)?;
+    fn open(&self, device: &FoundDevice, is_exclusive: bool) -> Result<Box<dyn InputDevice>, Lost> {
+        let node = self.node(device.number)?;
+        // The device went away meanwhile, and the next one got its number.
+        if node.identity()? != device.identity {
+            return Err(Lost::GONE);
+        }
         if is_exclusive {
             node.grab()?;
         }
         Ok(Box::new(node))
     }
+
+    fn number_of(&self, path: &Path) -> Option<u32> {
+        let (node, nodes) = (fs::canonicalize(path).ok()?, fs::canonicalize(&self.nodes).ok()?);
+        node.strip_prefix(nodes).ok()?.to_str()?.strip_prefix("event")?.parse().ok()
+    }
 }
 
 /// Open node of a device.
 #[derive(Debug)]
-struct Node(OwnedFd);
+pub(crate) struct Node(OwnedFd);
 
 /// Letter of the requests.
 const GROUP: u8 = b'E';
@@ -85,6 +93,7 @@ const GROUP: u8 = b'E';
 const ID: u8 = 0x02;
 const NAME: u8 = 0x06;
 const PHYS: u8 = 0x07;
+const UNIQ: u8 = 0x08;
 const KEYS: u8 = 0x18;
 const BITS: u8 = 0x20;
 const AXIS: u8 = 0x40;
@@ -108,7 +117,7 @@ impl Node {
             done => done?,
         }
         let text = bytes.split(|b| *b == 0).next().unwrap_or_default();
-        Ok(String::from_utf8_lossy(text).into_owned())
+        Ok(first_line(&String::from_utf8_lossy(text)))
     }
 
     fn identity(&self) -> Result<Identity, Lost> {
@@ -122,11 +131,12 @@ impl Node {
             version: u16::from_ne_bytes([g, h]),
             name: self.text(NAME)?,
             phys: self.text(PHYS)?,
+            uniq: self.text(UNIQ)?,
         })
     }
 
     /// Returns the codes of a kind that the device has, below `most`.
-    fn codes(&self, kind: u16, most: u16) -> Result<Vec<u16>, Lost> {
+    fn codes(&self, kind: u16, most: usize) -> Result<Vec<u16>, Lost> {
         let mut bytes = [0; KEY_WORDS * 8];
         let number = u8::try_from(kind).map_or(BITS, |kind| BITS.wrapping_add(kind));
         self.fill(number, &mut bytes)?;
@@ -135,7 +145,7 @@ impl Node {
             let word = words.get(usize::from(code / 64)).copied().unwrap_or(0);
             word >> (code % 64) & 1 != 0
         };
-        Ok((0..most).filter(has).collect())
+        Ok((0..).take(most).filter(has).collect())
     }
 
     fn axis(&self, code: u16) -> Result<AxisRange, Lost> {
@@ -176,14 +186,14 @@ fn words(bytes: &[u8; KEY_WORDS * 8]) -> [u64; KEY_WORDS] {
 impl InputDevice for Node {
     fn abilities(&self) -> Result<Abilities, Lost> {
         let mut abs = Vec::new();
-        for code in self.codes(kind::ABS, 64)? {
+        for code in self.codes(kind::ABS, ABS_COUNT)? {
             abs.push((code, self.axis(code)?));
         }
         Ok(Abilities {
-            keys: self.codes(kind::KEY, KEY_COUNT)?,
+            keys: self.codes(kind::KEY, KEY_COUNT.into())?,
             abs,
-            rel: self.codes(kind::REL, 16)?,
-            leds: self.codes(kind::LED, 16)?,
+            rel: self.codes(kind::REL, REL_COUNT)?,
+            leds: self.codes(kind::LED, LED_COUNT)?,
         })
     }
 
@@ -217,7 +227,7 @@ impl InputDevice for Node {
         let mut bytes = [0; KEY_WORDS * 8];
         self.fill(KEYS, &mut bytes)?;
         let mut held = HeldState { keys: words(&bytes), abs: [0; ABS_COUNT] };
-        for code in self.codes(kind::ABS, 64)? {
+        for code in self.codes(kind::ABS, ABS_COUNT)? {
             if let Some(value) = held.abs.get_mut(usize::from(code)) {
                 *value = self.axis(code)?.value;
             }

@@ -1,7 +1,7 @@
 //! Pins of a device, with the names that LinuxCNC's `hal_input` gives.
 
 use crate::{
-    bus::{Abilities, AxisRange, LED_COUNT},
+    bus::{Abilities, AxisRange},
     codes,
     described::{WheelKind, Wheels},
     event::kind,
@@ -12,11 +12,11 @@ use hal_component::{Builder, Error, In, Out, ParamRo, ParamRw, Touch, pins};
 pins! {
     /// State of a device.
     pub(crate) struct StatePins {
-        /// TRUE while the device answers.
+        /// TRUE while the node of the device can be read.
         connected: Out<bool> = "connected", false;
-        /// TRUE while the device does not answer: its buttons are FALSE then, and its axes at their centres.
+        /// TRUE while the node of the device cannot be read: its buttons are FALSE then, and its axes at their centres.
         fault: Out<bool> = "fault", false;
-        /// TRUE switches the motion controller off while the device does not answer.
+        /// TRUE switches the motion controller off while the node of the device cannot be read.
         required: ParamRw<bool> = "required", false;
     }
 }
@@ -111,8 +111,8 @@ impl DevicePins {
         }
         let axes = abilities.abs.iter().map(|(code, range)| axis(b, prefix, *code, *range));
         let axes = axes.collect::<Result<_, _>>()?;
-        let lights = abilities.leds.iter().filter(|code| usize::from(**code) < LED_COUNT);
-        let lights = lights.map(|code| light(b, prefix, *code)).collect::<Result<_, _>>()?;
+        let lights = abilities.leds.iter().map(|code| light(b, prefix, *code));
+        let lights = lights.collect::<Result<_, _>>()?;
         Ok(Self { state, keys, axes, wheels: made, lights })
     }
 }

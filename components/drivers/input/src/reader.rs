@@ -13,7 +13,7 @@ pub(crate) const UNKNOWN: i32 = i32::MIN;
 /// State of a device, as the worker passes it to the function.
 #[derive(Clone, Copy, Debug, PartialEq, Plain)]
 pub(crate) struct DeviceRecord {
-    /// True while the device answers.
+    /// True while the node of the device can be read.
     pub(crate) connected: bool,
     /// Number of times that the device was opened: 1 for the first.
     pub(crate) opened: u32,

@@ -1,45 +1,75 @@
 //! Reasons why a device cannot be used.
 
 use crate::{
-    bus::{FoundDevices, Identity},
+    bus::{FoundDevice, Identity},
     described::BadLine,
-    spec::{BadSpec, MOST_DEVICES},
+    spec::BadSpec,
 };
 use core::fmt;
 use port::Lost;
+use rustix::io::Errno;
+use std::io;
 
 /// Reason why the component is not loaded.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) enum Refused {
     /// No device is asked for.
     Nothing,
-    TooMany,
     /// A specification cannot be read.
-    Spec {
-        word: String,
-        why: BadSpec,
-    },
+    Spec { word: String, why: BadSpec },
     /// No device matches a specification.
-    Missing {
-        word: String,
-        there: FoundDevices,
-    },
-    /// A device does not answer.
-    Broken {
-        number: u32,
-        name: String,
-        lost: Lost,
-    },
+    Missing { word: String, there: Vec<FoundDevice> },
+    /// A device cannot be used.
+    Device { number: u32, name: String, why: Unusable },
     /// The file of descriptions cannot be read.
-    File {
-        path: String,
-        lost: Lost,
-    },
+    File { path: String, why: io::Error },
     /// A line of that file is wrong.
-    Line {
-        path: String,
-        why: BadLine,
-    },
+    Line { path: String, why: BadLine },
+}
+
+/// Reason why a device that is there cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unusable {
+    /// The user may not open its node.
+    Forbidden,
+    /// Its events cannot be kept from other programs, because one of those keeps them already.
+    Kept,
+    /// It lacks a button or an axis that has a pin.
+    Lacking,
+    /// Its node cannot be read.
+    Unread(Lost),
+}
+
+impl Unusable {
+    /// Returns the reason why a device was not opened.
+    pub(crate) fn new(lost: Lost, is_exclusive: bool) -> Self {
+        match Errno::from_raw_os_error(lost.0) {
+            Errno::ACCESS | Errno::PERM => Self::Forbidden,
+            Errno::BUSY if is_exclusive => Self::Kept,
+            _ => Self::Unread(lost),
+        }
+    }
+}
+
+impl fmt::Display for Unusable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Forbidden => write!(
+                f,
+                "the user may not open its node: run as a user in group input (usermod -aG input NAME, then \
+                 log in again)"
+            ),
+            Self::Kept => write!(
+                f,
+                "another program, or another word of devices=, keeps its events for itself: end that program, \
+                 or leave out the +"
+            ),
+            Self::Lacking => write!(f, "it lacks a button or an axis that has a pin"),
+            Self::Unread(lost) => {
+                write!(f, "its node cannot be read ({})", io::Error::from_raw_os_error(lost.0))
+            }
+        }
+    }
 }
 
 impl fmt::Display for Refused {
@@ -49,7 +79,6 @@ impl fmt::Display for Refused {
                 f,
                 "no device: expected devices= with a part of its name, such as devices=Gamepad"
             ),
-            Self::TooMany => write!(f, "devices= has too many devices: at most {MOST_DEVICES}"),
             Self::Spec { word, why: BadSpec::NoDevice } => write!(
                 f,
                 "devices= has '{}' without a device: expected a part of its name, such as -KRAL Gamepad",
@@ -62,17 +91,16 @@ impl fmt::Display for Refused {
                 word.escape_debug()
             ),
             Self::Missing { word, there } => missing(f, word, there),
-            Self::Broken { number, name, lost } => write!(
+            Self::Device { number, name, why } => write!(
                 f,
-                "/dev/input/event{number} ('{}') cannot be used: {lost}; or run with --simulate",
+                "/dev/input/event{number} ('{}') cannot be used: {why}; or run with --simulate",
                 name.escape_debug()
             ),
-            Self::File { path, lost } => write!(
+            Self::File { path, why } => write!(
                 f,
-                "describe= has '{}', which cannot be read ({}): expected a file with lines of \
+                "describe= has '{}', which cannot be read ({why}): expected a file with lines of \
                  /proc/bus/input/devices",
-                path.escape_debug(),
-                std::io::Error::from_raw_os_error(lost.0)
+                path.escape_debug()
             ),
             Self::Line { path, why } => write!(f, "{}: {why}", path.escape_debug()),
         }
@@ -82,25 +110,19 @@ impl fmt::Display for Refused {
 /// Longest list of devices in a message.
 const MOST_NAMES: usize = 12;
 
-fn missing(f: &mut fmt::Formatter<'_>, word: &str, there: &FoundDevices) -> fmt::Result {
+fn missing(f: &mut fmt::Formatter<'_>, word: &str, there: &[FoundDevice]) -> fmt::Result {
     write!(f, "no input device matches '{}'", word.escape_debug())?;
-    for (at, device) in there.all.iter().take(MOST_NAMES).enumerate() {
+    for (at, device) in there.iter().take(MOST_NAMES).enumerate() {
         let Identity { name, vendor, product, .. } = &device.identity;
         let begin = if at == 0 { "; there are: " } else { ", " };
         let name = name.escape_debug();
         write!(f, "{begin}'{name}' ({vendor:04x}:{product:04x}, event{})", device.number)?;
     }
-    if there.all.len() > MOST_NAMES {
-        write!(f, ", and {} more", there.all.len() - MOST_NAMES)?;
+    if there.len() > MOST_NAMES {
+        write!(f, ", and {} more", there.len() - MOST_NAMES)?;
     }
-    match (there.all.is_empty(), there.forbidden) {
-        (true, 0) => write!(f, ": /dev/input has no device; is it plugged in?")?,
-        (_, 0) => {}
-        (_, n) => write!(
-            f,
-            "; {n} in /dev/input may not be opened: run as a user in group input (usermod -aG input \
-             NAME, then log in again)"
-        )?,
+    if there.is_empty() {
+        write!(f, ": /dev/input has no device; is it plugged in?")?;
     }
     write!(f, "; or run with --simulate")
 }

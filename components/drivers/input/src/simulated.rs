@@ -1,9 +1,7 @@
 //! Simulated devices, whose buttons, axes and wheels are pins.
 
 use crate::{
-    bus::{
-        ABS_COUNT, Abilities, Bus, FoundDevice, FoundDevices, HeldState, InputDevice, REL_COUNT,
-    },
+    bus::{ABS_COUNT, Abilities, Bus, FoundDevice, HeldState, InputDevice, REL_COUNT},
     codes,
     described::{Described, WheelKind, Wheels},
     event::{InputEvent, kind},
@@ -73,17 +71,17 @@ pub(crate) struct SimulatedBus {
 }
 
 impl Bus for SimulatedBus {
-    fn devices(&self) -> FoundDevices {
-        let all = (0..).zip(&self.devices).filter(|(_, (_, pins))| !pins.unplugged.get());
-        let all = all.map(|(number, (described, _))| FoundDevice {
+    fn devices(&self) -> Vec<FoundDevice> {
+        let there = (0..).zip(&self.devices).filter(|(_, (_, pins))| !pins.unplugged.get());
+        let found = there.map(|(number, (described, _))| FoundDevice {
             number,
             identity: described.identity.clone(),
         });
-        FoundDevices { all: all.collect(), forbidden: 0 }
+        found.collect()
     }
 
-    fn open(&self, number: u32, _: bool) -> Result<Box<dyn InputDevice>, Lost> {
-        let at = usize::try_from(number).map_err(|_| Lost::GONE)?;
+    fn open(&self, found: &FoundDevice, _: bool) -> Result<Box<dyn InputDevice>, Lost> {
+        let at = usize::try_from(found.number).map_err(|_| Lost::GONE)?;
         let (described, pins) = self.devices.get(at).ok_or(Lost::GONE)?;
         let mut device = SimulatedDevice {
             abilities: described.abilities.clone(),
@@ -129,9 +127,8 @@ impl SimulatedDevice {
         now
     }
 
-    /// Returns the next difference between the pins and the events that were taken.
-    fn next(&mut self) -> Option<InputEvent> {
-        let now = self.now();
+    /// Returns the next difference between the pins, as they are now, and the events that were taken.
+    fn next(&mut self, now: &HeldState) -> Option<InputEvent> {
         for SimPin { code, .. } in &self.pins.keys {
             let (word, bit) = (usize::from(code / 64), 1 << (code % 64));
             let (is, was) = (now.keys.get(word)? & bit, self.was.keys.get_mut(word)?);
@@ -192,7 +189,8 @@ impl InputDevice for SimulatedDevice {
         self.answer()?;
         // The last place is for the end of the packet, and some for the wheels.
         let most = room.len().saturating_sub(REL_COUNT + 1);
-        let mut events: Vec<_> = core::iter::from_fn(|| self.next()).take(most).collect();
+        let now = self.now();
+        let mut events: Vec<_> = core::iter::from_fn(|| self.next(&now)).take(most).collect();
         self.turn(&mut events);
         for (to, from) in room.iter_mut().zip(&events) {
             *to = *from;

@@ -1,9 +1,10 @@
 //! Specifications of devices, as in LinuxCNC: which device, and which of its features have pins.
 
 use crate::bus::{FoundDevice, Identity};
+use std::path::PathBuf;
 
 /// Largest number of devices.
-pub(crate) const MOST_DEVICES: usize = 16;
+pub(crate) const MOST_DEVICES: u32 = 16;
 
 /// Features of a device that have pins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,11 +18,13 @@ pub(crate) struct Features {
 /// Way to choose a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// The device with this node: 3 is /dev/input/event3.
-    Node(u32),
+    /// The device with the node of this number: 3 is /dev/input/event3; if there is none, one with these digits in its name.
+    Number(u32, String),
+    /// The device to whose node this path leads.
+    Path(PathBuf),
     /// Vendor and product, and the bus if it is given.
     Numbers { bus: Option<u16>, vendor: u16, product: u16 },
-    /// A part of its name, of its connection or of its line of numbers, or a pattern with `*` and `?`.
+    /// A part of its name, of `Phys=`, or of its line `Bus=… Vendor=… Product=… Version=…`, or a pattern with `*` and `?`.
     Text(String),
 }
 
@@ -74,6 +77,12 @@ impl DeviceSpec {
 
     /// Returns the device that is meant. A pattern matches the whole of a text, or, if it matches none, a part.
     pub(crate) fn find<'d>(&self, devices: &'d [FoundDevice]) -> Option<&'d FoundDevice> {
+        if let Choice::Number(number, _) = &self.choice
+            && self.nth == 0
+            && let Some(device) = devices.iter().find(|device| device.number == *number)
+        {
+            return Some(device);
+        }
         let of = |anywhere: bool| devices.iter().filter(move |d| self.matches(d, anywhere));
         let anywhere = of(false).next().is_none();
         of(anywhere).nth(self.nth)
@@ -82,7 +91,8 @@ impl DeviceSpec {
     fn matches(&self, device: &FoundDevice, anywhere: bool) -> bool {
         let Identity { name, phys, .. } = &device.identity;
         match &self.choice {
-            Choice::Node(number) => device.number == *number,
+            Choice::Number(_, digits) => name.contains(digits.as_str()),
+            Choice::Path(_) => false,
             Choice::Numbers { bus, vendor, product } => {
                 let id = &device.identity;
                 bus.is_none_or(|bus| bus == id.bus)
@@ -100,6 +110,10 @@ impl DeviceSpec {
 }
 
 fn choice(text: &str) -> (Choice, usize) {
+    // Names that udev gives have colons.
+    if text.starts_with('/') {
+        return (Choice::Path(text.into()), 0);
+    }
     if let Some(numbers) = numbers(text) {
         return (numbers, 0);
     }
@@ -110,7 +124,7 @@ fn choice(text: &str) -> (Choice, usize) {
         _ => (text, 0),
     };
     let choice = numbers(text)
-        .or_else(|| text.parse().ok().map(Choice::Node))
+        .or_else(|| text.parse().ok().map(|number| Choice::Number(number, text.to_owned())))
         .unwrap_or_else(|| Choice::Text(text.to_owned()));
     (choice, nth)
 }

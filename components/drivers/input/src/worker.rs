@@ -1,12 +1,13 @@
 //! The worker: it reads the devices, and finds lost ones again.
 
 use crate::{
-    bus::{Abilities, Bus, FoundDevice, Identity, InputDevice, LED_COUNT},
+    bus::{Abilities, Bus, FoundDevice, Identity, InputDevice},
     event::InputEvent,
     reader::{DeviceReader, DeviceRecord},
+    refused::Unusable,
     simulated::SimPins,
 };
-use hal_component::{Clock, Gives, Messages, SeqWriter, Takes, Touch, Work};
+use hal_component::{Clock, Gives, Messages, SeqWriter, Takes, Texts, Touch, Work};
 use port::Lost;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -18,6 +19,9 @@ const LOOK_NS: i64 = 500_000_000;
 const AT_ONCE: usize = 64;
 /// Largest number of times that a step takes events of a device.
 const MOST_READS: usize = 16;
+/// Number of refusals of a device that is back after which the user is told: the system gives the right to open its node a
+/// moment after the node.
+const TOLD_AFTER: u8 = 2;
 
 /// The worker.
 #[derive(Touch)]
@@ -49,9 +53,22 @@ pub(crate) struct ReadDevice {
     pub(crate) wanted: WantedDevice,
     #[state]
     pub(crate) texts: DeviceTexts,
-    /// Lights as they were switched last.
     #[state]
-    pub(crate) lit: Option<u32>,
+    pub(crate) lit: Lit,
+    /// Number of times that the device was refused since its loss.
+    #[state]
+    pub(crate) refusals: u8,
+}
+
+/// Lights of an open device, by their bits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Lit {
+    /// Lights that were asked for last.
+    asked: Option<u32>,
+    /// Lights that were switched.
+    known: u32,
+    /// Lights that are on, of those.
+    on: u32,
 }
 
 /// Device that belongs to the pins.
@@ -59,6 +76,8 @@ pub(crate) struct ReadDevice {
 pub(crate) struct WantedDevice {
     /// Number of its node.
     pub(crate) number: u32,
+    /// Number of the first specification that meant the same device at the load.
+    pub(crate) group: usize,
     pub(crate) identity: Identity,
     /// Abilities that have pins.
     pub(crate) abilities: Abilities,
@@ -66,11 +85,15 @@ pub(crate) struct WantedDevice {
 }
 
 /// Messages about a device.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) struct DeviceTexts {
     pub(crate) lost: &'static str,
     pub(crate) back: &'static str,
     pub(crate) dark: &'static str,
+    /// Pins and name of the device.
+    pub(crate) who: String,
+    /// Texts about refusals.
+    pub(crate) refused: Texts,
 }
 
 impl Work for Worker {
@@ -96,35 +119,50 @@ impl Work for Worker {
 impl Worker {
     /// Looks for lost devices.
     fn look(&mut self) {
-        let found = self.bus.devices().all;
+        let found = self.bus.devices();
         for at in 0..self.devices.len() {
-            let Some(number) = self.place_of(at, &found) else { continue };
+            let Some(place) = self.place_of(at, &found) else { continue };
             let Some(device) = self.devices.get_mut(at) else { continue };
-            if device.open(&*self.bus, number).is_ok() {
-                self.messages.notice(device.texts.back, &[]);
+            match device.open(&*self.bus, place) {
+                Ok(()) => self.messages.notice(device.texts.back, &[]),
+                Err(why) => device.note_refusal(why, self.messages),
             }
         }
     }
 
-    /// Returns the node of a lost device that is there again: where it was, or, if it is the only one of its make, in
-    /// another place.
-    fn place_of(&self, at: usize, found: &[FoundDevice]) -> Option<u32> {
+    /// Returns a lost device that is there again: where it was, or, if it is the only one of its make, in another place.
+    fn place_of<'f>(&self, at: usize, found: &'f [FoundDevice]) -> Option<&'f FoundDevice> {
         let lost = self.devices.get(at).filter(|device| device.device.is_none())?;
-        let wanted = &lost.wanted;
-        let is_same = |device: &&FoundDevice| device.identity.is_same_make(&wanted.identity);
-        let in_place = |device: &&FoundDevice| device.identity.phys == wanted.identity.phys;
-        let mut same = found.iter().filter(is_same);
-        if let Some(device) = same.clone().find(in_place) {
-            return Some(device.number);
-        }
+        let WantedDevice { group, identity, .. } = &lost.wanted;
+        let open = || self.devices.iter().filter(|other| other.device.is_some());
         // Several specifications may mean one device, which moves with all of them.
+        if let Some(own) = open().find(|other| other.wanted.group == *group) {
+            return found.iter().find(|device| {
+                device.number == own.wanted.number && device.identity.is_same_make(identity)
+            });
+        }
+        let is_free =
+            |device: &&FoundDevice| open().all(|other| other.wanted.number != device.number);
+        let same = || found.iter().filter(|d| d.identity.is_same_make(identity)).filter(is_free);
+        let mut in_place = same().filter(|device| device.identity.is_in_place(identity));
+        if let Some(first) = in_place.next() {
+            // Lost devices without a difference come back together, in the order of their nodes.
+            let is_twin = |other: &&ReadDevice| {
+                other.device.is_none() && other.wanted.identity.is_in_place(identity)
+            };
+            let mut groups: Vec<usize> =
+                self.devices.iter().filter(is_twin).map(|other| other.wanted.group).collect();
+            groups.sort_unstable();
+            groups.dedup();
+            return (groups.len() <= 1 + in_place.count()).then_some(first);
+        }
         let is_other = |other: &ReadDevice| {
-            other.wanted.identity.is_same_make(&wanted.identity)
-                && other.wanted.identity.phys != wanted.identity.phys
+            other.wanted.group != *group && other.wanted.identity.is_same_make(identity)
         };
+        let mut same = same();
         let only = same.next()?;
         let is_alone = same.next().is_none() && !self.devices.iter().any(is_other);
-        is_alone.then_some(only.number)
+        is_alone.then_some(only)
     }
 }
 
@@ -136,6 +174,7 @@ impl ReadDevice {
         let is_lost = read(&mut **device, &mut self.reader).is_err();
         if is_lost {
             self.device = None;
+            self.refusals = 0;
             self.reader.lose();
             messages.error(self.texts.lost, &[]);
         } else {
@@ -147,34 +186,56 @@ impl ReadDevice {
         is_lost
     }
 
-    /// Switches the lights that are to change.
+    /// Switches the lights that are to change. Lights that cannot be switched off at the beginning are no problem.
     fn switch(&mut self, messages: Messages) {
         let Some(device) = &mut self.device else { return };
         let asked = self.lights.load(Relaxed);
-        let changed = self.lit.map_or(u32::MAX, |lit| lit ^ asked);
-        self.lit = Some(asked);
+        if self.lit.asked.replace(asked) == Some(asked) {
+            return;
+        }
+        let mut is_dark = false;
         for led in self.wanted.abilities.leds.iter().copied() {
-            let is_of = usize::from(led) < LED_COUNT && changed >> led & 1 != 0;
-            if is_of && device.light(led, asked >> led & 1 != 0).is_err() {
-                // If the device is lost, the next step finds it out.
-                messages.warn(self.texts.dark, &[]);
-                return;
+            let bit = 1 << (led % 32);
+            let (is_on, is_known) = (asked & bit != 0, self.lit.known & bit != 0);
+            if is_known && is_on == (self.lit.on & bit != 0) {
+                continue;
             }
+            // If the device is lost, the next step finds it out.
+            if device.light(led, is_on).is_ok() {
+                self.lit.known |= bit;
+                self.lit.on = self.lit.on & !bit | asked & bit;
+            } else {
+                is_dark |= is_on || is_known;
+            }
+        }
+        if is_dark {
+            messages.warn(self.texts.dark, &[]);
         }
     }
 
     /// Opens the device that is there again.
-    fn open(&mut self, bus: &dyn Bus, number: u32) -> Result<(), Lost> {
-        let mut device = bus.open(number, self.wanted.is_exclusive)?;
-        if !device.abilities()?.cover(&self.wanted.abilities) {
-            return Err(Lost::NONE);
+    fn open(&mut self, bus: &dyn Bus, found: &FoundDevice) -> Result<(), Unusable> {
+        let is_exclusive = self.wanted.is_exclusive;
+        let unusable = |lost| Unusable::new(lost, is_exclusive);
+        let mut device = bus.open(found, is_exclusive).map_err(unusable)?;
+        if !device.abilities().map_err(unusable)?.cover(&self.wanted.abilities) {
+            return Err(Unusable::Lacking);
         }
-        self.reader.open(&device.state()?);
-        self.wanted.number = number;
+        self.reader.open(&device.state().map_err(unusable)?);
+        self.wanted.number = found.number;
         self.device = Some(device);
-        self.lit = None;
+        self.lit = Lit::default();
         self.record.set(self.reader.record());
         Ok(())
+    }
+
+    /// Tells the user once for each loss that the device is there again and is refused.
+    fn note_refusal(&mut self, why: Unusable, messages: Messages) {
+        self.refusals = self.refusals.saturating_add(1);
+        if self.refusals == TOLD_AFTER {
+            let text = format!("{} is there again, but cannot be used: {why}", self.texts.who);
+            messages.warn(self.texts.refused.keep(&text), &[]);
+        }
     }
 }
 

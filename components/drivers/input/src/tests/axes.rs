@@ -1,6 +1,6 @@
 //! Absolute axes and wheels, by tables.
 
-use super::fake::{FakeBus, load, step, try_load, with_axis};
+use super::fake::{FakeBus, known, load, step, try_load, with_axis};
 use crate::bus::AxisRange;
 
 /// Measurements of LinuxCNC's `hal_input`; see its first lines.
@@ -60,7 +60,7 @@ fn settings_of_an_axis_have_no_edge() {
     let bus = FakeBus::default();
     bus.plug(0, with_axis(range));
     let bench = try_load(&bus, &["axis"]).unwrap();
-    for scale in [0.0, -0.0, f64::NAN, f64::INFINITY, 1e-300] {
+    for scale in [0.0, -0.0, f64::NAN, f64::INFINITY, 1e-300, 1e-20] {
         for offset in [0.0, f64::NAN, 1e300, -1e300, f64::INFINITY] {
             for value in [i32::MIN, -1, 0, 1, i32::MAX] {
                 bench.set("input.0.abs-x-scale", scale);
@@ -69,6 +69,9 @@ fn settings_of_an_axis_have_no_edge() {
                 bench.set("input.0.abs-x-fuzz", value.wrapping_neg());
                 bus.send(0, &format!("abs-x {value}"));
                 step(&bench);
+                let position = bench.get::<f64>("input.0.abs-x-position");
+                assert!(position.is_finite(), "{scale} {offset} {value}");
+                assert!(!offset.is_nan() || position == 0.0, "{scale} {value}");
             }
         }
     }
@@ -111,6 +114,32 @@ fn wheels_count_and_rings_have_a_place() {
     }
 }
 
+/// The name of a device may be another one, if it has numbers.
+#[test]
+fn wheels_are_known_by_the_numbers_of_a_device() {
+    for (name, numbers, want) in [
+        ("Contour Design ShuttlePRO v2", (0x0b33, 0x30), 3),
+        ("Contour Design ShuttlePRO", (0x0b33, 0x30), 3),
+        ("Another name", (0x0b33, 0x20), 3),
+        ("Another name", (0x0b33, 0x99), 41),
+        ("Another name", (0, 0), 41),
+        ("Contour Design ShuttlePRO v2", (0, 0), 41),
+    ] {
+        let bus = FakeBus::default();
+        let mut device = known("PRO v2");
+        name.clone_into(&mut device.identity.name);
+        (device.identity.vendor, device.identity.product) = numbers;
+        bus.plug(0, device);
+        let bench = try_load(&bus, &["0"]).unwrap();
+        step(&bench);
+        bus.send(0, "rel-dial 12 | rel-dial 14");
+        bus.send(0, "rel-dial 15");
+        step(&bench);
+        let counts = bench.get::<i32>("input.0.rel-dial-counts");
+        assert_eq!(counts, want, "{name} {numbers:?}");
+    }
+}
+
 #[test]
 fn a_wheel_is_scaled_and_reset() {
     let (bus, bench) = load(&["PowerMate"]);
@@ -122,6 +151,7 @@ fn a_wheel_is_scaled_and_reset() {
         ("rel-dial 3", true, 4.0, ("0", 0.0)),
         ("rel-dial 2", false, 4.0, ("2", 0.5)),
         ("rel-dial 2", false, 0.0, ("4", 4.0)),
+        ("rel-dial 0", false, -1e-21, ("4", 4.0)),
         ("rel-dial 2147483647", false, 1.0, ("-2147483645", -2_147_483_645.0)),
     ] {
         bench.set("input.0.rel-dial-reset", reset);

@@ -1,14 +1,14 @@
 //! Bytes that no device should send, and nodes that are no devices.
 
 use crate::{
-    bus::{Bus, HeldState},
+    bus::{Bus, FoundDevice, HeldState, Identity, InputDevice},
     described::{WheelKind, Wheels, parse},
     event::{EVENT_SIZE, InputEvent},
     kernel::Kernel,
     reader::DeviceReader,
     spec::DeviceSpec,
 };
-use std::fs;
+use std::{fs, os::unix::fs::symlink};
 
 /// Random numbers (xorshift), the same in each run.
 struct Random(u64);
@@ -94,24 +94,73 @@ fn random_texts() {
     }
 }
 
+/// List of devices as the kernel writes it, with one that has no node and names that devices should not have.
+const LIST: &str = "\
+I: Bus=0019 Vendor=0000 Product=0001 Version=0000
+N: Name=\"Power Button\"
+P: Phys=PNP0C0C/button/input0
+S: Sysfs=/devices/LNXSYSTM:00/input/input0
+U: Uniq=
+H: Handlers=kbd event12\x20
+B: PROP=0
+B: EV=3
+B: KEY=8000 10000000000000 0
+
+I: Bus=0005 Vendor=054c Product=05c4 Version=8100
+N: Name=\"Wireless \"Controller\" \"
+P: Phys=00:1a:7d:da:71:13
+S: Sysfs=/devices/virtual/misc/uhid/0005:054C:05C4.0003/input/input20
+U: Uniq=1c:66:6d:00:00:01
+H: Handlers=js0 event3\x20
+B: KEY=7fdb000000000000 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0
+
+I: Bus=0003 Vendor=xyz Product=1
+N: Name=\"Two
+lines\"
+P: Phys=
+H: Handlers=mouse1 event7
+
+I: Bus=0003 Vendor=0001 Product=0002 Version=0003
+N: Name=\"No node\"
+H: Handlers=rfkill
+";
+
+#[test]
+fn the_list_of_the_kernel() {
+    let list = std::env::temp_dir().join(format!("ferrule-list-{}", std::process::id()));
+    let kernel = Kernel { nodes: std::env::temp_dir(), list: list.clone() };
+    assert_eq!(kernel.devices(), [], "no list");
+    fs::write(&list, [LIST.as_bytes(), b"\n\nN: Name=\xff\nH: Handlers=event9"].concat()).unwrap();
+    let device = |number, [bus, vendor, product, version]: [u16; 4], texts: [&str; 3]| {
+        let [name, phys, uniq] = texts.map(str::to_owned);
+        FoundDevice {
+            number,
+            identity: Identity { bus, vendor, product, version, name, phys, uniq },
+        }
+    };
+    let pad = ["Wireless \"Controller\"", "00:1a:7d:da:71:13", "1c:66:6d:00:00:01"];
+    let want = [
+        device(3, [5, 0x54c, 0x5c4, 0x8100], pad),
+        device(7, [3, 0, 0, 0], ["Two", "", ""]),
+        device(9, [0; 4], ["\u{fffd}", "", ""]),
+        device(12, [0x19, 0, 1, 0], ["Power Button", "PNP0C0C/button/input0", ""]),
+    ];
+    assert_eq!(kernel.devices(), want);
+    fs::remove_file(&list).unwrap();
+}
+
 /// A file in place of a node gives events, then is gone; it answers no request, and is no device.
 #[test]
 fn nodes_that_are_no_devices() {
     let folder = std::env::temp_dir().join(format!("ferrule-events-{}", std::process::id()));
-    let kernel = Kernel { nodes: folder.clone() };
-    assert_eq!(kernel.devices().all.len(), 0, "no folder");
     fs::create_dir(&folder).unwrap();
+    let kernel = Kernel { nodes: folder.clone(), list: folder.join("list") };
     let sent: Vec<InputEvent> =
         (0..100).map(|code| InputEvent { kind: 1, code, value: i32::from(code) }).collect();
     let mut bytes: Vec<u8> = sent.iter().flat_map(|event| event.encode()).collect();
     bytes.extend([1, 2, 3]);
     fs::write(folder.join("event7"), &bytes).unwrap();
-    for name in ["event", "eventx", "event99999999999", "mouse0", "event8"] {
-        fs::write(folder.join(name), "").unwrap();
-    }
-    let found = kernel.devices();
-    assert_eq!((found.all.len(), found.forbidden), (0, 0));
-    let mut device = kernel.open(7, false).unwrap();
+    let mut device = kernel.node(7).unwrap();
     assert!(device.abilities().is_err());
     let (mut room, mut came) = ([InputEvent::default(); 64], Vec::new());
     let lost = loop {
@@ -123,7 +172,37 @@ fn nodes_that_are_no_devices() {
     assert_eq!(came, sent);
     assert_eq!(lost, port::Lost::GONE);
     assert!(device.state().is_err());
-    assert!(kernel.open(7, true).is_err(), "it cannot be kept from others");
-    assert_eq!(kernel.open(9, false).err().unwrap().0, 2);
+    // What the list says of a node is compared with what the node says.
+    let found = |number| FoundDevice { number, identity: Identity::default() };
+    for (number, why) in [(7, 25), (9, 2)] {
+        assert_eq!(kernel.open(&found(number), false).err().unwrap().0, why, "{number}");
+    }
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_path_leads_to_a_node() {
+    let folder = std::env::temp_dir().join(format!("ferrule-paths-{}", std::process::id()));
+    fs::create_dir_all(folder.join("by-id")).unwrap();
+    let kernel = Kernel { nodes: folder.clone(), list: folder.join("list") };
+    for name in ["event7", "mouse0", "eventx", "by-id/event8"] {
+        fs::write(folder.join(name), "").unwrap();
+    }
+    symlink("../event7", folder.join("by-id/usb-Pad_1-0:1.0-event-joystick")).unwrap();
+    symlink("../event9", folder.join("by-id/gone")).unwrap();
+    symlink("/dev/null", folder.join("by-id/elsewhere")).unwrap();
+    for (path, want) in [
+        ("event7", Some(7)),
+        ("by-id/usb-Pad_1-0:1.0-event-joystick", Some(7)),
+        ("by-id/../event7", Some(7)),
+        ("by-id/gone", None),
+        ("by-id/elsewhere", None),
+        ("by-id/event8", None),
+        ("mouse0", None),
+        ("eventx", None),
+        ("", None),
+    ] {
+        assert_eq!(kernel.number_of(&folder.join(path)), want, "{path}");
+    }
     fs::remove_dir_all(&folder).unwrap();
 }

@@ -2,14 +2,12 @@
 
 use super::fake::{FakeBus, known, try_load};
 use crate::{
-    bus::{Bus, FoundDevice, FoundDevices, Identity, InputDevice},
+    bus::{FoundDevice, Identity},
     described::parse,
     hal_input::HalInput,
-    refused::Refused,
     spec::DeviceSpec,
 };
 use hal_bench::Bench;
-use port::Lost;
 
 fn devices() -> Vec<FoundDevice> {
     [
@@ -21,8 +19,9 @@ fn devices() -> Vec<FoundDevice> {
     ]
     .into_iter()
     .map(|(number, name, phys, [bus, vendor, product, version])| {
-        let (name, phys) = (name.to_owned(), phys.to_owned());
-        FoundDevice { number, identity: Identity { bus, vendor, product, version, name, phys } }
+        let (name, phys, uniq) = (name.to_owned(), phys.to_owned(), String::new());
+        let identity = Identity { bus, vendor, product, version, name, phys, uniq };
+        FoundDevice { number, identity }
     })
     .collect()
 }
@@ -53,6 +52,14 @@ const CHOICES: &[(&str, Option<u32>)] = &[
     ("3", Some(3)),
     ("10", Some(10)),
     ("7", None),
+    // A number that is no node is a part of a name, and of nothing else.
+    ("310", Some(1)),
+    ("31", Some(1)),
+    ("0310", None),
+    ("310:1", None),
+    ("46", None),
+    // A path is looked up by the bus.
+    ("/dev/input/event3", None),
     ("+Mouse:1", Some(3)),
     ("-KRAL +Mouse", Some(2)),
     ("-L  AT Keyboard ", Some(0)),
@@ -83,7 +90,6 @@ const LETTERS: &str = "expected letters of K for keys and buttons, R and A for r
 
 #[test]
 fn bad_arguments() {
-    let many = format!("devices={}", ["X"; 17].join(","));
     for (args, said) in [
         (vec![], "no device: expected devices= with a part of its name, such as devices=Gamepad"),
         (
@@ -94,7 +100,6 @@ fn bad_arguments() {
         (vec!["devices=-X Gamepad"], LETTERS),
         (vec!["devices=- Gamepad"], LETTERS),
         (vec!["devices=-kral Gamepad"], LETTERS),
-        (vec![&many], "at most 16"),
     ] {
         let error = Bench::new().load::<HalInput>(&args).unwrap_err();
         assert!(error.contains(said), "{args:?}: {error}");
@@ -118,34 +123,38 @@ fn a_missing_device_is_named_with_those_that_are_there() {
     }
     let said = try_load(&bus, &["Gamepad"]).err().unwrap();
     assert!(said.contains("event13), and 6 more; or run"), "{said}");
-    let there = FoundDevices { all: Vec::new(), forbidden: 2 };
-    let said = Refused::Missing { word: "X".to_owned(), there }.to_string();
-    let want = "no input device matches 'X'; 2 in /dev/input may not be opened: run as a user in group input \
-                (usermod -aG input NAME, then log in again); or run with --simulate";
-    assert_eq!(said, want);
 }
 
+/// Each row: the specification, the error number of the opening, that of the accesses, and the text.
 #[test]
-fn a_device_that_does_not_answer_is_named() {
-    let bus = FakeBus::default();
-    bus.plug(0, known("Mouse"));
-    /// A bus whose devices cannot be opened.
-    struct Closed(FakeBus);
-    impl Bus for Closed {
-        fn devices(&self) -> FoundDevices {
-            self.0.devices()
-        }
-        fn open(&self, _: u32, _: bool) -> Result<Box<dyn InputDevice>, Lost> {
-            Err(Lost(16))
-        }
+fn a_device_that_cannot_be_used_is_named_with_the_reason() {
+    const GROUP: &str = "the user may not open its node: run as a user in group input (usermod -aG input NAME, then \
+                         log in again)";
+    const KEPT: &str = "another program, or another word of devices=, keeps its events for itself: end that program, \
+                        or leave out the +";
+    for (spec, refuses, fails, want) in [
+        ("Mouse", Some(13), None, GROUP),
+        ("+Mouse", Some(1), None, GROUP),
+        ("+Mouse", Some(16), None, KEPT),
+        (
+            "Mouse",
+            Some(16),
+            None,
+            "its node cannot be read (Device or resource busy (os error 16))",
+        ),
+        ("+Mouse", Some(19), None, "its node cannot be read (No such device (os error 19))"),
+        ("Mouse", None, Some(5), "its node cannot be read (Input/output error (os error 5))"),
+    ] {
+        let bus = FakeBus::default();
+        bus.plug(0, known("keyboard"));
+        bus.plug(1, known("Mouse"));
+        bus.with(1, |mouse| (mouse.refuses, mouse.breaks) = (refuses, fails));
+        let said = try_load(&bus, &["keyboard", spec]).err().unwrap();
+        let want = format!(
+            "/dev/input/event1 ('Logitech USB Optical Mouse') cannot be used: {want}; or run with --simulate"
+        );
+        assert_eq!(said, want, "{spec} {refuses:?}");
     }
-    let closed = Closed(bus);
-    let name = closed.devices().all[0].identity.name.clone();
-    let lost = closed.open(0, true).err().unwrap();
-    let said = Refused::Broken { number: 0, name, lost }.to_string();
-    let want = "/dev/input/event0 ('Logitech USB Optical Mouse') cannot be used: the device does not answer (Device or \
-                resource busy (os error 16)); or run with --simulate";
-    assert_eq!(said, want);
 }
 
 #[test]

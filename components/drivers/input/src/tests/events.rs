@@ -1,6 +1,6 @@
 //! Events to pins.
 
-use super::fake::{FakeBus, event_of, hold, load, step};
+use super::fake::{FakeBus, event_of, hold, known, load, step, try_load};
 use hal_bench::Bench;
 
 /// Returns whether a button is down; its opposite must be that.
@@ -86,6 +86,38 @@ fn lights_are_switched_when_they_change_and_when_the_device_comes_back() {
     step(&bench);
     step(&bench);
     assert_eq!(lit(&bus), [(0, false), (1, true), (2, false)]);
+}
+
+/// Lights that cannot be switched are named when one is to be on, once for each change; all are switched when they can be.
+#[test]
+fn lights_that_cannot_be_switched() {
+    let bus = FakeBus::default();
+    let mut keyboard = known("keyboard");
+    keyboard.is_dark = true;
+    bus.plug(0, keyboard);
+    let bench = try_load(&bus, &["keyboard"]).unwrap();
+    let warned = |bench: &Bench| {
+        step(bench);
+        step(bench);
+        let said = bench.said();
+        let text = "input.0: 'AT Translated Set 2 keyboard': its lights cannot be switched: may the user write to its \
+                    node?";
+        assert!(said.iter().all(|line| line.contains(text)), "{said:?}");
+        said.len()
+    };
+    assert_eq!(warned(&bench), 0, "no light is to be on");
+    bench.set("input.0.led-numl", true);
+    assert_eq!(warned(&bench), 1);
+    bench.set("input.0.led-capsl", true);
+    assert_eq!(warned(&bench), 1);
+    bus.with(0, |device| device.is_dark = false);
+    bench.set("input.0.led-scrolll", true);
+    assert_eq!(warned(&bench), 0);
+    bus.with(0, |device| assert_eq!(device.lit, [(0, true), (1, true), (2, true)]));
+    // A light that stays on is named as well.
+    bus.with(0, |device| device.is_dark = true);
+    bench.set("input.0.led-numl", false);
+    assert_eq!(warned(&bench), 1);
 }
 
 /// A step takes a bounded number of events; the others wait.

@@ -1,10 +1,7 @@
 //! Devices in memory, which tests unplug.
 
 use crate::{
-    bus::{
-        ABS_COUNT, Abilities, AxisRange, Bus, FoundDevice, FoundDevices, HeldState, Identity,
-        InputDevice,
-    },
+    bus::{ABS_COUNT, Abilities, AxisRange, Bus, FoundDevice, HeldState, Identity, InputDevice},
     codes, described,
     event::{InputEvent, kind},
     hal_input::open,
@@ -31,6 +28,12 @@ pub(super) struct FakeDevice {
     pub(super) held: HeldState,
     /// Error number of each access.
     pub(super) fails: Option<i32>,
+    /// Error number of each access; the device is listed and opened.
+    pub(super) breaks: Option<i32>,
+    /// Error number of each opening; the device is listed.
+    pub(super) refuses: Option<i32>,
+    /// True if its lights cannot be switched.
+    pub(super) is_dark: bool,
     /// Lights that were switched.
     pub(super) lit: Vec<(u16, bool)>,
     /// Number of the connection, which ends with it.
@@ -124,24 +127,30 @@ pub(super) fn device(identity: Identity, abilities: Abilities) -> FakeDevice {
         waiting: VecDeque::new(),
         held,
         fails: None,
+        breaks: None,
+        refuses: None,
+        is_dark: false,
         lit: Vec::new(),
         connection: 0,
     }
 }
 
 impl Bus for FakeBus {
-    fn devices(&self) -> FoundDevices {
+    fn devices(&self) -> Vec<FoundDevice> {
         let all = self.0.lock().unwrap();
         let there = (0..).zip(all.iter()).filter_map(|(number, device)| {
             let identity = device.as_ref().filter(|d| d.fails.is_none())?.identity.clone();
             Some(FoundDevice { number, identity })
         });
-        FoundDevices { all: there.collect(), forbidden: 0 }
+        there.collect()
     }
 
-    fn open(&self, number: u32, _: bool) -> Result<Box<dyn InputDevice>, Lost> {
-        let at = usize::try_from(number).unwrap();
-        let connection = self.with(at, |device| device.connection);
+    fn open(&self, found: &FoundDevice, _: bool) -> Result<Box<dyn InputDevice>, Lost> {
+        let at = usize::try_from(found.number).unwrap();
+        let (connection, refuses) = self.with(at, |device| (device.connection, device.refuses));
+        if let Some(number) = refuses {
+            return Err(Lost(number));
+        }
         Ok(Box::new(FakeOpen { bus: self.clone(), at, connection }))
     }
 }
@@ -157,7 +166,7 @@ impl FakeOpen {
     fn with<R>(&self, change: impl FnOnce(&mut FakeDevice) -> R) -> Result<R, Lost> {
         let mut all = self.bus.0.lock().unwrap();
         let device = all.get_mut(self.at).and_then(Option::as_mut).ok_or(Lost::GONE)?;
-        match device.fails {
+        match device.fails.or(device.breaks) {
             Some(number) => Err(Lost(number)),
             None if device.connection != self.connection => Err(Lost::GONE),
             None => Ok(change(device)),
@@ -186,7 +195,13 @@ impl InputDevice for FakeOpen {
     }
 
     fn light(&mut self, led: u16, is_on: bool) -> Result<(), Lost> {
-        self.with(|device| device.lit.push((led, is_on)))
+        self.with(|device| {
+            if device.is_dark {
+                return Err(Lost(9));
+            }
+            device.lit.push((led, is_on));
+            Ok(())
+        })?
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     events::is_down,
-    fake::{FakeBus, MS, load, step, try_load},
+    fake::{FakeBus, MS, known, load, step, try_load},
 };
 use crate::show::DEAD_NS;
 use hal_bench::Bench;
@@ -47,7 +47,8 @@ fn a_lost_device_holds_nothing_in_the_next_cycle() {
         assert_eq!(shown(&bench), LOST, "{number}");
         let said = bench.said();
         assert_eq!(said.len(), 1, "{said:?}");
-        let text = "input.0: 'Microsoft X-Box 360 pad' does not answer, as if it were unplugged";
+        let text = "input.0: 'Microsoft X-Box 360 pad' is lost, because its node cannot be read: its buttons are \
+                    FALSE, its axes at their centres";
         assert!(said[0].contains(text), "{said:?}");
     }
 }
@@ -87,7 +88,7 @@ fn what_is_held_when_a_device_comes_back_has_no_effect() {
 #[test]
 fn the_first_state() {
     let bus = FakeBus::default();
-    let mut pad = super::fake::known("X-Box");
+    let mut pad = known("X-Box");
     super::fake::hold(&mut pad.held, super::fake::event_of("btn-a 1"));
     pad.held.abs[0] = -32_768;
     bus.plug(0, pad);
@@ -162,7 +163,10 @@ fn a_worker_that_does_not_work_is_a_loss_of_all_devices() {
     bench.run("hal_input", MS);
     assert_eq!(shown(&bench), LOST);
     bench.run("hal_input", MS);
-    assert_eq!(bench.said().len(), 1);
+    let said = bench.said();
+    let text =
+        "the worker of hal_input does not work: all buttons are FALSE, all axes at their centres";
+    assert!(said.len() == 1 && said[0].contains(text), "{said:?}");
     step(&bench);
     assert_eq!(shown(&bench), REST, "what is held has no effect");
 }
@@ -230,4 +234,108 @@ fn a_device_that_lacks_something_is_another_one() {
     bus.plug(0, device);
     second(&bench);
     assert!(bench.get::<bool>("input.0.connected"));
+}
+
+/// Returns the numbers of the devices that are connected.
+fn connected(bench: &Bench, count: usize) -> Vec<usize> {
+    let is = |n: &usize| bench.get::<bool>(&format!("input.{n}.connected"));
+    (0..count).filter(is).collect()
+}
+
+/// Pads over Bluetooth: their place is the address of the computer's adapter. With addresses of their own they are told
+/// apart; without, they come back together.
+#[test]
+fn pads_in_one_place_do_not_take_each_others_place() {
+    for uniq in [["", ""], ["1c:66:6d:00:00:01", "1c:66:6d:00:00:02"]] {
+        for phys in ["", "00:1a:7d:da:71:13"] {
+            let bus = FakeBus::default();
+            for (at, uniq) in uniq.iter().enumerate() {
+                let mut pad = known("X-Box");
+                (pad.identity.phys, pad.identity.uniq) = (phys.to_owned(), (*uniq).to_owned());
+                bus.plug(at, pad);
+            }
+            let bench = try_load(&bus, &["-K X-Box:0", "X-Box:1", "-A X-Box:0"]).unwrap();
+            step(&bench);
+            let first = bus.unplug(0);
+            second(&bench);
+            assert_eq!(connected(&bench, 3), [1], "the second pad stays that of its pins");
+            bus.plug(4, first.clone());
+            second(&bench);
+            assert_eq!(connected(&bench, 3), [0, 1, 2]);
+            bus.send(4, "btn-a 1");
+            bus.send(1, "btn-b 1");
+            step(&bench);
+            assert!(is_down(&bench, "input.0.btn-a") && is_down(&bench, "input.1.btn-b"));
+            assert!(!is_down(&bench, "input.0.btn-b") && !is_down(&bench, "input.1.btn-a"));
+            // Both are lost, and one comes back.
+            drop((bus.unplug(4), bus.unplug(1)));
+            step(&bench);
+            bus.plug(6, first.clone());
+            second(&bench);
+            let alone: &[usize] = if uniq[0].is_empty() { &[] } else { &[0, 2] };
+            assert_eq!(connected(&bench, 3), alone, "{uniq:?}");
+            let mut other = first;
+            uniq[1].clone_into(&mut other.identity.uniq);
+            bus.plug(5, other);
+            second(&bench);
+            assert_eq!(connected(&bench, 3), [0, 1, 2]);
+        }
+    }
+}
+
+/// A device that is there again and cannot be used is named, once for each loss.
+#[test]
+fn a_device_that_is_refused_after_a_loss_is_named_once() {
+    for (refuses, breaks, lacks, why) in [
+        (Some(13), None, false, "the user may not open its node: run as a user in group input"),
+        (Some(16), None, false, "its node cannot be read (Device or resource busy (os error 16))"),
+        (None, Some(5), false, "its node cannot be read (Input/output error (os error 5))"),
+        (None, None, true, "it lacks a button or an axis that has a pin"),
+    ] {
+        let (bus, bench) = load(&["X-Box"]);
+        for _ in 0..2 {
+            drop(bench.said());
+            let pad = bus.unplug(0);
+            step(&bench);
+            let mut refused = pad.clone();
+            (refused.refuses, refused.breaks) = (refuses, breaks);
+            if lacks {
+                refused.abilities.keys.pop();
+            }
+            bus.plug(0, refused);
+            for _ in 0..5 {
+                second(&bench);
+            }
+            let said = bench.said();
+            assert_eq!(said.len(), 2, "{said:?}");
+            assert!(said[0].contains("input.0: 'Microsoft X-Box 360 pad' is lost"), "{said:?}");
+            let text = format!(
+                "input.0: 'Microsoft X-Box 360 pad' is there again, but cannot be used: {why}"
+            );
+            assert!(said[1].contains(&text), "{said:?}");
+            bus.plug(0, pad);
+            second(&bench);
+            let said = bench.said();
+            let back = "input.0: 'Microsoft X-Box 360 pad' is back; what is held on it has no effect until it is let go";
+            assert!(said.len() == 1 && said[0].contains(back), "{said:?}");
+        }
+    }
+}
+
+/// The right to open a node comes a moment after the node.
+#[test]
+fn a_device_that_is_refused_for_a_moment_is_not_named() {
+    let (bus, bench) = load(&["X-Box"]);
+    let pad = bus.unplug(0);
+    step(&bench);
+    drop(bench.said());
+    let mut refused = pad.clone();
+    refused.refuses = Some(13);
+    bus.plug(0, refused);
+    bench.pass(500 * MS);
+    step(&bench);
+    bus.plug(0, pad);
+    second(&bench);
+    let said = bench.said();
+    assert!(said.len() == 1 && said[0].contains("is back"), "{said:?}");
 }

@@ -79,7 +79,9 @@ fn a_device_for_each_specification() {
         ("0003:077d:0410", "rel-dial-counts", false),
         ("Vendor=045e", "abs-rx-flat", false),
         ("3", "key-a", true),
-        ("Joystick", "300-not", true),
+        ("Joystick", "key-300-not", true),
+        ("360", "btn-mode", false),
+        ("/dev/input/by-id/usb-Pad-event-joystick", "abs-rx-position", true),
         ("SpaceBall", "abs-ry-position", true),
     ] {
         let bench = load(&[&format!("devices={spec}")]);
@@ -87,6 +89,11 @@ fn a_device_for_each_specification() {
         assert!(bench.names().iter().any(|line| line.starts_with(&name)), "{spec}");
         let said = bench.said();
         assert_eq!(!said.is_empty(), is_unknown, "{spec}: {said:?}");
+        let text = format!(
+            "nothing describes the input device '{spec}': it is simulated with all keys, axes and lights; \
+             describe= names a file that describes it"
+        );
+        assert!(said.iter().all(|line| line.contains(&text)), "{spec}: {said:?}");
     }
 }
 
@@ -124,6 +131,10 @@ fn a_users_file_describes_a_device() {
         ("B: KEY=", "line 1: expected a mask"),
         ("B: KEY=0 0 0 0 0 0 0 0 0 0 0 0 0", "line 1: expected a mask"),
         ("B: REL=10000", "line 1: expected a mask of codes that the kernel has"),
+        ("P: usb-1", "line 1: expected Phys=…"),
+        ("U: 1", "line 1: expected Uniq=…"),
+        ("B: LED=10000", "line 1: expected a mask of codes that the kernel has"),
+        ("B: ABS=1 0", "line 1: expected a mask of codes that the kernel has"),
         ("B: ABS=1\nA: abs-y 0 1 0 0", "line 2: expected an axis of the line ABS"),
         ("B: ABS=1\nA: abs-x 0 1 0", "line 2: expected an axis of the line ABS"),
         ("D: rel-dial counter 1", "line 1: expected rel-wheel ring"),
@@ -136,8 +147,25 @@ fn a_users_file_describes_a_device() {
         let said = Bench::new().load::<HalInput>(&args).unwrap_err();
         assert!(said.contains(expected), "{wrong}: {said}");
     }
+    // A name may have bytes that are no text.
+    std::fs::write(&path, b"N: Name=\"My Pendant \xff\"\nB: KEY=2").unwrap();
+    let bench = load(&["devices=My Pendant", &format!("describe={}", path.display())]);
+    assert!(!is_down(&bench, "input.0.key-esc"));
+    std::fs::write(&path, " ".repeat(1 << 20) + "\n").unwrap();
+    let large = path.display().to_string();
+    for (path, why) in [
+        (large.as_str(), "it is larger than 1 MiB"),
+        ("/dev/zero", "it is a device, not a file"),
+        ("/", "Is a directory (os error 21)"),
+        ("/nothing", "No such file or directory (os error 2)"),
+    ] {
+        let args = ["devices=X", &format!("describe={path}")];
+        let said = Bench::new().load::<HalInput>(&args).unwrap_err();
+        let want = format!(
+            "describe= has '{path}', which cannot be read ({why}): expected a file with lines of \
+             /proc/bus/input/devices"
+        );
+        assert!(said.contains(&want), "{said}");
+    }
     std::fs::remove_file(&path).unwrap();
-    let args = ["devices=X", &format!("describe={}", path.display())];
-    let said = Bench::new().load::<HalInput>(&args).unwrap_err();
-    assert!(said.contains("which cannot be read (No such file"), "{said}");
 }
