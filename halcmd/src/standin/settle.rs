@@ -70,14 +70,15 @@ const GPIO: [&str; 2] = ["hal_gpio", "hal_pi_gpio"];
 
 /// Returns the simulated level of a GPIO line, and whether it is the opposite of the pin: `hal_gpio.GPIO5-in-not` shows the
 /// opposite of `hal_gpio.sim.GPIO5`, and of a line of `activelow` the level itself.
-fn gpio_line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
+pub(super) fn gpio_line(wires: &Wires, pin: &str) -> Option<(String, bool)> {
     let wired = wires.pins.get(pin).filter(|wired| GPIO.contains(&wired.owner.as_str()))?;
     let name = pin.strip_prefix(&wired.owner)?.strip_prefix('.')?;
     let (name, not) = match name.strip_suffix("-in-not") {
         Some(name) => (name, true),
         None => (name.strip_suffix("-in")?, false),
     };
-    let args = wires.args.get(&wired.owner).map_or("", String::as_str);
+    // The engine keeps the words of the line, with their quotes.
+    let args = wires.args.get(&wired.owner).map(|args| args.replace('"', "")).unwrap_or_default();
     let lists = args.split_whitespace().filter_map(|arg| arg.strip_prefix("activelow="));
     let is_low = lists.flat_map(|list| list.split(',')).any(|line| line == name);
     let sim = format!("{}.sim.{name}", wired.owner);

@@ -5,6 +5,7 @@ use super::{
     healthy::{Driver, Want, driver, wants},
     infer::infer,
     known, reach,
+    settle::gpio_line,
     wires::{Wired, Wires},
 };
 use hal_protocol::{At, Direction, SignalInfo, Value};
@@ -292,5 +293,28 @@ fn a_simulation_replaces_programs_of_hardware_and_no_modules() {
         ("loadrt hostmot2\nsetp gs2_vfd.0.a 1", false),
     ] {
         assert_eq!(known::is_named_in(text.as_bytes()), want, "{text}");
+    }
+}
+
+#[test]
+fn a_simulated_gpio_line_may_be_active_low() {
+    let mut wires = wires(
+        "hal_gpio hal_gpio.GPIO5-in out
+        hal_gpio hal_gpio.GPIO5-in-not out
+        hal_gpio hal_gpio.sim.GPIO5 in",
+    );
+    for (args, is_low) in [
+        ("inputs=GPIO5", false),
+        ("inputs=GPIO5 activelow=GPIO5", true),
+        ("inputs=GPIO5 activelow=\"GPIO5\"", true),
+        ("inputs=\"GPIO4,GPIO5\" activelow=\"GPIO4,GPIO5\"", true),
+        ("\"activelow=GPIO5,GPIO6\"", true),
+        ("activelow=\"GPIO55\"", false),
+    ] {
+        wires.args.insert("hal_gpio".to_owned(), args.to_owned());
+        for (pin, not) in [("hal_gpio.GPIO5-in", false), ("hal_gpio.GPIO5-in-not", true)] {
+            let want = Some(("hal_gpio.sim.GPIO5".to_owned(), not ^ is_low));
+            assert_eq!(gpio_line(&wires, pin), want, "{args}: {pin}");
+        }
     }
 }
