@@ -5,19 +5,61 @@
 use crate::{
     Command, Error, Session,
     ini::{Entry, Ini},
+    language::command::Launch,
     session::natives::Native,
 };
 use hal_protocol::{At, Code, Finding, Request};
 
-/// The name of the component, and its other names.
-const NAMES: [&str; 3] = ["iocontrol", "io", "iov2"];
+/// Component of tools and the emergency stop, a program in LinuxCNC.
+const IO: &str = "iocontrol";
 /// The component with the operator's pins, a program in LinuxCNC.
 const OPERATOR: &str = "halui";
-/// Programs that are not started, and the reason.
-const NOT_STARTED: [(&str, &str); 2] = [
-    ("milltask", "the task is built in, and a start from an INI file with a section TASK loads it"),
-    ("linuxcncsvr", "programs reach the instance without a server"),
+
+/// What does the work of a program of LinuxCNC.
+#[derive(Clone, Copy)]
+enum Instead {
+    /// A component that is loaded in its place.
+    Component(&'static str),
+    /// Nothing is loaded, for this reason.
+    Nothing(&'static str),
+}
+
+/// Programs and modules whose work is built in; those of [`Native`] have arguments of their own.
+const BUILT_IN: [(&str, Instead); 6] = [
+    ("iocontrol", Instead::Component(IO)),
+    ("io", Instead::Component(IO)),
+    ("iov2", Instead::Component(IO)),
+    ("halui", Instead::Component(OPERATOR)),
+    (
+        "milltask",
+        Instead::Nothing(
+            "the task is built in, and a start from an INI file with a section TASK loads it",
+        ),
+    ),
+    ("linuxcncsvr", Instead::Nothing("programs reach the instance without a server")),
 ];
+
+/// Returns what does the work of a program or module.
+fn instead_of(name: &str) -> Option<(&'static str, Instead)> {
+    BUILT_IN.into_iter().find(|row| row.0 == name)
+}
+
+/// Returns the name of what does the work of a program in Ferrule: a component, or the program itself if nothing is loaded for it.
+pub(crate) fn built_in(launch: &Launch) -> Option<&'static str> {
+    if let Some(native) = Native::of(launch) {
+        return Some(native.component());
+    }
+    Some(match instead_of(launch.name())? {
+        (_, Instead::Component(component)) => component,
+        (program, Instead::Nothing(_)) => program,
+    })
+}
+
+/// Returns the command that loads a component.
+fn load(module: &str, args: Vec<String>) -> Command {
+    let note = Some(format!("Realtime module '{module}' loaded"));
+    Command::Send(Request::Load { module: module.to_owned(), args }, note)
+}
 
 impl Session<'_> {
     /// Marks the following lines as those of a machine started from an INI file, which has
@@ -31,38 +73,31 @@ impl Session<'_> {
     pub(crate) fn with_built_in(&mut self, command: Command) -> Result<Option<Command>, Error> {
         let (module, args) = match &command {
             Command::Launch(launch) => {
-                let base = launch.program.rsplit('/').next().unwrap_or_default();
-                if base == OPERATOR {
-                    return self.with_operator();
-                }
                 if let Some(native) = Native::of(launch).filter(|n| !self.has_stand_in(n)) {
-                    let (module, args) = (native.component().to_owned(), native.arguments(launch)?);
-                    let note = Some(format!("Realtime module '{module}' loaded"));
-                    return Ok(Some(Command::Send(Request::Load { module, args }, note)));
+                    return Ok(Some(load(native.component(), native.arguments(launch)?)));
                 }
-                if let Some((name, why)) = NOT_STARTED.iter().find(|(name, _)| *name == base) {
-                    self.say_that_nothing_is_started(name, why);
-                    return Ok(None);
-                }
-                match NAMES.iter().find(|name| **name == base) {
-                    Some(_) => (NAMES[0], Vec::new()),
+                match instead_of(launch.name()) {
+                    Some((_, Instead::Component(OPERATOR))) => return self.with_operator(),
+                    Some((_, Instead::Component(component))) => (component, Vec::new()),
+                    Some((program, Instead::Nothing(why))) => {
+                        self.say_that_nothing_is_started(program, why);
+                        return Ok(None);
+                    }
                     None => return Ok(Some(command)),
                 }
             }
-            Command::Send(Request::Load { module, args }, _) => {
-                match NAMES.iter().find(|name| **name == module.as_str()) {
-                    Some(name) => (*name, args.clone()),
-                    None => return Ok(Some(self.with_cards(self.with_homing(command)))),
-                }
-            }
+            Command::Send(Request::Load { module, args }, _) => match instead_of(module) {
+                // The module has these names, too.
+                Some((name, Instead::Component(IO))) => (name, args.clone()),
+                _ => return Ok(Some(self.with_cards(self.with_homing(command)))),
+            },
             _ => return Ok(Some(command)),
         };
-        if self.is_machine && self.component_of(NAMES[0])?.is_some() {
+        if self.is_machine && self.component_of(IO)?.is_some() {
             self.say_that_it_is_there(module, &args);
             return Ok(None);
         }
-        let note = Some(format!("Realtime module '{module}' loaded"));
-        Ok(Some(Command::Send(Request::Load { module: module.to_owned(), args }, note)))
+        Ok(Some(load(module, args)))
     }
 
     /// Returns whether a person wants a stand-in in the place of a program.
@@ -84,8 +119,7 @@ impl Session<'_> {
             self.note("halui is loaded behind motmod");
             return Ok(None);
         }
-        let note = Some(format!("Realtime module '{OPERATOR}' loaded"));
-        Ok(Some(Command::Send(Request::Load { module: OPERATOR.to_owned(), args }, note)))
+        Ok(Some(load(OPERATOR, args)))
     }
 
     /// Tells `motmod` of a machine which homing module it must find.

@@ -1,10 +1,7 @@
 //! Parts of a machine: the modules and programs that its files load, and whether each is there.
 
 use crate::{
-    Command, Error,
-    language::syntax::Statement,
-    session::{dry_run::DryRun, natives::Native},
-    standin,
+    Command, Error, io::built_in, language::syntax::Statement, session::dry_run::DryRun, standin,
 };
 use hal_protocol::{At, Kind, Link, Reply, Request};
 use std::{
@@ -101,8 +98,8 @@ pub(super) fn text(
 /// Returns the name of the module or program that a line loads or starts, and whether it is a module.
 fn loaded(words: &[String]) -> Option<(String, bool)> {
     match Statement::of_words(words).0.command().ok()? {
-        Command::Launch(launch) => Some(match Native::of(&launch) {
-            Some(native) => (native.component().to_owned(), true),
+        Command::Launch(launch) => Some(match built_in(&launch) {
+            Some(name) => (name.to_owned(), true),
             None => (launch.name().to_owned(), false),
         }),
         Command::Send(Request::Load { module, .. } | Request::LoadForeign { module, .. }, _) => {
@@ -135,6 +132,11 @@ mod tests {
             ("loadusr -Wn vfd /usr/bin/gs2_vfd", Some(("gs2_vfd", false))),
             ("loadusr -Wn mpg python -u /x/mpg.py --port=/dev/ttyUSB0", Some(("mpg.py", false))),
             ("loadusr -W hal_input -KRAL Gamepad", Some(("hal_input", true))),
+            ("loadusr -W /usr/bin/io", Some(("iocontrol", true))),
+            ("loadusr -W iov2 -ini x", Some(("iocontrol", true))),
+            ("loadusr -W halui", Some(("halui", true))),
+            ("loadusr milltask", Some(("milltask", true))),
+            ("loadusr sudo linuxcncsvr", Some(("linuxcncsvr", true))),
             ("loadusr", None),
             ("net a b", None),
         ] {

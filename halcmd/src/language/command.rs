@@ -161,9 +161,20 @@ fn base(path: &str) -> &str {
 impl Launch {
     /// Returns the name of the program without its folder; for an interpreter, that of the file that it executes.
     pub(crate) fn name(&self) -> &str {
-        let own = base(&self.program);
-        let file = self.args.iter().find(|arg| !arg.starts_with('-'));
-        file.filter(|_| INTERPRETERS.contains(&own)).map_or(own, |file| base(file))
+        let script = self.script().and_then(|at| self.args.get(at));
+        base(script.unwrap_or(&self.program))
+    }
+
+    /// Returns the arguments of the program that [`Self::name`] names.
+    pub(crate) fn own_args(&self) -> &[String] {
+        let from = self.script().map_or(0, |at| at + 1);
+        self.args.get(from..).unwrap_or_default()
+    }
+
+    /// Returns the place of the file that an interpreter executes, among the arguments.
+    fn script(&self) -> Option<usize> {
+        let is_interpreter = INTERPRETERS.contains(&base(&self.program));
+        self.args.iter().position(|arg| !arg.starts_with('-')).filter(|_| is_interpreter)
     }
 
     /// Returns whether an argument names a device of a port, a bus or a person's hand.

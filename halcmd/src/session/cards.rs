@@ -122,8 +122,8 @@ impl Cards {
         }
     }
 
-    /// Adds the cards that a line names.
-    fn add(&mut self, line: &str, values: Values<'_>) {
+    /// Adds the cards that a line names. Returns the line without its comment and with its variables replaced.
+    fn add(&mut self, line: &str, values: Values<'_>) -> String {
         let code = line.split('#').next().unwrap_or_default();
         // A line with a variable that is missing is refused when it is executed.
         let code = replace(code, values).unwrap_or_else(|_| code.to_owned());
@@ -151,6 +151,7 @@ impl Cards {
                 *count = (*count).max(number.saturating_add(1));
             }
         }
+        code
     }
 }
 
@@ -162,8 +163,8 @@ fn look(path: &Path, values: Values<'_>, seen: &mut BTreeSet<PathBuf>, cards: &m
     let Ok(text) = whole(path) else { return };
     let here = path.parent().unwrap_or_else(|| Path::new(""));
     for line in String::from_utf8_lossy(&text).lines() {
-        cards.add(line, values);
-        if let Some(file) = line.trim().strip_prefix("source ") {
+        let code = cards.add(line, values);
+        if let Some(file) = code.trim().strip_prefix("source ") {
             look(&hal_ini::beside(here, file.trim()), values, seen, cards);
         }
     }
@@ -255,5 +256,29 @@ mod tests {
             let expected: Vec<_> = expected.iter().map(|(k, n)| ((*k).to_owned(), *n)).collect();
             assert_eq!(found, expected, "{line}");
         }
+    }
+
+    #[test]
+    fn sourced_files_name_cards() {
+        let folder = std::env::temp_dir().join(format!("ferrule-cards-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let ini = Ini::parse("a.ini", b"[HAL]\nCARDS = cards.hal\n").unwrap();
+        let values = Values { environment: &|_| None, ini: Some(&ini) };
+        let main = folder.join("main.hal");
+        std::fs::write(folder.join("cards.hal"), "addf hm2_7i92.0.read servo\n").unwrap();
+        for (line, want) in [
+            ("source cards.hal", 1),
+            ("  source  cards.hal  # the cards", 1),
+            ("source [HAL]CARDS", 1),
+            ("source [HAL](CARDS) # by variable", 1),
+            ("# source cards.hal", 0),
+            ("source [HAL]OTHER", 0),
+        ] {
+            std::fs::write(&main, line).unwrap();
+            let mut cards = Cards::default();
+            look(&main, values, &mut BTreeSet::new(), &mut cards);
+            assert_eq!(cards.0.len(), want, "{line}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

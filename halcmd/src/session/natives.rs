@@ -1,5 +1,5 @@
 //! Lines that start a program of LinuxCNC that drives a device, such as `loadusr -W hy_vfd -d /dev/ttyUSB0`: a component of
-//! ours does its work, and its pins have the same names. What the program's options say becomes arguments.
+//! Ferrule does its work, and its pins have the same names. What the program's options say becomes arguments.
 
 use crate::{
     Error,
@@ -41,7 +41,7 @@ impl Native {
     /// # Errors
     /// The program has no such option.
     pub(crate) fn arguments(&self, launch: &Launch) -> Result<Vec<String>, Error> {
-        (self.arguments)(&launch.args)
+        (self.arguments)(launch.own_args())
     }
 }
 
@@ -55,12 +55,11 @@ fn input(words: &[String]) -> Vec<String> {
             continue;
         }
         // A comma separates devices; in a name any letter stands for it.
-        let device = match word.replace(',', "?") {
-            name if name == *word => name,
-            name => name.strip_prefix('+').map_or(format!("*{name}*"), |name| format!("+*{name}*")),
-        };
-        devices
-            .push(letters.take().map_or(device.clone(), |letters| format!("{letters} {device}")));
+        let device = word.replace(',', "?");
+        devices.push(match letters.take() {
+            Some(letters) => format!("{letters} {device}"),
+            None => device,
+        });
     }
     // Without a device behind them, the component says what is missing.
     devices.extend(letters.map(str::to_owned));
@@ -165,12 +164,16 @@ fn modbus(words: &[String]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{
+        Command,
+        language::{syntax::Statement, vars::Values},
+    };
 
     /// Returns the component and the arguments for a line.
     fn of(line: &str) -> Result<(&'static str, Vec<String>), Error> {
-        let mut words = line.split(' ').map(str::to_owned);
-        let program = words.next().unwrap();
-        let launch = Launch { program, args: words.collect(), ..Launch::default() };
+        let values = Values { environment: &|_| None, ini: None };
+        let statement = Statement::parse(&format!("loadusr {line}"), values).unwrap();
+        let Ok(Command::Launch(launch)) = statement.command() else { panic!("{line}") };
         let native = Native::of(&launch).unwrap();
         Ok((native.component(), native.arguments(&launch)?))
     }
@@ -195,8 +198,16 @@ mod tests {
             ("hal_input -KRAL Gamepad", "hal_input task=1 devices=-KRAL Gamepad"),
             ("hal_input -KA Dual:1 -L +AT 3", "hal_input task=1 devices=-KA Dual:1,-L +AT,3"),
             ("hal_input -KRAL +Logitech Dual", "hal_input task=1 devices=-KRAL +Logitech,Dual"),
-            ("hal_input Pads,Inc.", "hal_input task=1 devices=*Pads?Inc.*"),
-            ("hal_input -K +Pads,Inc.", "hal_input task=1 devices=-K +*Pads?Inc.*"),
+            ("hal_input Pads,Inc.", "hal_input task=1 devices=Pads?Inc."),
+            ("hal_input -K +Pads,Inc.", "hal_input task=1 devices=-K +Pads?Inc."),
+            ("hal_input Pads,Inc.:1", "hal_input task=1 devices=Pads?Inc.:1"),
+            // The engine removes quotes.
+            ("hal_input -KA \"X-Box 360\"", "hal_input task=1 devices=-KA \"X-Box 360\""),
+            // Of two words of letters, the last one counts.
+            ("hal_input -K -A X", "hal_input task=1 devices=-A X"),
+            ("python3 -u /usr/bin/hal_input -K X", "hal_input task=1 devices=-K X"),
+            ("sudo hal_input +X", "hal_input task=1 devices=+X"),
+            ("/usr/bin/env hy_vfd -t 2", "hy_vfd task=1 target=2 parity=even"),
             ("hal_input -KRAL", "hal_input task=1 devices=-KRAL"),
             ("hal_input", "hal_input task=1"),
         ] {
