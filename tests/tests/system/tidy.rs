@@ -191,6 +191,7 @@ fn arrows_point_only_downward() {
         ("hal-modbus", &[]),
         ("hal-modbus-devices", &["hal-modbus"]),
         ("modbus", &["hal-component", "hal-ini", "hal-modbus", "hal-modbus-devices", "port"]),
+        ("input", &["hal-component", "hal-ini", "port"]),
         ("kinematics", &["hal-arm", "hal-component"]),
         ("ferrule-client", &["hal-protocol"]),
         ("ferrule-python", &["hal-gcode", "hal-ini", "hal-job", "hal-protocol", "hal-remap"]),
