@@ -15,7 +15,7 @@ const IO: &str = "iocontrol";
 /// The component with the operator's pins, a program in LinuxCNC.
 const OPERATOR: &str = "halui";
 
-/// What does the work of a program of LinuxCNC.
+/// Replacement of a program of LinuxCNC.
 #[derive(Clone, Copy)]
 enum Instead {
     /// A component that is loaded in its place.

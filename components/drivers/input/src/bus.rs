@@ -26,7 +26,7 @@ pub(crate) struct Identity {
     pub(crate) name: String,
     /// Place of its connection; over Bluetooth, the address of the computer's adapter.
     pub(crate) phys: String,
-    /// Its own address or serial number; empty for most devices on USB.
+    /// Address or serial number of the device itself; empty for most devices on USB.
     pub(crate) uniq: String,
 }
 

@@ -32,11 +32,11 @@ pub(crate) enum Refused {
 pub(crate) enum Unusable {
     /// The user may not open its node.
     Forbidden,
-    /// Its events cannot be kept from other programs, because one of those keeps them already.
+    /// Another program, or another open node, has grabbed its events.
     Kept,
-    /// It lacks a button or an axis that has a pin.
+    /// A button or an axis that has a pin is missing.
     Lacking,
-    /// Its node cannot be read.
+    /// The node cannot be read.
     Unread(Lost),
 }
 

@@ -171,7 +171,7 @@ impl AxisPins {
         let counts = value.map_or(centre, |value| self.counts_of(value, centre, was));
         was.counts = counts;
         let position = (f64::from(counts) - self.offset.get()) / divisor(self.scale.get());
-        // An offset that is no number, or is too large, leaves the axis at its centre.
+        // An offset that is NaN, or is too large, leaves the axis at its centre.
         let position = if counts == centre || !position.is_finite() { 0.0 } else { position };
         self.counts.set(counts);
         self.position.set(position);

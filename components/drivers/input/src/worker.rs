@@ -19,8 +19,8 @@ const LOOK_NS: i64 = 500_000_000;
 const AT_ONCE: usize = 64;
 /// Largest number of times that a step takes events of a device.
 const MOST_READS: usize = 16;
-/// Number of refusals of a device that is back after which the user is told: the system gives the right to open its node a
-/// moment after the node.
+/// Number of refusals of a device that is back after which a warning is written: the system gives the right to open its node
+/// a moment after the node.
 const TOLD_AFTER: u8 = 2;
 
 /// The worker.
