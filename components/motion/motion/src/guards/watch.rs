@@ -164,3 +164,60 @@ const ROUNDING: f64 = 1e-4;
 fn finite(limit: f64) -> f64 {
     if limit.is_finite() { limit.abs() } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f64 = 0.001;
+
+    /// Returns whether the judge of a joint that rests at 0 accepts these commands.
+    fn accepts(config: &JointConfig, places: &[f64]) -> bool {
+        let mut watch = JointWatch::default();
+        watch.configure(config);
+        let command = |position| MotorCommand {
+            position,
+            offset: 0.0,
+            correction: 0.0,
+            feedback: position,
+            max_velocity: config.max_velocity,
+            is_on: true,
+        };
+        let mut all = [0.0; 4].iter().chain(places);
+        all.all(|at| watch.step(&command(*at), DT, 0))
+    }
+
+    #[test]
+    fn each_allowance_is_as_large_as_it_says() {
+        let config = JointConfig { max_acceleration: 20.0, ..JointConfig::default() };
+        // One cycle's acceleration from rest.
+        let first = |ratio: f64| accepts(&config, &[ratio * 20.0 * DT * DT]);
+        assert!(first(1.0) && first(1.0009));
+        assert!(!first(1.0011));
+        // One cycle's jerk from rest.
+        let config = JointConfig { max_jerk: 1e4, ..config };
+        let first = |ratio: f64| accepts(&config, &[ratio * 1e4 * DT * DT * DT]);
+        assert!(first(1.0) && first(1.000_09));
+        assert!(!first(1.000_11));
+        // Velocity has none but for rounding.
+        let config = JointConfig { max_acceleration: 1e4, ..JointConfig::default() };
+        let at = |ratio: f64| accepts(&config, &[ratio * DT, 2.0 * ratio * DT]);
+        assert!(at(1.0) && !at(1.000_01));
+    }
+
+    /// The larger the coordinates, the coarser their last digit: both limits count.
+    #[test]
+    fn rounding_of_large_coordinates_is_no_violation() {
+        let digit = |at: f64| at * f64::EPSILON;
+        for (min_limit, max_limit) in
+            [(-1e6, 0.0), (0.0, 1e6), (-5e5, 5e5), (f64::NEG_INFINITY, 1e6)]
+        {
+            let config = JointConfig { min_limit, max_limit, ..JointConfig::default() };
+            // A step of one digit of a coordinate at the limit, beside the greatest step: its acceleration is 1e-4 of the limit.
+            let step = DT * DT * 1.001 + digit(1e6);
+            assert!(accepts(&config, &[step]), "{min_limit} {max_limit}");
+        }
+        let config = JointConfig { min_limit: -1.0, max_limit: 1.0, ..JointConfig::default() };
+        assert!(!accepts(&config, &[DT * DT * 1.001 + digit(1e6)]));
+    }
+}

@@ -131,7 +131,7 @@ fn has_stopped(rig: &mut Rig, before: [f64; 3], by: &str) -> String {
 /// Sets a joint in motion, and returns the name of the source of the motion.
 type Begin = fn(&mut Rig) -> &'static str;
 
-const WAYS: [Begin; 9] = [
+const WAYS: [Begin; 10] = [
     |rig| {
         rig.say("motion.jog joint=0 velocity=20");
         "a jog of the joint"
@@ -144,6 +144,14 @@ const WAYS: [Begin; 9] = [
         rig.say("motion.configure joint=0 home=60");
         rig.say("motion.home joint=0");
         rig.cycles(200);
+        "homing"
+    },
+    |rig| {
+        // Between two phases of homing: the joint rests for 0.1 s before the search.
+        rig.say("motion.configure joint=0 home-search-vel=20 home-latch-vel=5");
+        rig.say("motion.home joint=0");
+        rig.cycles(20);
+        assert!(rig.is("joint.0.homing") && rig.joint(0, "vel-cmd") == 0.0);
         "homing"
     },
     |rig| {

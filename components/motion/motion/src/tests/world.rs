@@ -17,6 +17,8 @@ struct Leap {
     shut: In<bool>,
     /// Error of joint 1 in the inverse kinematics.
     beside: In<f64>,
+    /// Number of the joint whose place is no number; -1 for none.
+    nowhere: In<i32>,
     /// TRUE if joints 0 and 1 are the sum and the difference of X and Y.
     is_crossed: In<bool>,
 }
@@ -52,6 +54,11 @@ impl Kinematics for Leap {
             joints[1] = pose[0] - pose[1];
         }
         joints[1] += self.beside.get();
+        if let Some(joint) =
+            usize::try_from(self.nowhere.get()).ok().and_then(|n| joints.get_mut(n))
+        {
+            *joint = f64::NAN;
+        }
         Ok(Solved::Regular)
     }
 }
@@ -65,6 +72,7 @@ impl Component for Leaps {
             lost: b.item("leaps.lost", "No pose.", false)?,
             shut: b.item("leaps.shut", "No joints.", false)?,
             beside: b.item("leaps.beside", "Other joints.", 0.0)?,
+            nowhere: b.item("leaps.nowhere", "No number.", -1)?,
             is_crossed: b.item("leaps.is-crossed", "Sum and difference.", false)?,
         };
         b.offer_kinematics(leap)
@@ -224,6 +232,29 @@ fn a_pose_that_cannot_be_reached_any_more_is_told_once() {
             rig.cycles(5);
         }
         assert!(rig.bench.said().is_empty());
+    }
+}
+
+/// What kinematics say of joints that they do not move is nothing.
+#[test]
+fn a_joint_without_a_number_counts_only_if_the_kinematics_move_it() {
+    for (nowhere, counts) in [(0, true), (1, true), (2, true), (3, false), (4, false)] {
+        for mode in ["teleop", "coord"] {
+            let mut bench = Bench::new();
+            bench.load::<Leaps>(&[]).unwrap();
+            let mut rig = Rig::load::<Motmod>(bench, &["num_joints=5", "num_extrajoints=1"]);
+            rig.say("motion.configure joint=4 max-velocity=50 max-acceleration=500");
+            rig.done("motion.enable");
+            rig.done("motion.home joint=all");
+            rig.done(&format!("motion.mode mode={mode}"));
+            rig.bench.set("leaps.nowhere", nowhere);
+            rig.cycles(5);
+            let said = rig.bench.said();
+            let expected: &[&str] = if counts { &["the kinematics cannot go there"] } else { &[] };
+            assert_eq!(said, expected, "{nowhere} {mode}");
+            assert!(rig.is("motion.motion-enabled"));
+            (0..3).for_each(|n| assert!(rig.joint(n, "motor-pos-cmd").is_finite()));
+        }
     }
 }
 
