@@ -7,7 +7,7 @@ use crate::{
 };
 use hal_component::{
     Clock, Error, Messages, MotionCommand, MotionEnd, MotionId, MotionRef, MotionRefusal,
-    MotionToken, Period, StopEpoch, Touch, Update, Uses, motion_kind, motion_source,
+    MotionStatus, MotionToken, Period, StopEpoch, Touch, Update, Uses, motion_kind, motion_source,
 };
 use hal_safety::{
     Ends, Epoch,
@@ -228,10 +228,7 @@ impl Keeper {
     fn work(&self) -> Option<Work> {
         let job = self.pins.job.get();
         let Some(motion) = &self.motion else { return Some(Work { job, ..Work::default() }) };
-        let status = motion.status()?;
-        let waits = status.claimed || status.queue != 0;
-        let moves = waits || status.homing || !status.in_position;
-        Some(Work { moves, waits, homes: status.homing, job })
+        Some(work_of(&motion.status()?, job))
     }
 
     fn step(&mut self) {
@@ -317,4 +314,11 @@ impl Update for Step {
     fn update(&mut self, _: Period) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).step();
     }
+}
+
+/// Returns what motion does, by its record.
+pub(crate) const fn work_of(status: &MotionStatus, job: bool) -> Work {
+    let waits = status.claimed || status.queue != 0;
+    let moves = waits || status.homing || !status.in_position;
+    Work { moves, waits, homes: status.homing, job }
 }

@@ -1,7 +1,8 @@
 //! Programs that were started under the lease.
 
 use super::rig::Rig;
-use hal_component::{MotionCommand, motion_kind};
+use crate::keeper::work_of;
+use hal_component::{MotionCommand, MotionStatus, motion_kind};
 
 impl Rig {
     /// Begins a program: a long move, for which the task claims motion.
@@ -154,6 +155,29 @@ fn a_job_does_what_its_start_said_and_the_next_one_what_the_machine_says() {
     let why = rig.command("remote.start", "lease=1 on-loss=stop").unwrap_err();
     assert_eq!(why, "on-loss is stop, must be hold, continue or abort");
     assert!(rig.command("remote.status", "").unwrap().concat().ends_with("on-loss=hold"));
+}
+
+#[test]
+fn each_sign_of_work_counts_alone() {
+    let rig = Rig::homed(&[]);
+    let idle = rig.motion.status().unwrap();
+    for set in 0..32_u32 {
+        let is = |n: u32| set >> n & 1 == 1;
+        let (claimed, queue, homing, in_position) = (is(0), u32::from(is(1)) * 7, is(2), !is(3));
+        let status = MotionStatus { claimed, queue, homing, in_position, ..idle };
+        let work = work_of(&status, is(4));
+        let (waits, moves) = (is(0) || is(1), is(0) || is(1) || is(2) || is(3));
+        assert_eq!((work.waits, work.moves, work.homes, work.job), (waits, moves, is(2), is(4)));
+    }
+}
+
+#[test]
+fn the_status_names_the_holder_while_there_is_one() {
+    let rig = Rig::homed(&[]);
+    let status = || rig.command("remote.status", "").unwrap().concat();
+    assert!(status().starts_with("lease=1 holder=ana "), "{}", status());
+    rig.command("remote.give", "lease=1").unwrap();
+    assert!(status().starts_with("lease=0 holder= "), "{}", status());
 }
 
 #[test]
