@@ -10,6 +10,9 @@ const COMMANDS: u32 = 250;
 /// Joint whose switch is closed above this motor position.
 const SWITCH: f64 = 30.0;
 
+/// Distance within which joint 1 brakes from its highest speed.
+const BRAKE: f64 = 10.0;
+
 /// Returns a homed machine with limits of jerk, wheels, a home switch of joint 0 and an external offset of y.
 fn machine(random: &mut Random, kinematics: &[&str]) -> Rig {
     let mut rig = Rig::on(kinematics);
@@ -56,7 +59,15 @@ fn run(rig: &mut Rig, random: &mut Random, cycles: usize) {
         for (n, (.., min, max)) in LIMITS.iter().enumerate() {
             let place = rig.joint(n, "pos-cmd");
             let is_inside = min - 1e-5 <= place && place <= max + 1e-5;
-            assert!(is_inside || !rig.is(&format!("joint.{n}.homed")), "joint {n} at {place}");
+            // A path is planned without the offset: where that is too slow to give way, the path ends with an error.
+            let by_offset =
+                n == 1 && rig.is("motion.coord-mode") && rig.is("motion.eoffset-active");
+            let is_ending = by_offset
+                && rig.is("motion.on-soft-limit")
+                && place - max < 10.0
+                && min - place < 10.0;
+            let is_homed = rig.is(&format!("joint.{n}.homed"));
+            assert!(is_inside || is_ending || !is_homed, "joint {n} at {place}");
         }
     }
 }
@@ -132,6 +143,7 @@ fn random_commands_hold_the_jerk() {
 #[ignore = "a million commands take ten minutes: cargo test -p motion --release hold_jerk -- --ignored"]
 fn a_million_random_commands_hold_the_jerk() {
     for seed in 100..200 {
+        println!("{seed}");
         hold(seed, 10_000);
     }
 }
