@@ -1,29 +1,9 @@
 //! Huanyang's inverter: ramps, trips, and a time-out by its own clock.
 
 use crate::Device;
-use hal_modbus::huanyang::{COMMAND_REVERSE, COMMAND_RUN, STOP, frame, measured, parts, state};
-
-/// Numbers of settings (PD000 to PD255).
-pub mod setting {
-    /// Frequency at which the motor has its rated voltage, in 0.01 Hz.
-    pub const BASE_FREQUENCY: u8 = 4;
-    /// Greatest frequency, in 0.01 Hz.
-    pub const MAX_FREQUENCY: u8 = 5;
-    /// Least frequency, in 0.01 Hz.
-    pub const MIN_FREQUENCY: u8 = 11;
-    /// Time from rest to the greatest frequency, in 0.1 s.
-    pub const ACCELERATION: u8 = 14;
-    /// Time from the greatest frequency to rest, in 0.1 s.
-    pub const DECELERATION: u8 = 15;
-    /// Rated voltage of the motor, in 0.1 V.
-    pub const MOTOR_VOLTAGE: u8 = 141;
-    /// Rated current of the motor, in 0.1 A.
-    pub const MOTOR_CURRENT: u8 = 142;
-    /// Number of the motor's poles.
-    pub const MOTOR_POLES: u8 = 143;
-    /// Turns per minute of the motor at 50 Hz.
-    pub const MOTOR_TURNS: u8 = 144;
-}
+use hal_modbus::huanyang::{
+    COMMAND_REVERSE, COMMAND_RUN, STOP, frame, measured, parts, setting, state,
+};
 
 /// Values of a spindle of 2.2 kW that turns 24000 times a minute at 400 Hz.
 const SETTINGS: &[(u8, u16)] = &[
@@ -43,7 +23,7 @@ const SETTINGS: &[(u8, u16)] = &[
 pub struct Inverter {
     /// Number of the device.
     pub unit: u8,
-    /// Trip: the output is off, whatever is commanded, until a stop has come after the trip.
+    /// Trip: the output is off, whatever is commanded. Its end is a reset at the panel: the next command to run starts it again.
     pub trip: bool,
     /// Time without a frame after which it stops by itself, in nanoseconds; 0 for never.
     pub timeout_ns: i64,
@@ -52,7 +32,8 @@ pub struct Inverter {
     command: u8,
     /// Frequency at the output, in 0.01 Hz; negative in reverse.
     output: f64,
-    needs_stop: bool,
+    /// It has tripped, and was not reset since.
+    has_tripped: bool,
     now: i64,
     /// Time of the last frame for it.
     heard: i64,
@@ -80,7 +61,7 @@ impl Inverter {
             set: 0,
             command: STOP,
             output: 0.0,
-            needs_stop: false,
+            has_tripped: false,
             now: 0,
             heard: 0,
             starts: 0,
@@ -103,7 +84,7 @@ impl Inverter {
     /// Returns whether it is commanded to run, and does.
     #[must_use]
     pub const fn runs(&self) -> bool {
-        self.command & COMMAND_RUN != 0 && !self.trip && !self.needs_stop
+        self.command & COMMAND_RUN != 0 && !self.trip
     }
 
     /// Returns the number of times that it has begun to run.
@@ -121,9 +102,6 @@ impl Inverter {
     fn control(&mut self, command: u8) {
         let did_run = self.runs();
         self.command = command;
-        if command & COMMAND_RUN == 0 {
-            self.needs_stop = self.trip;
-        }
         if !did_run && self.runs() {
             self.starts = self.starts.wrapping_add(1);
         }
@@ -162,9 +140,10 @@ impl Device for Inverter {
     fn advance(&mut self, now_ns: i64) {
         let seconds = (now_ns - self.now).max(0) as f64 * 1e-9;
         self.now = self.now.max(now_ns);
-        if self.trip {
-            self.needs_stop = true;
+        if self.has_tripped && !self.trip {
+            self.command = STOP;
         }
+        self.has_tripped = self.trip;
         if 0 < self.timeout_ns && self.timeout_ns < now_ns - self.heard {
             self.command = STOP;
         }
@@ -175,7 +154,7 @@ impl Device for Inverter {
             (true, false) => f64::from(self.set.max(low).min(top)),
             (true, true) => -f64::from(self.set.max(low).min(top)),
         };
-        if self.trip || self.needs_stop {
+        if self.trip {
             self.output = 0.0;
             return;
         }

@@ -14,5 +14,5 @@ mod slave;
 mod tests;
 
 pub use bus::{Bus, Device, Faults, Timing};
-pub use inverter::{Inverter, setting};
+pub use inverter::Inverter;
 pub use slave::Slave;

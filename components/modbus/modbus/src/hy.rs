@@ -6,15 +6,21 @@
 //! | `pins` | its pins, and what passes between function and worker |
 //! | `gate` | Realtime: the function, which reads and writes pins and watches the worker |
 //! | `drive` | what is said to the inverter, and when |
+//! | `question` | requests to it |
+//! | `note` | events that a person has to know |
 //! | `worker` | the worker, which keeps the line |
 //! | `halt` | the stop that needs no worker |
+//! | `flags` | between that stop and the worker |
 //! | `simulated` | pins of the simulated inverter |
 
 mod config;
 mod drive;
+mod flags;
 mod gate;
 mod halt;
+mod note;
 mod pins;
+mod question;
 mod simulated;
 #[cfg(test)]
 mod tests;
@@ -59,11 +65,12 @@ Pins and parameters have the names of LinuxCNC's program `hy_vfd`. Its options a
 | PD004, PD005, PD011 | rated, greatest and least frequency |
 | PD141 to PD144 | voltage, current, poles, and turns per minute at 50 Hz |
 | PD163 | 1, or `target` |
-| PD164 | 1 for 9600, 2 for 19200, 3 for 38400: `rate` |
+| PD164 | 0 for 4800, 1 for 9600, 2 for 19200, 3 for 38400: `rate` |
 | PD165 | 3: 8 bits, no parity, 1 stop bit, RTU |
 
 The driver sends the command, the frequency and a request for each measurement, one after the other, and begins again. It sends a
-changed command before anything else.
+changed command before anything else. Settings that arguments state are written once after the load; if the inverter does not take one
+of them, a message says so, and the spindle stands.
 
 The driver sends a stop to the inverter in each of these cases:
 
@@ -72,14 +79,16 @@ The driver sends a stop to the inverter in each of these cases:
 | `spindle-on` or `enable` is FALSE | one request |
 | the function does not run | 0.2 s |
 | the worker stands still: the function sends the stop | 0.5 s |
-| the instance stops or ends | at once |
+| the inverter has stopped by itself, as after a trip: its reset starts nothing | one round, 0.25 s |
+| the component is loaded: the inverter may run by the command of a process that was killed | at once, until it is answered |
+| the instance stops or ends | at once, behind the request under way |
 
 The driver cannot send a stop when the process is killed (`kill -9`), when the computer loses its power, or when the line is cut. Put a
 contactor into the e-stop chain for these cases, or set the inverter's own time-out if it has one. The time-out must be longer
 than `timeout`.
 
-`fault` is TRUE while the inverter has not answered for `timeout`; the motion controller is off then, and refuses to be switched
-on. Nothing starts by itself: after a fault, a stop or a gap in time, and after the load, the spindle turns once `spindle-on` was
+`fault` is TRUE while requests fail and none was answered for `timeout`; the motion controller is off then, and refuses to be switched
+on. Nothing starts by itself: after a fault, a loss of the line, a trip, a stop or a gap in time, and after the load, the spindle turns once `spindle-on` was
 FALSE while the inverter answers.
 
 `spindle-at-speed` compares with `speed-command`, as LinuxCNC's does: it stays FALSE for a speed outside the inverter's limits, and

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `line` | lines: serial, TCP, simulated |
 //! | `station` | one request at a time on a line |
+//! | `sync` | the atomics |
 //! | `hy` | the component `hy_vfd`: Huanyang's inverters |
 //! | `mb` | the component `modbus`: devices by the files of LinuxCNC's `mb2hal` |
 //!
@@ -15,5 +16,6 @@ mod hy;
 mod line;
 mod mb;
 mod station;
+mod sync;
 
 hal_component::export!(hy::HyVfd, mb::Modbus);

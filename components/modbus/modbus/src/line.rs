@@ -10,14 +10,20 @@ pub(crate) use tcp::TcpPlace;
 
 use core::{fmt, time::Duration};
 use port::{Exchange, Lost};
-
-/// Time in which the end of an answer passes, and the silence behind it.
-pub(crate) const PAUSE: Duration = Duration::from_millis(40);
+use rustix::event::{Timespec, poll};
 
 /// Line on which somebody other than its worker can have the last word.
 pub(crate) trait Carrier: Exchange {
-    /// Sends a frame after [`PAUSE`], so that the device hears it whatever was under way.
-    fn send_last(&self, frame: &[u8]) -> Result<(), Lost>;
+    /// Realtime. Sends a frame at this moment of machine time. Allocates nothing and takes no lock on a real line: one system call,
+    /// which does not wait.
+    fn send_now(&self, frame: &[u8], _now_ns: i64) -> Result<(), Lost> {
+        self.send(frame)
+    }
+
+    /// Has the line send a frame so much later than `now_ns`, the machine's time. Returns whether the line can do that by itself.
+    fn send_later(&self, _frame: &[u8], _wait: Duration, _now_ns: i64) -> bool {
+        false
+    }
 }
 
 /// Open line, whatever it is.
@@ -25,7 +31,7 @@ pub(crate) struct OpenLine(Box<dyn Carrier>);
 
 impl fmt::Debug for OpenLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Way")
+        f.write_str("OpenLine")
     }
 }
 
@@ -34,9 +40,14 @@ impl OpenLine {
         Self(Box::new(line))
     }
 
-    /// Sends a frame after [`PAUSE`].
-    pub(crate) fn send_last(&self, frame: &[u8]) -> Result<(), Lost> {
-        self.0.send_last(frame)
+    /// Realtime. Sends a frame at this moment of machine time.
+    pub(crate) fn send_now(&self, frame: &[u8], now_ns: i64) -> Result<(), Lost> {
+        self.0.send_now(frame, now_ns)
+    }
+
+    /// Has a simulated line send a frame so much later. Returns whether it is one.
+    pub(crate) fn send_later(&self, frame: &[u8], wait: Duration, now_ns: i64) -> bool {
+        self.0.send_later(frame, wait, now_ns)
     }
 }
 
@@ -91,4 +102,22 @@ impl fmt::Display for LinePlace {
 /// Returns whether a text may be the path of a device.
 pub(crate) fn is_path(text: &str) -> bool {
     text.starts_with('/') && text.len() <= 255 && !text.chars().any(char::is_control)
+}
+
+/// Returns whether a text may be a part of the name of a pin.
+pub(crate) fn is_name(text: &str) -> bool {
+    let usual = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    !text.is_empty() && text.chars().all(usual)
+}
+
+/// Waits. Allocates nothing and takes no lock.
+pub(crate) fn pause(time: Duration) {
+    let _ = poll(&mut [], Some(&timespec(time)));
+}
+
+fn timespec(time: Duration) -> Timespec {
+    Timespec {
+        tv_sec: i64::try_from(time.as_secs()).unwrap_or(i64::MAX),
+        tv_nsec: i64::from(time.subsec_nanos()),
+    }
 }

@@ -7,6 +7,7 @@
 //! | `refused` | why a file or an argument is refused |
 //! | `pins` | pins of a transaction, and of its simulated device |
 //! | `schedule` | which transaction is next |
+//! | `simulation` | simulated devices of a line |
 //! | `worker` | the worker of a line |
 //! | `probe` | the command `modbus.probe` |
 
@@ -16,6 +17,7 @@ mod pins;
 mod probe;
 mod refused;
 mod schedule;
+mod simulation;
 #[cfg(test)]
 mod tests;
 mod worker;
@@ -34,7 +36,8 @@ use hal_modbus::silence_ns;
 use hal_modbus_devices::{Bus, Slave, Timing};
 use pins::{HealthPins, SimulatedValues, ValuePins};
 use schedule::Schedule;
-use worker::{Counts, LinkState, LinkWorker, Simulation, Slaves, Transaction};
+use simulation::{Simulation, Slaves};
+use worker::{Counts, LinkState, LinkWorker, Transaction};
 
 /// Period of the workers, in nanoseconds.
 const PERIOD_NS: i64 = 1_000_000;
@@ -187,7 +190,7 @@ fn worker(
         station: Station::new(silence.saturating_add(link.pause_ns), char_ns),
         schedule: Schedule::new(own(), is_tcp),
         inbox,
-        state: LinkState::new(),
+        state: LinkState::new(own().count()),
     };
     b.worker(&name, "Speaks with the devices of a line.", PERIOD_NS, 1, worker)
 }

@@ -7,10 +7,15 @@ use port::{Exchange as _, Lost};
 
 /// Largest number of bytes that are kept for one answer, with the noise around it.
 const MAX_CAME: usize = 2048;
+/// Time that devices usually take before an answer, in nanoseconds.
+const USUAL_NS: i64 = 20_000_000;
 
 /// Question, with the form of its answer.
 pub(crate) trait Question {
     type Answer;
+
+    /// Returns the number of bytes of the longest answer.
+    fn answer_len(&self) -> usize;
 
     /// Finds the answer in the bytes that have come.
     fn find(&self, bytes: &[u8]) -> Result<Option<Self::Answer>, Miss>;
@@ -19,17 +24,15 @@ pub(crate) trait Question {
     fn miss(&self, bytes: &[u8]) -> Miss;
 }
 
-/// Reason why a request has no answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Failure {
-    /// No answer came.
-    Missed(Miss),
-    /// The line is lost.
-    Lost(Lost),
+/// Loss of the line, with the request that was under way.
+#[derive(Debug)]
+pub(crate) struct LineLoss<Q> {
+    pub(crate) question: Option<Q>,
+    pub(crate) lost: Lost,
 }
 
 /// A request and its end.
-pub(crate) type Ended<Q> = (Q, Result<<Q as Question>::Answer, Failure>);
+pub(crate) type Ended<Q> = (Q, Result<<Q as Question>::Answer, Miss>);
 
 /// The master's end of a line.
 #[derive(Debug)]
@@ -54,31 +57,51 @@ impl<Q: Question> Station<Q> {
         self.pending.is_none() && self.silence_ns <= now.saturating_sub(self.quiet_since)
     }
 
-    /// Sends a request, whose answer may take this long. Returns a request whose line is lost.
+    /// Returns the time at which a request is heard by the device, if it answers the one under way as fast as usual.
+    pub(crate) fn quiet_at(&self) -> i64 {
+        let answer = match &self.pending {
+            Some((question, _)) => self
+                .silence_ns
+                .saturating_add(USUAL_NS)
+                .saturating_add(self.chars(question.answer_len())),
+            None => 0,
+        };
+        self.quiet_since.saturating_add(answer).saturating_add(self.silence_ns)
+    }
+
+    fn chars(&self, count: usize) -> i64 {
+        self.char_ns.saturating_mul(i64::try_from(count).unwrap_or(i64::MAX))
+    }
+
+    /// Sends a request. Its answer may begin so many nanoseconds later.
     pub(crate) fn ask(
         &mut self,
-        way: &OpenLine,
+        line: &OpenLine,
         question: Q,
         frame: &[u8],
         within: i64,
         now: i64,
-    ) -> Result<(), (Q, Lost)> {
+    ) -> Result<(), LineLoss<Q>> {
         self.came.clear();
-        if let Err(lost) = way.send(frame) {
-            return Err((question, lost));
+        if let Err(lost) = line.send(frame) {
+            return Err(LineLoss { question: Some(question), lost });
         }
-        let count = i64::try_from(frame.len()).unwrap_or(i64::MAX);
-        let sent = now.saturating_add(self.char_ns.saturating_mul(count));
+        let sent = now.saturating_add(self.chars(frame.len()));
         self.quiet_since = sent;
-        self.pending = Some((question, sent.saturating_add(within)));
+        let answer = self.chars(question.answer_len());
+        self.pending = Some((question, sent.saturating_add(within).saturating_add(answer)));
         Ok(())
     }
 
-    /// Takes what has come. Returns the request that has ended.
-    pub(crate) fn poll(&mut self, way: &OpenLine, now: i64) -> Option<Ended<Q>> {
+    /// Takes what has come. Returns the request that has ended, or the loss of the line, also while nothing is asked.
+    pub(crate) fn poll(
+        &mut self,
+        line: &OpenLine,
+        now: i64,
+    ) -> Result<Option<Ended<Q>>, LineLoss<Q>> {
         let mut into = [0; 256];
         loop {
-            match way.receive(&mut into, Duration::ZERO) {
+            match line.receive(&mut into, Duration::ZERO) {
                 Ok(0) => break,
                 Ok(count) => {
                     self.quiet_since = self.quiet_since.max(now);
@@ -91,40 +114,26 @@ impl<Q: Question> Station<Q> {
                 }
                 Err(lost) => {
                     self.came.clear();
-                    let (question, _) = self.pending.take()?;
-                    return Some((question, Err(Failure::Lost(lost))));
+                    let question = self.pending.take().map(|(question, _)| question);
+                    return Err(LineLoss { question, lost });
                 }
             }
         }
         let Some((question, deadline)) = self.pending.take() else {
             // Nobody has asked: the end of an answer that came too late.
             self.came.clear();
-            return None;
+            return Ok(None);
         };
-        match question.find(&self.came) {
-            Ok(Some(answer)) => {
-                self.came.clear();
-                Some((question, Ok(answer)))
-            }
+        let end = match question.find(&self.came) {
             Ok(None) if now < deadline => {
                 self.pending = Some((question, deadline));
-                None
+                return Ok(None);
             }
-            Ok(None) => {
-                let miss = question.miss(&self.came);
-                self.came.clear();
-                Some((question, Err(Failure::Missed(miss))))
-            }
-            Err(miss) => {
-                self.came.clear();
-                Some((question, Err(Failure::Missed(miss))))
-            }
-        }
-    }
-
-    /// Forgets a request under way, because its line is lost.
-    pub(crate) fn forget(&mut self) {
-        self.pending = None;
+            Ok(None) => Err(question.miss(&self.came)),
+            Ok(Some(answer)) => Ok(answer),
+            Err(miss) => Err(miss),
+        };
         self.came.clear();
+        Ok(Some((question, end)))
     }
 }

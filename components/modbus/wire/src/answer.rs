@@ -36,7 +36,7 @@ fn at_rtu(request: &ModbusRequest, bytes: &[u8]) -> Option<ModbusAnswer> {
     let length = if function == request.function() | REFUSED {
         5
     } else if function == request.function() {
-        body(request) + 4
+        request.answer_len()
     } else {
         return None;
     };

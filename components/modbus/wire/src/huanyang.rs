@@ -26,6 +26,31 @@ pub const COMMAND_RUN: u8 = 0x01;
 /// Bit of a command: reverse.
 pub const COMMAND_REVERSE: u8 = 0x10;
 
+/// Number of bytes of the longest answer.
+pub const MAX_ANSWER: usize = 8;
+
+/// Numbers of settings (PD000 to PD255).
+pub mod setting {
+    /// Frequency at which the motor has its rated voltage, in 0.01 Hz.
+    pub const BASE_FREQUENCY: u8 = 4;
+    /// Greatest frequency, in 0.01 Hz.
+    pub const MAX_FREQUENCY: u8 = 5;
+    /// Least frequency, in 0.01 Hz.
+    pub const MIN_FREQUENCY: u8 = 11;
+    /// Time from rest to the greatest frequency, in 0.1 s.
+    pub const ACCELERATION: u8 = 14;
+    /// Time from the greatest frequency to rest, in 0.1 s.
+    pub const DECELERATION: u8 = 15;
+    /// Rated voltage of the motor, in 0.1 V.
+    pub const MOTOR_VOLTAGE: u8 = 141;
+    /// Rated current of the motor, in 0.1 A.
+    pub const MOTOR_CURRENT: u8 = 142;
+    /// Number of the motor's poles.
+    pub const MOTOR_POLES: u8 = 143;
+    /// Turns per minute of the motor at 50 Hz.
+    pub const MOTOR_TURNS: u8 = 144;
+}
+
 /// Bits of the state, from the lowest.
 pub mod state {
     /// The command was to run.
@@ -110,7 +135,8 @@ impl Ask {
         frame(unit, self.function(), &data)
     }
 
-    /// Returns the value that the data of an answer have: of a command the state of the inverter.
+    /// Returns the value that the data of an answer have: of a command the state of the inverter, of a write the value that the
+    /// setting has now.
     fn read(self, data: &[u8]) -> Option<u16> {
         match (self, data) {
             (Self::Setting(number) | Self::Write(number, _), [which, value])
@@ -123,7 +149,10 @@ impl Ask {
                 [which, high, low],
             ) if *which == number => Some(u16::from_be_bytes([*high, *low])),
             (Self::Control(_), [state]) => Some(u16::from(*state)),
-            (Self::Frequency(_), [high, low]) => Some(u16::from_be_bytes([*high, *low])),
+            // The late answer to another frequency is none to this one.
+            (Self::Frequency(sent), [high, low]) => {
+                Some(u16::from_be_bytes([*high, *low])).filter(|set| *set == sent)
+            }
             _ => None,
         }
     }

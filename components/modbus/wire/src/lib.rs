@@ -29,5 +29,5 @@ pub use answer::{ModbusAnswer, find_rtu, find_tcp};
 pub use crc::{crc, is_whole, push_crc};
 pub use exception::Exception;
 pub use miss::Miss;
-pub use request::{BadRequest, Call, MAX_TCP, ModbusRequest, ModbusTable};
+pub use request::{BadRequest, Call, ModbusRequest, ModbusTable};
 pub use silence::{HUANYANG_SILENCE_NS, char_ns, nanoseconds, silence_ns};

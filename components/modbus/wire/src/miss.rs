@@ -1,10 +1,13 @@
 //! Reasons why the bytes that have come are no answer.
 
-use crate::{ModbusRequest, is_whole};
+use crate::{ModbusRequest, crc};
 use core::fmt;
 
 /// Longest frame on a serial line.
 const MAX_FRAME: usize = 256;
+
+/// Shortest frame: shorter ones are found in any noise.
+const MIN_FRAME: usize = 5;
 
 /// Bytes that came instead of an answer, by their kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,8 +23,8 @@ pub enum Miss {
 }
 
 impl Miss {
-    /// All kinds, without numbers of devices.
-    pub const KINDS: [Self; 4] = [Self::Silent, Self::Other(0), Self::Wrong, Self::Noise];
+    /// Number of kinds.
+    pub const KINDS: usize = 4;
 
     /// Returns what came on a serial line instead of the answer to a request.
     #[must_use]
@@ -42,7 +45,7 @@ impl Miss {
         }
     }
 
-    /// Returns the place among [`Self::KINDS`].
+    /// Returns the number of the kind, below [`Self::KINDS`].
     #[must_use]
     pub const fn kind(self) -> usize {
         match self {
@@ -69,8 +72,10 @@ impl fmt::Display for Miss {
 
 /// Returns the number of the device of a frame that begins with the first byte, of any length.
 fn whole(bytes: &[u8]) -> Option<u8> {
-    let longest = bytes.len().min(MAX_FRAME);
-    let is_frame = |length: usize| bytes.get(..length).is_some_and(is_whole);
-    // Shorter ones are found in any noise.
-    (5..=longest).rev().find(|length| is_frame(*length)).and_then(|_| bytes.first().copied())
+    let mut sum = crc::START;
+    let is_frame = bytes.iter().take(MAX_FRAME).enumerate().any(|(n, byte)| {
+        sum = crc::with(sum, *byte);
+        MIN_FRAME <= n + 1 && sum == 0
+    });
+    bytes.first().copied().filter(|_| is_frame)
 }

@@ -1,6 +1,6 @@
 //! Requests of a Modbus master.
 
-use crate::push_crc;
+use crate::{answer::body, push_crc};
 use core::fmt;
 
 /// Largest number of bits in a read.
@@ -11,8 +11,6 @@ const MAX_READ_WORDS: usize = 125;
 const MAX_WRITE_BITS: usize = 1968;
 /// Largest number of registers in a write.
 const MAX_WRITE_WORDS: usize = 123;
-/// Longest frame over TCP.
-pub const MAX_TCP: usize = 260;
 
 /// Table of a device that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,6 +137,13 @@ impl ModbusRequest {
             Call::WriteRegisters { values, .. } => (values.len(), MAX_WRITE_WORDS),
         };
         if (1..=most).contains(&count) { Ok(()) } else { Err(BadRequest { count, most }) }
+    }
+
+    /// Returns the number of bytes of its answer on a serial line.
+    #[must_use]
+    pub fn answer_len(&self) -> usize {
+        // The number of the device, the function, and the CRC.
+        4 + body(self)
     }
 
     /// Returns the frame for a serial line.

@@ -1,21 +1,12 @@
 //! Arguments of `hy_vfd`.
 
-use crate::line::{Parity, RATES, SerialPlace, is_path};
+use crate::line::{Parity, SerialPlace, is_name, is_path};
 use core::fmt;
 use hal_component::{Arg, Builder, abi::ArgSpec};
-use hal_modbus::nanoseconds;
+use hal_modbus::{huanyang::setting, nanoseconds};
 
-/// Numbers of settings that have arguments.
-mod pd {
-    pub(super) const BASE: u8 = 4;
-    pub(super) const MAX: u8 = 5;
-    pub(super) const MIN: u8 = 11;
-    pub(super) const VOLTAGE: u8 = 141;
-    pub(super) const CURRENT: u8 = 142;
-    pub(super) const POLES: u8 = 143;
-    pub(super) const TURNS: u8 = 144;
-}
-
+/// Rates of PD164, from 0.
+const RATES: [u32; 4] = [4800, 9600, 19200, 38400];
 /// Longest name of an inverter.
 const MAX_NAME: usize = 24;
 
@@ -27,7 +18,7 @@ pub(crate) const ARGS: &[&ArgSpec] = &[
     .or("FALSE"),
     &Arg::text("name", "Name before all pins, and of the function.").or("hy_vfd"),
     &Arg::text("device", "Serial line, best by its name in /dev/serial/by-id.").or("/dev/ttyS0"),
-    &Arg::int("rate", "Bits per second (PD164).").or("19200"),
+    &Arg::int("rate", "Bits per second (PD164): 4800, 9600, 19200 or 38400.").or("19200"),
     &Arg::int("bits", "Data bits.").within(5.0, 8.0).or("8"),
     &Arg::text("parity", "none, even or odd (PD165).").or("none"),
     &Arg::int("stopbits", "Stop bits.").within(1.0, 2.0).or("1"),
@@ -73,7 +64,7 @@ pub(crate) struct HyConfig {
 /// Argument that is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum BadArgument {
-    /// No line has this rate.
+    /// PD164 does not have this rate.
     Rate(i64),
     /// There is no such parity.
     Parity(String),
@@ -94,7 +85,7 @@ impl fmt::Display for BadArgument {
         match self {
             Self::Rate(rate) => {
                 let all: Vec<String> = RATES.iter().map(ToString::to_string).collect();
-                write!(f, "rate={rate}: a serial line has one of {}", all.join(", "))
+                write!(f, "rate={rate}: the inverter has one of {} (PD164)", all.join(", "))
             }
             Self::Parity(text) => write!(f, "parity={text}: must be none, even or odd"),
             Self::Device(text) => {
@@ -131,8 +122,7 @@ impl HyConfig {
         let rate = b.arg_int("rate").unwrap_or(19200);
         let parity = text("parity");
         let name = text("name");
-        let usual = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-        if !(1..=MAX_NAME).contains(&name.len()) || !name.chars().all(usual) {
+        if MAX_NAME < name.len() || !is_name(&name) {
             return Err(BadArgument::Name(name));
         }
         let path = text("device");
@@ -165,22 +155,22 @@ fn writes(b: &Builder<'_>) -> Result<Vec<(u8, u16)>, BadArgument> {
     let top = b.arg_float("max_frequency");
     let mut out = Vec::new();
     for (number, arg, scale) in [
-        (pd::MAX, "max_frequency", 100.0),
-        (pd::BASE, "base_frequency", 100.0),
-        (pd::MIN, "min_frequency", 100.0),
-        (pd::VOLTAGE, "motor_voltage", 10.0),
-        (pd::CURRENT, "motor_current", 10.0),
+        (setting::MAX_FREQUENCY, "max_frequency", 100.0),
+        (setting::BASE_FREQUENCY, "base_frequency", 100.0),
+        (setting::MIN_FREQUENCY, "min_frequency", 100.0),
+        (setting::MOTOR_VOLTAGE, "motor_voltage", 10.0),
+        (setting::MOTOR_CURRENT, "motor_current", 10.0),
     ] {
         if let Some(value) = b.arg_float(arg) {
-            out.push((number, setting(number, value * scale)?));
+            out.push((number, scaled(number, value * scale)?));
         }
     }
     if let Some(poles) = b.arg_int("motor_poles") {
-        out.push((pd::POLES, u16::try_from(poles).map_err(|_| BadArgument::TooLarge(pd::POLES))?));
+        out.push((setting::MOTOR_POLES, u16::try_from(poles).unwrap_or_default()));
     }
     if let Some(speed) = b.arg_float("motor_speed") {
         let top = top.ok_or(BadArgument::Speed)?;
-        out.push((pd::TURNS, setting(pd::TURNS, speed * 50.0 / top)?));
+        out.push((setting::MOTOR_TURNS, scaled(setting::MOTOR_TURNS, speed * 50.0 / top)?));
     }
     for text in b.arg_texts("register") {
         out.push(register(&text).ok_or(BadArgument::Register(text))?);
@@ -190,7 +180,7 @@ fn writes(b: &Builder<'_>) -> Result<Vec<(u8, u16)>, BadArgument> {
 
 /// Returns a value as a setting has it.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within u16")]
-fn setting(number: u8, value: f64) -> Result<u16, BadArgument> {
+fn scaled(number: u8, value: f64) -> Result<u16, BadArgument> {
     let whole = (value + 0.5).floor();
     if (0.0..=65535.0).contains(&whole) {
         Ok(whole as u16)

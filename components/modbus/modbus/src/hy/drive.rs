@@ -1,14 +1,24 @@
 //! Conversation with an inverter: a state machine over requests, answers and times.
 
-use super::pins::Results;
-use crate::station::{Failure, Question};
+mod results;
+
+use super::{note::Note, pins::Inputs, question::HyQuestion};
 use hal_modbus::{
     Miss,
-    huanyang::{self, Ask, RUN_FORWARD, RUN_REVERSE, STOP, measured, state},
+    huanyang::{Ask, RUN_FORWARD, RUN_REVERSE, STOP, measured, setting, state},
 };
+use port::Lost;
 
-/// Settings that are read, by their numbers: maximum, base and least frequency, voltage, current, poles, turns.
-const READ: [u8; 7] = [5, 4, 11, 141, 142, 143, 144];
+/// Settings that are read.
+const READ: [u8; 7] = [
+    setting::MAX_FREQUENCY,
+    setting::BASE_FREQUENCY,
+    setting::MIN_FREQUENCY,
+    setting::MOTOR_VOLTAGE,
+    setting::MOTOR_CURRENT,
+    setting::MOTOR_POLES,
+    setting::MOTOR_TURNS,
+];
 /// Measurements of one round, the most wanted first.
 const ROUND: [u8; 8] = [
     measured::FREQUENCY,
@@ -21,38 +31,6 @@ const ROUND: [u8; 8] = [
     measured::TEMPERATURE,
 ];
 
-/// Request to one inverter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct HyQuestion {
-    pub(crate) unit: u8,
-    pub(crate) ask: Ask,
-}
-
-impl Question for HyQuestion {
-    type Answer = u16;
-
-    fn find(&self, bytes: &[u8]) -> Result<Option<u16>, Miss> {
-        Ok(huanyang::find(self.unit, self.ask, bytes))
-    }
-
-    fn miss(&self, bytes: &[u8]) -> Miss {
-        huanyang::miss(self.unit, bytes)
-    }
-}
-
-/// Demands of the function.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Demand {
-    /// The inverter is spoken to.
-    pub(crate) enable: bool,
-    /// Direction: 0 to stand, 1 forward, -1 reverse.
-    pub(crate) run: i32,
-    /// Speed in turns per minute.
-    pub(crate) speed: f64,
-    /// Number of lapses that the function has seen. A run is commanded only by a function that has seen all of them.
-    pub(crate) seen: u32,
-}
-
 /// Stage of the conversation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
@@ -61,7 +39,7 @@ enum Stage {
     /// A stop is said, whatever the inverter does.
     First,
     /// Settings are written.
-    Write(usize),
+    Write,
     /// Settings are read.
     Read(usize),
     /// Commands and measurements go round.
@@ -72,11 +50,14 @@ enum Stage {
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
     unit: u8,
-    /// Settings to write, with their values.
+    /// Settings to write, with their values, and the number of those that are written: each is written once.
     writes: Vec<(u8, u16)>,
+    written: usize,
+    /// The inverter does not take a setting.
+    is_refused: bool,
     timeout_ns: i64,
     stage: Stage,
-    wanted: Demand,
+    wanted: Inputs,
     settings: [u16; READ.len()],
     measured: [u16; ROUND.len()],
     /// Command that was answered last.
@@ -87,18 +68,26 @@ pub(crate) struct Drive {
     state: u8,
     /// A command to run was sent, and no stop was answered since.
     may_run: bool,
+    /// No stop was answered since the load: the inverter may run by the command of a process that was killed.
+    is_unknown: bool,
+    /// The inverter was seen to run by the command that was answered last.
+    has_run: bool,
     /// Place in the round.
     turn: usize,
     last_answer: i64,
+    /// A request failed since the last answer, or the line is not open.
+    has_failed: bool,
     is_lost: bool,
     /// Number of times after which a person has to command the spindle again.
     lapses: u32,
     requests: u32,
     answers: u32,
-    errors: [u32; Miss::KINDS.len()],
+    errors: [u32; Miss::KINDS],
     losses: u32,
     last_error: i32,
+    last_miss: Miss,
     is_answered: bool,
+    note: Option<Note>,
 }
 
 impl Drive {
@@ -106,25 +95,32 @@ impl Drive {
         Self {
             unit,
             writes,
+            written: 0,
+            is_refused: false,
             timeout_ns,
             stage: Stage::Off,
-            wanted: Demand::default(),
+            wanted: Inputs::default(),
             settings: [0; READ.len()],
             measured: [0; ROUND.len()],
             command: None,
             frequency: None,
             state: 0,
             may_run: false,
+            is_unknown: true,
+            has_run: false,
             turn: 0,
             last_answer: 0,
+            has_failed: false,
             is_lost: false,
             lapses: 0,
             requests: 0,
             answers: 0,
-            errors: [0; Miss::KINDS.len()],
+            errors: [0; Miss::KINDS],
             losses: 0,
             last_error: 0,
+            last_miss: Miss::Silent,
             is_answered: false,
+            note: None,
         }
     }
 
@@ -135,6 +131,11 @@ impl Drive {
 
     /// Returns whether there is anything to say.
     pub(crate) const fn speaks(&self) -> bool {
+        self.is_unknown || self.is_due()
+    }
+
+    /// Returns whether an inverter that does not answer is lost.
+    const fn is_due(&self) -> bool {
         self.may_run || !matches!(self.stage, Stage::Off)
     }
 
@@ -143,8 +144,18 @@ impl Drive {
         self.is_lost
     }
 
+    /// Returns what came last instead of an answer.
+    pub(crate) const fn last_miss(&self) -> Miss {
+        self.last_miss
+    }
+
+    /// Takes the event that a person has to know.
+    pub(crate) const fn take_note(&mut self) -> Option<Note> {
+        self.note.take()
+    }
+
     /// Takes what the function wants.
-    pub(crate) fn want(&mut self, wanted: Demand, now: i64) {
+    pub(crate) fn want(&mut self, wanted: Inputs, now: i64) {
         self.wanted = wanted;
         if wanted.enable && self.stage == Stage::Off {
             self.stage = Stage::First;
@@ -155,20 +166,23 @@ impl Drive {
             self.stage = Stage::Off;
             self.lapses = self.lapses.wrapping_add(1);
         }
-        let is_late = self.speaks() && self.timeout_ns < now.saturating_sub(self.last_answer);
+        // Time in which nothing was asked, as while the worker stood still, is no fault of the inverter.
+        let is_late = self.is_due()
+            && self.has_failed
+            && self.timeout_ns < now.saturating_sub(self.last_answer);
         if is_late && !self.is_lost {
             self.is_lost = true;
             self.lapse();
         }
-        if !self.speaks() {
-            (self.is_lost, self.is_answered) = (false, false);
+        if !self.is_due() {
+            (self.is_lost, self.is_answered, self.has_failed) = (false, false, false);
         }
     }
 
     /// Says a stop next, and nothing else until a person has commanded the spindle again.
     pub(crate) fn lapse(&mut self) {
         self.lapses = self.lapses.wrapping_add(1);
-        self.command = None;
+        (self.command, self.has_run) = (None, false);
         if self.stage != Stage::Off {
             self.stage = Stage::First;
         }
@@ -177,11 +191,11 @@ impl Drive {
     /// Returns what to say next.
     pub(crate) fn next(&mut self) -> Option<HyQuestion> {
         let ask = match self.stage {
-            Stage::Off if self.may_run => Ask::Control(STOP),
+            Stage::Off if self.speaks() => Ask::Control(STOP),
             Stage::Off => return None,
             Stage::First => Ask::Control(STOP),
-            Stage::Write(n) => {
-                let (number, value) = self.writes.get(n).copied().unwrap_or_default();
+            Stage::Write => {
+                let (number, value) = self.writes.get(self.written).copied().unwrap_or_default();
                 Ask::Write(number, value)
             }
             Stage::Read(n) => Ask::Setting(READ.get(n).copied().unwrap_or_default()),
@@ -192,8 +206,12 @@ impl Drive {
             // Until it is answered, a stop is as urgent as if it were.
             self.command = self.command.filter(|answered| *answered == command);
         }
-        self.requests = self.requests.wrapping_add(1);
         Some(HyQuestion { unit: self.unit, ask })
+    }
+
+    /// Notes that what was next is sent.
+    pub(crate) const fn sent(&mut self) {
+        self.requests = self.requests.saturating_add(1);
     }
 
     /// Returns the next of a round. What changes goes first.
@@ -248,17 +266,25 @@ impl Drive {
     }
 
     /// Takes the end of a request.
-    pub(crate) fn ended(&mut self, ask: Ask, end: Result<u16, Failure>, now: i64) {
+    pub(crate) fn ended(&mut self, ask: Ask, end: Result<u16, Miss>, now: i64) {
         let value = match end {
             Ok(value) => value,
-            Err(failure) => return self.failed(failure),
+            Err(miss) => return self.missed(miss),
         };
-        self.answers = self.answers.wrapping_add(1);
+        self.answers = self.answers.saturating_add(1);
         self.last_answer = now;
-        (self.is_lost, self.is_answered) = (false, true);
+        (self.is_lost, self.is_answered, self.has_failed) = (false, true, false);
         match (self.stage, ask) {
             (_, Ask::Control(command)) => self.commanded(command, value),
-            (Stage::Write(n), Ask::Write(..)) => self.stage = self.after_write(n),
+            (Stage::Write, Ask::Write(number, sent)) => {
+                if value == sent {
+                    self.written += 1;
+                } else {
+                    self.is_refused = true;
+                    self.note = Some(Note::Refused(number, sent, value));
+                }
+                self.stage = self.after_stop();
+            }
             (Stage::Read(n), Ask::Setting(_)) => {
                 if let Some(setting) = self.settings.get_mut(n) {
                     *setting = value;
@@ -286,14 +312,26 @@ impl Drive {
     fn commanded(&mut self, command: u8, state: u16) {
         let [state, _] = state.to_le_bytes();
         self.state = state;
-        self.command = Some(command);
+        let is = |bit: u8| state & bit != 0;
         if command == STOP {
-            self.may_run = false;
-        }
-        match self.stage {
-            Stage::First if command == STOP => {
-                self.stage = if self.writes.is_empty() { Stage::Read(0) } else { Stage::Write(0) };
+            if is(state::RUN) {
+                // The late answer to a command to run: the stop is still to be answered.
+                return;
             }
+            (self.may_run, self.is_unknown, self.has_run) = (false, false, false);
+        } else {
+            // In another direction the motor goes through rest.
+            let did_run = self.has_run && self.command == Some(command);
+            if did_run && !is(state::RUNNING) {
+                self.note = Some(Note::Stopped);
+                return self.lapse();
+            }
+            let is_meant = is(state::RUNNING_REVERSE) == (command == RUN_REVERSE);
+            self.has_run = did_run || is(state::RUNNING) && is_meant;
+        }
+        self.command = Some(command);
+        match self.stage {
+            Stage::First if command == STOP => self.stage = self.after_stop(),
             Stage::Round if self.turn == 0 => {
                 self.turn = if self.command().1.is_some() { 1 } else { 2 };
             }
@@ -301,75 +339,36 @@ impl Drive {
         }
     }
 
-    const fn after_write(&self, n: usize) -> Stage {
-        if n + 1 < self.writes.len() { Stage::Write(n + 1) } else { Stage::Read(0) }
-    }
-
-    fn failed(&mut self, failure: Failure) {
-        self.is_answered = false;
-        match failure {
-            Failure::Missed(miss) => {
-                if let Some(count) = self.errors.get_mut(miss.kind()) {
-                    *count = count.wrapping_add(1);
-                }
-                self.last_error = if miss == Miss::Silent { -12 } else { -16 };
-            }
-            Failure::Lost(lost) => {
-                self.losses = self.losses.wrapping_add(1);
-                self.last_error = -lost.0;
-            }
+    /// Returns the stage behind an answered stop. Without all its settings an inverter hears nothing but stops.
+    const fn after_stop(&self) -> Stage {
+        if self.is_refused {
+            Stage::First
+        } else if self.written < self.writes.len() {
+            Stage::Write
+        } else {
+            Stage::Read(0)
         }
     }
 
-    /// Returns what the pins show.
-    pub(crate) fn results(&self, now: i64) -> Results {
-        let [.., poles, _] = self.settings;
-        let [top, base, low, voltage, current, ..] = self.settings.map(f64::from);
-        let [set, out, amperes, turns, dc, ac, counter, temperature] = self.measured.map(f64::from);
-        let (command, frequency) = self.command();
-        let is = |bit: u8| self.state & bit != 0;
-        let speed_fb = if top == 0.0 { 0.0 } else { out / top * self.turns() };
-        Results {
-            set_f: set * 0.01,
-            out_f: out * 0.01,
-            out_a: amperes * 0.1,
-            rott: turns,
-            dcv: dc,
-            acv: ac,
-            cont: counter,
-            tmp: temperature,
-            cntr: f64::from(if self.stage == Stage::Round { command } else { 0 }),
-            cnst: f64::from(self.state),
-            cnst_run: is(state::RUN),
-            cnst_jog: is(state::JOG),
-            cnst_command_rf: is(state::COMMAND_REVERSE),
-            cnst_running: is(state::RUNNING),
-            cnst_jogging: is(state::JOGGING),
-            cnst_running_rf: is(state::RUNNING_REVERSE),
-            cnst_bracking: is(state::BRAKING),
-            cnst_track_start: is(state::TRACKING),
-            spindle_speed_fb: speed_fb,
-            frequency_command: frequency.map_or(0.0, f64::from),
-            max_freq: top * 0.01,
-            base_freq: base * 0.01,
-            freq_lower_limit: low * 0.01,
-            rated_motor_voltage: voltage * 0.1,
-            rated_motor_current: current * 0.1,
-            rated_motor_rev: self.turns(),
-            motor_poles: u32::from(poles),
-            hycomm_ok: self.is_answered,
-            fault: self.is_lost,
-            requests: self.requests,
-            answers: self.answers,
-            errors_silent: self.errors[0],
-            errors_other: self.errors[1],
-            errors_wrong: self.errors[2],
-            errors_noise: self.errors[3],
-            errors_line: self.losses,
-            since_answer: now.saturating_sub(self.last_answer) as f64 * 1e-9,
-            last_error: self.last_error,
-            ready: self.stage == Stage::Round && !self.is_lost,
-            lapses: self.lapses,
+    fn missed(&mut self, miss: Miss) {
+        (self.is_answered, self.has_failed) = (false, true);
+        if let Some(count) = self.errors.get_mut(miss.kind()) {
+            *count = count.saturating_add(1);
         }
+        self.last_miss = miss;
+        self.last_error = if miss == Miss::Silent { -12 } else { -16 };
+    }
+
+    /// Notes that the line is lost.
+    pub(crate) fn lost(&mut self, lost: Lost) {
+        (self.is_answered, self.has_failed) = (false, true);
+        self.losses = self.losses.saturating_add(1);
+        self.last_error = -lost.0;
+        self.lapse();
+    }
+
+    /// Notes that the line cannot be opened.
+    pub(crate) const fn not_opened(&mut self) {
+        self.has_failed = true;
     }
 }

@@ -73,6 +73,35 @@ impl Was {
     }
 }
 
+/// Values of the pins in one cycle.
+#[derive(Clone, Copy, Debug)]
+struct Read {
+    enable: bool,
+    on: bool,
+    /// Direction that the pins want.
+    direction: i32,
+    speed: f64,
+    tolerance: f64,
+}
+
+impl Read {
+    fn new(pins: &InputPins) -> Self {
+        let on = pins.on.get();
+        let direction = match (on, pins.forward.get(), pins.reverse.get()) {
+            (true, true, false) => 1,
+            (true, false, true) => -1,
+            _ => 0,
+        };
+        Self {
+            enable: pins.enable.get(),
+            on,
+            direction,
+            speed: pins.speed.get(),
+            tolerance: pins.tolerance.get().abs(),
+        }
+    }
+}
+
 impl Gate {
     /// Returns whether a worker that has stood still for so long is dead. Stops the inverter then, in its place.
     fn is_worker_dead(&mut self, still_ns: i64, now: i64) -> bool {
@@ -84,32 +113,23 @@ impl Gate {
         is_dead
     }
 
-    /// Returns the direction that the pins want.
-    fn direction(&self) -> i32 {
-        match (self.inputs.on.get(), self.inputs.forward.get(), self.inputs.reverse.get()) {
-            (true, true, false) => 1,
-            (true, false, true) => -1,
-            _ => 0,
-        }
-    }
-
-    fn tell(&mut self, run: i32, results: &Results) {
-        let on = self.inputs.on.get();
-        if on && self.was.is_blocked && !self.was.is_told && self.inputs.enable.get() {
+    fn tell(&mut self, read: &Read, run: i32, results: &Results) {
+        let is_refused = read.on && read.enable && self.was.is_blocked;
+        if is_refused && !self.was.is_told {
             self.messages.warn(
                 "the inverter stands although spindle-on is TRUE: it turns again once spindle-on was FALSE while it answers",
                 &[],
             );
         }
-        self.was.is_told = on && self.was.is_blocked && self.inputs.enable.get();
-        let speed = self.inputs.speed.get().abs();
+        self.was.is_told = is_refused;
+        let speed = read.speed.abs();
         let top = results.rated_motor_rev;
         let low = if results.max_freq == 0.0 {
             0.0
         } else {
             top * results.freq_lower_limit / results.max_freq
         };
-        let tolerance = speed * self.inputs.tolerance.get().abs();
+        let tolerance = speed * read.tolerance;
         let is_limited =
             run != 0 && results.ready && (speed + tolerance < low || top < speed - tolerance);
         if is_limited && !self.was.is_limited {
@@ -134,31 +154,31 @@ impl Update for Gate {
         if is_dead {
             (results.fault, results.ready, results.hycomm_ok) = (true, false, false);
         }
-        let enable = self.inputs.enable.get();
+        let read = Read::new(&self.inputs);
         let gaps = self.clock.gaps();
         let has_lapsed = results.lapses != self.was.lapses || gaps != self.was.gaps;
         (self.was.lapses, self.was.gaps) = (results.lapses, gaps);
-        if has_lapsed || !enable || !results.ready {
+        if has_lapsed || !read.enable || !results.ready {
             self.was.is_blocked = true;
-        } else if !self.inputs.on.get() {
+        } else if !read.on {
             self.was.is_blocked = false;
         }
-        let run = if self.was.is_blocked { 0 } else { self.direction() };
-        let speed = self.inputs.speed.get();
+        let run = if self.was.is_blocked { 0 } else { read.direction };
+        let (enable, speed) = (read.enable, read.speed);
         self.was.cycles = self.was.cycles.wrapping_add(1).max(1);
         let (seen, cycles) = (results.lapses, self.was.cycles);
         self.wanted.set(&Inputs { enable, run, speed, seen, cycles });
-        self.tell(run, &results);
+        self.tell(&read, run, &results);
         let errors = results.errors();
         if errors != self.was.errors {
-            let more = errors.wrapping_sub(self.was.errors).cast_signed();
+            let more = errors.saturating_sub(self.was.errors);
             let count = &self.inputs.error_count;
-            count.set(count.get().wrapping_add(more));
+            count.set(count.get().saturating_add_unsigned(more));
             self.inputs.retval.set(f64::from(results.last_error));
             self.was.errors = errors;
         }
         let difference = (results.spindle_speed_fb - speed.abs()).abs();
-        let is_near = difference <= self.inputs.tolerance.get().abs() * speed.abs();
+        let is_near = difference <= read.tolerance * speed.abs();
         // The frequency has no sign: while the spindle turns round, the state says it.
         let is_against = results.cnst_running && results.cnst_running_rf != (run == -1);
         let is_commanded = run != 0 && 0.0 < speed.abs() && speed.is_finite() && results.hycomm_ok;

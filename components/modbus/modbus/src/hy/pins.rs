@@ -1,6 +1,5 @@
 //! Pins of an inverter, and what passes between its function and its worker.
 
-use super::drive::Demand;
 use hal_component::{Builder, Error, In, Out, ParamRw, Plain, Touch};
 
 /// Declares values that the worker reports, each with its pin: field, type, pin, documentation; then values without pins.
@@ -61,7 +60,7 @@ shown! {
     rated_motor_rev: f64, "rated-motor-rev", "Turns per minute of the motor at the greatest frequency, from PD144 and PD005.";
     motor_poles: u32, "motor-poles", "Number of the motor's poles (PD143).";
     hycomm_ok: bool, "hycomm-ok", "TRUE while the last request was answered.";
-    fault: bool, "fault", "TRUE while the inverter has not answered for longer than timeout=, or the worker stands still: the motion controller is off then.";
+    fault: bool, "fault", "TRUE while requests fail and none was answered for longer than timeout=, or the worker stands still: the motion controller is off then.";
     requests: u32, "requests", "Number of requests.";
     answers: u32, "answers", "Number of answers.";
     errors_silent: u32, "errors-silent", "Number of requests without an answer.";
@@ -80,10 +79,10 @@ impl Results {
     /// Returns the number of errors of all kinds.
     pub(crate) const fn errors(&self) -> u32 {
         self.errors_silent
-            .wrapping_add(self.errors_other)
-            .wrapping_add(self.errors_wrong)
-            .wrapping_add(self.errors_noise)
-            .wrapping_add(self.errors_line)
+            .saturating_add(self.errors_other)
+            .saturating_add(self.errors_wrong)
+            .saturating_add(self.errors_noise)
+            .saturating_add(self.errors_line)
     }
 }
 
@@ -100,12 +99,6 @@ pub(crate) struct Inputs {
     pub(crate) seen: u32,
     /// Number of cycles of the function, 0 before the first.
     pub(crate) cycles: u32,
-}
-
-impl Inputs {
-    pub(crate) const fn wanted(&self) -> Demand {
-        Demand { enable: self.enable, run: self.run, speed: self.speed, seen: self.seen }
-    }
 }
 
 /// Pins that a machine sets.

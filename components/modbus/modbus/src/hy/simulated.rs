@@ -4,7 +4,6 @@ use crate::line::{SimulatedFaultPins, SimulatedLine};
 use hal_component::{Builder, Error, In, Out, Touch};
 use hal_modbus::nanoseconds;
 use hal_modbus_devices::Inverter;
-use port::Exchange as _;
 
 /// Line with one inverter.
 pub(crate) type InverterLine = SimulatedLine<Inverter>;
@@ -33,7 +32,7 @@ impl SimulatedPins {
         Ok(Self {
             faults: SimulatedFaultPins::make(b, prefix)?,
             trip: b.simulated(&name("trip"),
-                "TRUE trips the simulated inverter: its output is off until a stop has come after the trip.",
+                "TRUE trips the simulated inverter: its output is off. FALSE resets it, as at its panel: the next command to run starts it.",
                 false,
             )?,
             timeout: b.simulated(&name("timeout"),
@@ -60,10 +59,10 @@ impl SimulatedPins {
     /// Realtime. Gives the simulation the faults that the pins say, and shows its true state. The worker lets its time pass; one
     /// that stands still does not, and then this does. While the worker has the line, the pins keep their values for a cycle.
     pub(crate) fn exchange(&mut self, now: i64, stands_still: bool) {
-        if stands_still {
-            self.line.advance(now);
-        }
         let Some(mut bus) = self.line.try_bus() else { return };
+        if stands_still {
+            bus.advance(now);
+        }
         bus.faults = self.faults.faults();
         bus.devices.trip = self.trip.get();
         bus.devices.timeout_ns = nanoseconds(self.timeout.get());

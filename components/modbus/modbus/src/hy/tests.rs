@@ -1,5 +1,7 @@
 //! The component on the bench, where functions and worker run as the test says.
 
+mod drive;
+mod halt;
 mod lost;
 mod names;
 mod pty;

@@ -1,16 +1,18 @@
 //! The worker of an inverter: it keeps the line open and the conversation going.
 
 use super::{
-    drive::{Drive, HyQuestion},
+    drive::Drive,
     halt::Halt,
     pins::{Inputs, Results},
+    question::HyQuestion,
     simulated::InverterLine,
 };
 use crate::{
     line::{NotOpened, OpenLine, SerialPlace},
-    station::{Failure, Station},
+    station::Station,
 };
 use hal_component::{Clock, Messages, SeqReader, SeqWriter, Texts, Touch, Work};
+use hal_modbus::Miss;
 use port::{Exchange as _, Lost};
 use std::sync::{
     Arc,
@@ -68,7 +70,7 @@ pub(crate) struct Worker {
 
 /// State that the worker keeps from one step to the next.
 pub(crate) struct WorkerState {
-    way: Option<Arc<OpenLine>>,
+    line: Option<Arc<OpenLine>>,
     /// Time of the next attempt to open the line.
     reopen: i64,
     /// Number of cycles of the function, and the time at which it last changed.
@@ -83,7 +85,7 @@ pub(crate) struct WorkerState {
 impl WorkerState {
     pub(crate) const fn new() -> Self {
         Self {
-            way: None,
+            line: None,
             reopen: i64::MIN,
             cycles: (0, 0),
             is_idle: true,
@@ -97,7 +99,7 @@ impl WorkerState {
 impl Worker {
     /// Takes what the function wants, and notices when it stands still.
     fn listen(&mut self, now: i64) {
-        if self.halt.has_stopped.swap(false, Relaxed) {
+        if self.halt.flags.notice() {
             self.drive.lapse();
         }
         let inputs = self.wanted.get();
@@ -115,77 +117,84 @@ impl Worker {
             }
         }
         self.state.is_idle = is_idle;
-        self.drive.want(inputs.wanted(), now);
+        self.drive.want(inputs, now);
     }
 
     /// Returns the line, which is opened if it is time to.
-    fn way(&mut self, now: i64) -> Option<Arc<OpenLine>> {
-        if self.state.way.is_none() && self.drive.speaks() && self.state.reopen <= now {
+    fn line(&mut self, now: i64) -> Option<Arc<OpenLine>> {
+        if self.state.line.is_none() && self.drive.speaks() && self.state.reopen <= now {
             self.state.reopen = now.saturating_add(REOPEN_NS);
             match self.place.open() {
-                Ok(way) => {
-                    self.state.way = Some(Arc::new(way));
+                Ok(line) => {
+                    self.state.line = Some(Arc::new(line));
                     self.state.why = None;
-                    self.halt.on(self.state.way.clone());
+                    self.halt.on(self.state.line.clone());
                 }
-                Err(why) if self.state.why.as_ref() != Some(&why) => {
-                    self.messages.error(self.state.texts.keep(&why.to_string()), &[]);
-                    self.state.why = Some(why);
+                Err(why) => {
+                    self.drive.not_opened();
+                    if self.state.why.as_ref() != Some(&why) {
+                        self.messages.error(self.state.texts.keep(&why.to_string()), &[]);
+                        self.state.why = Some(why);
+                    }
                 }
-                Err(_) => {}
             }
         }
-        self.state.way.clone()
+        self.state.line.clone()
     }
 
     fn lost(&mut self, lost: Lost) {
         self.messages
             .error("the serial line of the inverter is lost (error {})", &[f64::from(lost.0)]);
         self.halt.on(None);
-        self.state.way = None;
-        self.station.forget();
+        self.state.line = None;
+        // The inverter may have gone on without the line: it stops when it hears anything again.
+        self.drive.lost(lost);
     }
 
     /// Lets the conversation go on. Returns whether a request has ended.
-    fn speak(&mut self, way: &OpenLine, now: i64) -> bool {
-        let ended = self.station.poll(way, now);
+    fn speak(&mut self, line: &OpenLine, now: i64) -> bool {
+        let ended = match self.station.poll(line, now) {
+            Ok(ended) => ended,
+            Err(loss) => {
+                self.lost(loss.lost);
+                return false;
+            }
+        };
         let has_ended = ended.is_some();
         if let Some((question, end)) = ended {
-            if let Err(Failure::Lost(lost)) = end {
-                self.lost(lost);
-            }
             self.drive.ended(question.ask, end, now);
         }
         // After a stop of the instance the next step says a stop, and this one nothing more.
-        if self.state.way.is_some()
-            && !self.halt.has_stopped.load(Relaxed)
-            && self.station.is_free(now)
+        if self.station.is_free(now)
             && let Some(question) = self.drive.next()
+            && self.halt.flags.may_send(self.drive.may_run())
         {
-            // Before the frame leaves: a stop must find the inverter that it may have started.
-            self.halt.may_run.store(self.drive.may_run(), Relaxed);
             let frame = question.ask.frame(question.unit);
-            if let Err((question, lost)) = self.station.ask(way, question, &frame, ANSWER_NS, now) {
-                self.drive.ended(question.ask, Err(Failure::Lost(lost)), now);
-                self.lost(lost);
+            match self.station.ask(line, question, &frame, ANSWER_NS, now) {
+                Ok(()) => self.drive.sent(),
+                Err(loss) => self.lost(loss.lost),
             }
         }
+        self.halt.set_quiet_at(self.station.quiet_at());
         has_ended
     }
 
-    /// Says in the log that the inverter is lost, and that it is back.
-    fn tell(&mut self, results: &Results) {
+    /// Says in the log what a person has to know: that the inverter is lost, and that it is back.
+    fn tell(&mut self) {
+        if let Some(note) = self.drive.take_note() {
+            self.messages.error(self.state.texts.keep(&note.to_string()), &[]);
+        }
         let is_lost = self.drive.is_lost();
         if is_lost == core::mem::replace(&mut self.state.was_lost, is_lost) {
             return;
         }
         if is_lost {
-            let why = if self.state.way.is_none() {
-                "its line is not open"
-            } else if 0 < results.errors_noise.max(results.errors_other).max(results.errors_wrong) {
-                "what comes is no answer: check rate, parity, number and wires"
-            } else {
-                "nothing comes: check power, wires, rate, and PD163 to PD165"
+            let why = match self.drive.last_miss() {
+                _ if self.state.line.is_none() => "its line is not open",
+                Miss::Silent => "nothing comes: check power, wires, rate, and PD163 to PD165",
+                Miss::Noise => "what comes is no answer: check rate, parity, number and wires",
+                Miss::Other(_) => "another device answers: check its number, PD163",
+                Miss::Wrong => "what comes answers something else",
             };
             let text =
                 format!("the inverter does not answer ({why}): it is stopped, and motion is off");
@@ -203,17 +212,17 @@ impl Work for Worker {
     fn work(&mut self, _: u32) -> u32 {
         let now = self.clock.now_ns();
         self.listen(now);
-        if let Some(way) = self.way(now) {
-            way.advance(now);
+        if let Some(line) = self.line(now) {
+            line.advance(now);
             for _ in 0..MOST {
-                if !self.speak(&way, now) {
+                if !self.speak(&line, now) {
                     break;
                 }
             }
         }
-        self.halt.may_run.store(self.drive.may_run(), Relaxed);
+        self.halt.flags.set_may_run(self.drive.may_run());
         let results = self.drive.results(now);
-        self.tell(&results);
+        self.tell();
         self.results.set(&results);
         self.steps.fetch_add(1, Relaxed);
         0

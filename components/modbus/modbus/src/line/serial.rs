@@ -1,11 +1,11 @@
 //! Serial lines: terminals of Linux, as bytes without interpretation.
 
-use super::{Carrier, PAUSE};
+use super::{Carrier, timespec};
 use core::{fmt, time::Duration};
 use hal_modbus::char_ns;
 use port::{Exchange, Lost};
 use rustix::{
-    event::{PollFd, PollFlags, Timespec, poll},
+    event::{PollFd, PollFlags, poll},
     fd::OwnedFd,
     fs::{Mode, OFlags, open},
     io::{Errno, read, write},
@@ -187,17 +187,4 @@ impl Exchange for SerialLine {
     }
 }
 
-impl Carrier for SerialLine {
-    fn send_last(&self, frame: &[u8]) -> Result<(), Lost> {
-        // The worker takes what comes meanwhile, if it lives.
-        let _ = poll(&mut [], Some(&timespec(PAUSE)));
-        self.send(frame)
-    }
-}
-
-fn timespec(time: Duration) -> Timespec {
-    Timespec {
-        tv_sec: i64::try_from(time.as_secs()).unwrap_or(i64::MAX),
-        tv_nsec: i64::from(time.subsec_nanos()),
-    }
-}
+impl Carrier for SerialLine {}

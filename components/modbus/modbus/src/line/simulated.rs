@@ -1,6 +1,6 @@
 //! Simulated lines, whose faults are pins.
 
-use super::{Carrier, PAUSE};
+use super::Carrier;
 use core::time::Duration;
 use hal_component::{Builder, Error, In, Touch};
 use hal_modbus_devices::{Bus, Device, Faults};
@@ -57,10 +57,21 @@ impl<D: Device> Exchange for SimulatedLine<D> {
 }
 
 impl<D: Device> Carrier for SimulatedLine<D> {
-    fn send_last(&self, frame: &[u8]) -> Result<(), Lost> {
-        let wait = i64::try_from(PAUSE.as_nanos()).unwrap_or(i64::MAX);
-        self.bus().send_later(frame, wait);
+    /// A line that another thread has takes nothing: a realtime thread must not wait.
+    fn send_now(&self, frame: &[u8], now_ns: i64) -> Result<(), Lost> {
+        if let Some(mut bus) = self.try_bus() {
+            bus.advance(now_ns);
+            bus.send(frame);
+        }
         Ok(())
+    }
+
+    fn send_later(&self, frame: &[u8], wait: Duration, now_ns: i64) -> bool {
+        if let Some(mut bus) = self.try_bus() {
+            bus.advance(now_ns);
+            bus.send_later(frame, i64::try_from(wait.as_nanos()).unwrap_or(i64::MAX));
+        }
+        true
     }
 }
 

@@ -1,10 +1,10 @@
 //! Lines over TCP.
 
-use super::{Carrier, NotOpened, PAUSE};
+use super::{Carrier, NotOpened, timespec};
 use core::time::Duration;
 use port::{Exchange, Lost};
 use rustix::{
-    event::{PollFd, PollFlags, Timespec, poll},
+    event::{PollFd, PollFlags, poll},
     io::Errno,
     net::{RecvFlags, SendFlags, recv, send},
 };
@@ -69,11 +69,7 @@ impl Exchange for TcpLine {
         if count != 0 || within.is_zero() {
             return Ok(count);
         }
-        let within = Timespec {
-            tv_sec: i64::try_from(within.as_secs()).unwrap_or(i64::MAX),
-            tv_nsec: i64::from(within.subsec_nanos()),
-        };
-        match poll(&mut [PollFd::new(&self.stream, PollFlags::IN)], Some(&within)) {
+        match poll(&mut [PollFd::new(&self.stream, PollFlags::IN)], Some(&timespec(within))) {
             Ok(0) | Err(Errno::INTR) => Ok(0),
             Ok(_) => self.take(into),
             Err(error) => Err(Lost(error.raw_os_error())),
@@ -81,9 +77,4 @@ impl Exchange for TcpLine {
     }
 }
 
-impl Carrier for TcpLine {
-    fn send_last(&self, frame: &[u8]) -> Result<(), Lost> {
-        let _ = self.receive(&mut [0; 64], PAUSE)?;
-        self.send(frame)
-    }
-}
+impl Carrier for TcpLine {}

@@ -4,7 +4,7 @@ use super::{
     config::{KINDS, LinkConfig, MbConfig, TransactionConfig},
     refused::BadArgument,
 };
-use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace, is_path};
+use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace, is_name, is_path};
 use hal_component::{Arg, Builder, abi::ArgSpec};
 use hal_modbus::nanoseconds;
 use std::path::Path;
@@ -91,10 +91,9 @@ fn transaction(text: &str) -> Option<TransactionConfig> {
     let mut parts = text.split(':');
     let (name, function) = (parts.next()?, parts.next()?);
     let (first, count): (u16, u16) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
-    let usual = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let function = format!("fnct_{:02}_", function.parse::<u8>().ok()?);
     let (_, kind) = KINDS.iter().find(|(name, _)| name.starts_with(&function))?;
-    let is_whole = parts.next().is_none() && !name.is_empty() && name.chars().all(usual);
+    let is_whole = parts.next().is_none() && is_name(name);
     let is_within = (1..=kind.most()).contains(&i64::from(count))
         && u32::from(first) + u32::from(count) <= 65536;
     (is_whole && is_within).then(|| TransactionConfig {

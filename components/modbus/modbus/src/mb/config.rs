@@ -1,10 +1,10 @@
 //! The INI file of LinuxCNC's `mb2hal`, understood: lines, devices, elements.
 
 use super::refused::{BadEntry, BadIni};
-use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace};
+use crate::line::{LinePlace, Parity, RATES, SerialPlace, TcpPlace, is_name};
 use hal_ini::{Entry, Ini};
 use hal_modbus::{Call, ModbusRequest, ModbusTable, nanoseconds};
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 /// Largest number of transactions.
 pub(crate) const MAX_TRANSACTIONS: i64 = 500;
@@ -87,22 +87,36 @@ impl MbConfig {
     /// Reads a file of `mb2hal`.
     pub(crate) fn read(path: &Path) -> Result<Self, BadIni> {
         let ini = Ini::read(path).map_err(BadIni::Unreadable)?;
-        FileReader { ini: &ini, file: path.display().to_string() }.read()
+        FileReader::new(&ini, path).read()
     }
 }
+
+/// Entries by their names, the last of each name.
+type Entries<'i> = BTreeMap<&'i str, &'i Entry>;
 
 /// A section, with those before it from which it takes what it does not state.
 struct Section<'r> {
     reader: &'r FileReader<'r>,
     number: i64,
+    /// Entries of this section, and of the nearest before it that has one.
+    all: &'r Entries<'r>,
 }
 
 struct FileReader<'i> {
     ini: &'i Ini,
     file: String,
+    sections: BTreeMap<&'i str, Entries<'i>>,
 }
 
 impl<'i> FileReader<'i> {
+    fn new(ini: &'i Ini, path: &Path) -> Self {
+        let mut sections: BTreeMap<&str, Entries<'_>> = BTreeMap::new();
+        for entry in ini.entries() {
+            sections.entry(&entry.section).or_default().insert(&entry.name, entry);
+        }
+        Self { ini, file: path.display().to_string(), sections }
+    }
+
     fn read(&self) -> Result<MbConfig, BadIni> {
         let total = match self.entry(INIT, "TOTAL_TRANSACTIONS") {
             Some(entry) => number(entry, 1, MAX_TRANSACTIONS)?,
@@ -130,8 +144,11 @@ impl<'i> FileReader<'i> {
             links: Vec::new(),
             transactions: Vec::new(),
         };
+        let mut all = Entries::new();
         for number in 0..total {
-            let section = Section { reader: self, number };
+            let own = self.sections.get(section_name(number).as_str());
+            all.extend(own.into_iter().flatten());
+            let section = Section { reader: self, number, all: &all };
             let link = section.link(nanoseconds(slowdown))?;
             let known = config.links.iter().position(|known| known.place.is_same_line(&link.place));
             let at = known.unwrap_or(config.links.len());
@@ -150,7 +167,7 @@ impl<'i> FileReader<'i> {
     }
 
     fn entry(&self, section: &str, key: &str) -> Option<&'i Entry> {
-        self.ini.all(section, key).last()
+        self.sections.get(section)?.get(key).copied()
     }
 
     fn missing(&self, section: &str, key: &'static str, what: &'static str) -> BadIni {
@@ -163,7 +180,7 @@ impl<'i> FileReader<'i> {
 
 impl<'r> Section<'r> {
     fn name(&self) -> String {
-        format!("TRANSACTION_{:02}", self.number)
+        section_name(self.number)
     }
 
     /// Returns an entry of this section alone.
@@ -173,7 +190,7 @@ impl<'r> Section<'r> {
 
     /// Returns an entry of this section, or of the nearest before it that has one.
     fn entry(&self, key: &str) -> Option<&'r Entry> {
-        (0..=self.number).rev().find_map(|number| Section { reader: self.reader, number }.own(key))
+        self.all.get(key).copied()
     }
 
     fn required(&self, key: &'static str, what: &'static str) -> Result<&'r Entry, BadIni> {
@@ -292,8 +309,7 @@ impl<'r> Section<'r> {
         if let Some(entry) = self.own("PIN_NAMES") {
             let names: Vec<String> =
                 entry.value.split(',').map(|name| name.trim().to_owned()).collect();
-            let usual = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-            if names.iter().any(|name| name.is_empty() || !name.chars().all(usual)) {
+            if !names.iter().all(|name| is_name(name)) {
                 return Err(BadIni::bad(entry, BadEntry::PinNames));
             }
             let count = i64::try_from(names.len()).unwrap_or(i64::MAX);
@@ -315,6 +331,10 @@ impl<'r> Section<'r> {
         }
         Ok((0..count_of).map(|n| format!("{n:02}")).collect())
     }
+}
+
+fn section_name(number: i64) -> String {
+    format!("TRANSACTION_{number:02}")
 }
 
 /// Reads a whole number, also such as `0x10`.

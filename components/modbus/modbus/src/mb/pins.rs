@@ -2,7 +2,7 @@
 
 use super::config::{Function, MbConfig, TransactionConfig};
 use hal_component::{Builder, Error, In, Out, Touch};
-use hal_modbus::{Call, ModbusAnswer, ModbusRequest, ModbusTable};
+use hal_modbus::{Call, Miss, ModbusAnswer, ModbusRequest, ModbusTable};
 
 /// A register as pins.
 #[derive(Debug, Touch)]
@@ -173,7 +173,7 @@ fn scale(b: &mut Builder<'_>, base: &str) -> Result<(In<f64>, In<f64>), Error> {
 pub(crate) struct HealthPins {
     pub(crate) num_errors: Out<u32>,
     pub(crate) answers: Out<u32>,
-    pub(crate) errors: [Out<u32>; 4],
+    pub(crate) errors: [Out<u32>; Miss::KINDS],
     pub(crate) refused: Out<u32>,
     pub(crate) since: Out<f64>,
     pub(crate) fault: Out<bool>,

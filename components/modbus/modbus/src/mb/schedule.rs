@@ -4,6 +4,8 @@ use super::config::TransactionConfig;
 
 /// Time in which the late answer of a silent device on a serial line would be taken for that to the next request.
 const LATE_NS: i64 = 500_000_000;
+/// Shortest time from a refused request to the next of its transaction.
+const REFUSED_NS: i64 = 1_000_000_000;
 /// Longest time for which a device that does not answer is left alone.
 const LONGEST_NS: i64 = 8_000_000_000;
 /// Number of times that a request is repeated at once, whose answer was broken.
@@ -61,6 +63,11 @@ impl Schedule {
         self.silences.get(usize::from(unit)).copied().unwrap_or_default()
     }
 
+    /// Returns whether a device has not answered its last request.
+    pub(crate) fn is_silent(&self, unit: u8) -> bool {
+        self.silence(unit).count != 0
+    }
+
     /// Returns the transaction that has waited longest of those that are due.
     pub(crate) fn next(&self, now: i64) -> Option<usize> {
         let is_ready = |turn: &Turn| turn.due <= now && self.silence(turn.unit).until <= now;
@@ -75,6 +82,14 @@ impl Schedule {
         turn.due = after(turn.due, turn.period_ns, now);
         if let Some(silence) = self.silences.get_mut(usize::from(turn.unit)) {
             *silence = Silence::default();
+        }
+    }
+
+    /// Notes that a device refuses a transaction. It answers: its other transactions keep their rates.
+    pub(crate) fn refused(&mut self, n: usize, now: i64) {
+        self.answered(n, now);
+        if let Some(turn) = self.turns.get_mut(n) {
+            turn.due = turn.due.max(now.saturating_add(REFUSED_NS));
         }
     }
 

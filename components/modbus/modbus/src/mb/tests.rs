@@ -3,6 +3,7 @@
 mod file;
 mod line;
 mod names;
+mod schedule;
 
 use super::Modbus;
 use hal_bench::Bench;

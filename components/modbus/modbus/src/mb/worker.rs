@@ -5,14 +5,14 @@ use super::{
     pins::{HealthPins, SimulatedValues, ValuePins},
     probe::{self, Inbox, Probe},
     schedule::Schedule,
+    simulation::Simulation,
 };
 use crate::{
-    line::{LinePlace, NotOpened, OpenLine, SimulatedFaultPins, SimulatedLine},
-    station::{Failure, Question, Station},
+    line::{LinePlace, NotOpened, OpenLine},
+    station::{LineLoss, Question, Station},
 };
 use hal_component::{Clock, Hardware, Messages, Texts, Touch, Work};
 use hal_modbus::{Miss, ModbusAnswer, ModbusRequest, find_rtu, find_tcp};
-use hal_modbus_devices::{Device, Slave};
 use port::{Exchange as _, Lost};
 use std::sync::Arc;
 
@@ -24,6 +24,10 @@ const PROBE_NS: i64 = 500_000_000;
 const FAULT_NS: i64 = 1_000_000_000;
 /// Largest number of requests that end in one step.
 const MOST: usize = 8;
+/// Largest number of different texts about a line.
+const LINE_TEXTS: usize = 100;
+/// Largest number of different texts with what devices answer.
+const ANSWER_TEXTS: usize = 500;
 /// Error of a connection whose bytes are no frames (EPROTO).
 const NO_FRAMES: Lost = Lost(71);
 
@@ -45,6 +49,10 @@ pub(crate) struct MbQuestion {
 
 impl Question for MbQuestion {
     type Answer = ModbusAnswer;
+
+    fn answer_len(&self) -> usize {
+        self.request.answer_len()
+    }
 
     fn find(&self, bytes: &[u8]) -> Result<Option<ModbusAnswer>, Miss> {
         match self.number {
@@ -77,10 +85,12 @@ pub(crate) struct Transaction {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     answers: u32,
-    errors: [u32; Miss::KINDS.len()],
+    errors: [u32; Miss::KINDS],
     refused: u32,
     lost: u32,
     last_answer: i64,
+    /// A request failed since the last answer.
+    has_failed: bool,
     is_fault: bool,
     is_refused: bool,
 }
@@ -94,7 +104,8 @@ impl Transaction {
 
     fn show(&self, now: i64) {
         let Counts { answers, errors, refused, lost, last_answer, is_fault, .. } = self.counts;
-        let missed = errors.iter().fold(refused.wrapping_add(lost), |sum, n| sum.wrapping_add(*n));
+        let missed =
+            errors.iter().fold(refused.saturating_add(lost), |sum, n| sum.saturating_add(*n));
         self.health.num_errors.set(missed);
         self.health.answers.set(answers);
         self.health.errors.iter().zip(errors).for_each(|(pin, count)| pin.set(count));
@@ -102,34 +113,6 @@ impl Transaction {
         self.health.since.set(now.saturating_sub(last_answer) as f64 * 1e-9);
         self.health.fault.set(is_fault);
     }
-}
-
-/// Simulated devices of a line.
-#[derive(Debug)]
-pub(crate) struct Slaves {
-    pub(crate) list: Vec<Slave>,
-    /// Frames are those of TCP.
-    pub(crate) is_tcp: bool,
-}
-
-impl Device for Slaves {
-    fn advance(&mut self, _: i64) {}
-
-    fn hear(&mut self, frame: &[u8], now_ns: i64) -> Option<Vec<u8>> {
-        if !self.is_tcp {
-            return self.list.hear(frame, now_ns);
-        }
-        let unit = frame.get(6)?;
-        self.list.iter_mut().find(|slave| slave.unit == *unit)?.hear_tcp(frame)
-    }
-}
-
-/// Simulation of a line.
-#[derive(Debug, Touch)]
-pub(crate) struct Simulation {
-    pub(crate) faults: SimulatedFaultPins,
-    #[state]
-    pub(crate) line: SimulatedLine<Slaves>,
 }
 
 /// The worker of a line.
@@ -159,21 +142,26 @@ pub(crate) struct LinkWorker {
 
 /// State that the worker keeps from one step to the next.
 pub(crate) struct LinkState {
-    way: Option<Arc<OpenLine>>,
+    line: Option<Arc<OpenLine>>,
     reopen: i64,
     why: Option<NotOpened>,
+    /// Texts about the line, and about devices that do not answer.
     texts: Texts,
+    /// Texts with what devices answer: however many they are, the others are still said.
+    answers: Texts,
     number: u16,
     has_begun: bool,
 }
 
 impl LinkState {
-    pub(crate) const fn new() -> Self {
+    /// Returns the state of a line with so many transactions.
+    pub(crate) const fn new(transactions: usize) -> Self {
         Self {
-            way: None,
+            line: None,
             reopen: i64::MIN,
             why: None,
-            texts: Texts::new(500),
+            texts: Texts::new(LINE_TEXTS + 2 * transactions),
+            answers: Texts::new(ANSWER_TEXTS),
             number: 0,
             has_begun: false,
         }
@@ -185,10 +173,8 @@ impl LinkWorker {
         matches!(self.place, LinePlace::Tcp(_))
     }
 
-    fn say(&mut self, text: &str) -> &'static str {
-        let text = self.state.texts.keep(text);
-        self.messages.error(text, &[]);
-        text
+    fn say(&mut self, text: &str) {
+        self.messages.error(self.state.texts.keep(text), &[]);
     }
 
     /// Lets the simulated devices have what the pins say.
@@ -211,15 +197,15 @@ impl LinkWorker {
     }
 
     /// Returns the line, which is opened if it is time to.
-    fn way(&mut self, now: i64) -> Option<Arc<OpenLine>> {
-        if self.state.way.is_none() && self.state.reopen <= now {
+    fn line(&mut self, now: i64) -> Option<Arc<OpenLine>> {
+        if self.state.line.is_none() && self.state.reopen <= now {
             self.state.reopen = now.saturating_add(REOPEN_NS);
             let opened = match &self.simulation {
                 Some(simulation) => Ok(OpenLine::new(simulation.line.clone())),
                 None => self.place.open(),
             };
             match opened {
-                Ok(way) => (self.state.way, self.state.why) = (Some(Arc::new(way)), None),
+                Ok(line) => (self.state.line, self.state.why) = (Some(Arc::new(line)), None),
                 Err(why) => {
                     if self.state.why.as_ref() != Some(&why) {
                         self.say(&why.to_string());
@@ -231,87 +217,90 @@ impl LinkWorker {
                 }
             }
         }
-        self.state.way.clone()
+        self.state.line.clone()
     }
 
-    fn lost(&mut self, lost: Lost) {
-        let text = format!("{} is lost ({lost})", self.place);
+    /// Ends the request under way, if there is one, and closes the line.
+    fn lost(&mut self, loss: LineLoss<MbQuestion>, now: i64) {
+        let text = format!("{} is lost ({})", self.place, loss.lost);
         self.say(&text);
-        self.state.way = None;
-        self.station.forget();
+        self.state.line = None;
+        match loss.question.map(|question| question.asker) {
+            Some(Asker::Probe(probe)) => probe.ticket.fail("the line was lost"),
+            Some(Asker::Transaction(n)) => {
+                if let Some(transaction) = self.transactions.get_mut(n) {
+                    transaction.counts.lost = transaction.counts.lost.saturating_add(1);
+                    transaction.counts.has_failed = true;
+                    self.schedule.silent(n, now);
+                }
+            }
+            None => {}
+        }
     }
 
-    fn ended(&mut self, question: MbQuestion, end: Result<ModbusAnswer, Failure>, now: i64) {
+    fn ended(&mut self, question: MbQuestion, end: Result<ModbusAnswer, Miss>, now: i64) {
         match question.asker {
             Asker::Probe(probe) => self.probed(&probe, &end),
             Asker::Transaction(n) => self.counted(n, &end, now),
         }
-        match end {
-            Err(Failure::Lost(lost)) => self.lost(lost),
-            // Over TCP, bytes that are no frame leave nothing to begin again with.
-            Err(Failure::Missed(miss)) if self.is_tcp() && miss != Miss::Silent => {
-                self.lost(NO_FRAMES);
-            }
-            _ => {}
+        // Over TCP, bytes that are no frame leave nothing to begin again with.
+        if self.is_tcp() && end.is_err_and(|miss| miss != Miss::Silent) {
+            self.lost(LineLoss { question: None, lost: NO_FRAMES }, now);
         }
     }
 
-    fn probed(&mut self, probe: &Probe, end: &Result<ModbusAnswer, Failure>) {
+    fn probed(&mut self, probe: &Probe, end: &Result<ModbusAnswer, Miss>) {
         let unit = probe.request.unit;
         match end {
             Ok(answer @ (ModbusAnswer::Bits(_) | ModbusAnswer::Words(_))) => {
                 let text = format!("device {unit} answers: {}", probe::values(answer));
-                self.messages.notice(self.state.texts.keep(&text), &[]);
+                self.messages.notice(self.state.answers.keep(&text), &[]);
                 probe.ticket.done();
             }
             Ok(answer) => {
                 let text = format!("device {unit}: {}", probe::values(answer));
-                probe.ticket.fail(self.state.texts.keep(&text));
+                probe.ticket.fail(self.state.answers.keep(&text));
             }
-            Err(Failure::Missed(miss)) => {
+            Err(miss) => {
                 let text = format!("device {unit}: {miss}");
-                probe.ticket.fail(self.state.texts.keep(&text));
+                probe.ticket.fail(self.state.answers.keep(&text));
             }
-            Err(Failure::Lost(_)) => probe.ticket.fail("the line was lost"),
         }
     }
 
-    fn counted(&mut self, n: usize, end: &Result<ModbusAnswer, Failure>, now: i64) {
+    fn counted(&mut self, n: usize, end: &Result<ModbusAnswer, Miss>, now: i64) {
         let Some(transaction) = self.transactions.get_mut(n) else { return };
         let counts = &mut transaction.counts;
+        counts.has_failed = true;
         match end {
             Ok(ModbusAnswer::Refused(exception)) => {
-                counts.refused = counts.refused.wrapping_add(1);
-                self.schedule.silent(n, now);
+                counts.refused = counts.refused.saturating_add(1);
+                self.schedule.refused(n, now);
                 if !core::mem::replace(&mut counts.is_refused, true) {
                     let text = format!("{}.{}: {exception}", self.prefix, transaction.config.name);
-                    self.say(&text);
+                    self.messages.error(self.state.answers.keep(&text), &[]);
                 }
             }
             Ok(answer) => {
-                counts.answers = counts.answers.wrapping_add(1);
-                (counts.last_answer, counts.is_refused) = (now, false);
+                counts.answers = counts.answers.saturating_add(1);
+                (counts.last_answer, counts.has_failed, counts.is_refused) = (now, false, false);
                 transaction.values.show(answer);
                 self.schedule.answered(n, now);
             }
-            Err(Failure::Missed(miss)) => {
+            Err(miss) => {
                 if let Some(count) = counts.errors.get_mut(miss.kind()) {
-                    *count = count.wrapping_add(1);
+                    *count = count.saturating_add(1);
                 }
                 match miss {
                     Miss::Silent => self.schedule.silent(n, now),
                     _ => self.schedule.broken(n, now),
                 }
             }
-            Err(Failure::Lost(_)) => {
-                counts.lost = counts.lost.wrapping_add(1);
-                self.schedule.silent(n, now);
-            }
         }
     }
 
     /// Sends the next request, if it is time to.
-    fn ask(&mut self, way: &OpenLine, now: i64) {
+    fn ask(&mut self, line: &OpenLine, now: i64) {
         if !self.station.is_free(now) {
             return;
         }
@@ -335,17 +324,22 @@ impl LinkWorker {
         // The numbers of elements were checked before.
         let Ok(frame) = frame else { return };
         let question = MbQuestion { request, number, asker };
-        if let Err((question, lost)) = self.station.ask(way, question, &frame, within, now) {
-            self.ended(question, Err(Failure::Lost(lost)), now);
+        if let Err(loss) = self.station.ask(line, question, &frame, within, now) {
+            self.lost(loss, now);
         }
     }
 
     fn judge(&mut self, now: i64) {
         let mut fault = false;
+        let is_closed = self.state.line.is_none();
         for n in 0..self.transactions.len() {
             let Some(transaction) = self.transactions.get_mut(n) else { break };
-            let is_fault =
-                transaction.fault_ns() < now.saturating_sub(transaction.counts.last_answer);
+            // A slow line, whose other requests take their time, is no fault of a device.
+            let has_failed = is_closed
+                || transaction.counts.has_failed
+                || self.schedule.is_silent(transaction.config.unit);
+            let late = now.saturating_sub(transaction.counts.last_answer);
+            let is_fault = has_failed && transaction.fault_ns() < late;
             let was = core::mem::replace(&mut transaction.counts.is_fault, is_fault);
             transaction.show(now);
             fault |= is_fault;
@@ -376,16 +370,20 @@ impl Work for LinkWorker {
             self.transactions.iter_mut().for_each(|t| t.counts.last_answer = now);
         }
         self.simulate();
-        if let Some(way) = self.way(now) {
-            way.advance(now);
+        if let Some(line) = self.line(now) {
+            line.advance(now);
             for _ in 0..MOST {
-                let ended = self.station.poll(&way, now);
-                let has_ended = ended.is_some();
-                if let Some((question, end)) = ended {
-                    self.ended(question, end, now);
-                }
-                if self.state.way.is_some() {
-                    self.ask(&way, now);
+                let has_ended = match self.station.poll(&line, now) {
+                    Ok(ended) => {
+                        ended.map(|(question, end)| self.ended(question, end, now)).is_some()
+                    }
+                    Err(loss) => {
+                        self.lost(loss, now);
+                        break;
+                    }
+                };
+                if self.state.line.is_some() {
+                    self.ask(&line, now);
                 }
                 if !has_ended {
                     break;

@@ -136,6 +136,34 @@ fn a_frame_on_the_line_has_its_published_check_sum() {
 }
 
 #[test]
+fn a_frame_is_found_anywhere_in_noise() {
+    let request = ModbusRequest { unit: 9, call: read(ModbusTable::Holding, 0, 1) };
+    let mut random = Random::new(7);
+    for (length, wanted) in
+        [(4, Miss::Noise), (5, Miss::Other(7)), (256, Miss::Other(7)), (257, Miss::Noise)]
+    {
+        let mut frame: Vec<u8> = vec![7; length - 2];
+        push_crc(&mut frame);
+        assert_eq!(Miss::of_rtu(&request, &frame), wanted, "{length}");
+    }
+    for _ in 0..10_000 {
+        let mut bytes: Vec<u8> = (0..random.below(20)).map(|_| random.word() as u8).collect();
+        if random.below(2) == 0 {
+            push_crc(&mut bytes);
+        }
+        let frames = (0..bytes.len())
+            .find(|at| (at + 5..=bytes.len()).any(|end| crate::is_whole(&bytes[*at..end])));
+        let wanted = match frames {
+            _ if bytes.is_empty() => Miss::Silent,
+            Some(at) if bytes[at] == 9 => Miss::Wrong,
+            Some(at) => Miss::Other(bytes[at]),
+            None => Miss::Noise,
+        };
+        assert_eq!(Miss::of_rtu(&request, &bytes), wanted, "{bytes:x?}");
+    }
+}
+
+#[test]
 fn answers_of_other_lengths_addresses_and_values_are_refused() {
     for (call, wrong) in [
         (read(ModbusTable::Holding, 0, 2), "03 02 00 01"),

@@ -6,7 +6,7 @@ use super::{MS, Rig};
 const LOST: &[(&str, &str, f64)] = &[
     ("noise", "what comes is no answer", 1.0),
     ("half", "what comes is no answer", 1.0),
-    ("other", "what comes is no answer", 1.0),
+    ("other", "another device answers: check its number, PD163", 1.0),
     ("delay", "nothing comes", 2.0),
 ];
 
@@ -197,19 +197,66 @@ fn a_gap_in_time_stops_the_spindle() {
 }
 
 #[test]
-fn a_trip_is_seen_by_the_speed() {
+fn an_inverter_that_trips_stands_also_after_its_reset() {
+    for wait in 0..40 {
+        let rig = Rig::running(&[]);
+        rig.forget();
+        rig.pass(5 * wait);
+        rig.set("sim.trip", true);
+        rig.pass(250);
+        let said = rig.0.said().join("\n");
+        assert!(said.contains("the inverter has stopped by itself, as after a trip"), "{said}");
+        rig.pass(500);
+        assert_eq!((rig.get("OutF"), rig.is("spindle-at-speed")), (0.0, false));
+        assert!(!rig.is("fault"), "it answers");
+        rig.set("sim.trip", false);
+        rig.starts_by_a_person_alone();
+    }
+}
+
+#[test]
+fn a_turn_into_the_other_direction_is_no_trip() {
     let rig = Rig::running(&[]);
-    rig.set("sim.trip", true);
-    rig.pass(400);
-    assert_eq!((rig.get("OutF"), rig.is("spindle-at-speed")), (0.0, false));
-    rig.set("sim.trip", false);
-    rig.pass(3000);
-    assert_eq!(rig.get("sim.frequency"), 0.0);
-    rig.set("spindle-on", false);
-    rig.pass(200);
-    rig.set("spindle-on", true);
-    rig.pass(3000);
-    assert!(rig.is("spindle-at-speed"));
+    rig.forget();
+    for (forward, reverse) in [(false, true), (true, false)] {
+        rig.set("spindle-forward", forward);
+        rig.set("spindle-reverse", reverse);
+        rig.pass(6000);
+        assert!(rig.is("spindle-at-speed") && rig.is("CNST-running-rf") == reverse);
+    }
+    assert_eq!(rig.0.said(), [""; 0]);
+}
+
+/// The inverter runs by the command of a process that was killed.
+#[test]
+fn the_first_that_an_inverter_hears_after_the_load_is_a_stop() {
+    let mut bench = hal_bench::Bench::new();
+    bench.load::<super::HyVfd>(&[]).unwrap();
+    let rig = Rig(bench);
+    rig.set("sim.cut", true);
+    rig.pass(2000);
+    assert_eq!((rig.count("sim.frames"), rig.is("fault")), (0, false));
+    rig.set("sim.cut", false);
+    rig.pass(2000);
+    assert_eq!((rig.count("sim.frames"), rig.is("fault")), (1, false), "one that is answered");
+}
+
+/// Nothing is asked of the inverter while its worker stands still.
+#[test]
+fn a_worker_that_goes_on_is_no_fault_of_the_inverter() {
+    let rig = Rig::new(&[]);
+    rig.forget();
+    for _ in 0..20 {
+        for _ in 0..490 {
+            rig.0.pass(MS);
+        }
+        rig.pass(20);
+        rig.0.pass(600 * MS);
+        rig.0.work("hy_vfd", 1).unwrap();
+        rig.pass(1);
+        assert!(!rig.is("fault"));
+    }
+    assert!(!rig.0.said().join("\n").contains("does not answer"));
 }
 
 #[test]
@@ -223,6 +270,7 @@ fn an_inverter_that_was_never_there_is_a_fault_only_while_it_is_enabled() {
     rig.set("enable", true);
     let ms = rig.until("fault", true);
     assert!((500..=510).contains(&ms), "{ms}");
+    assert!(rig.0.said().join("\n").contains("does not answer (nothing comes"));
     rig.set("enable", false);
     rig.pass(10);
     assert_eq!((rig.is("fault"), rig.0.failed_hardware()), (false, 0));

@@ -176,6 +176,42 @@ fn scale_and_offset_and_limits() {
     }
 }
 
+/// An answer of 205 characters takes 1.7 s, more than the time after which it must begin.
+#[test]
+fn a_long_answer_on_a_slow_line_has_its_time() {
+    let mut bench = Bench::new();
+    bench.load::<Modbus>(&["rate=1200", "transactions=all:03:0:100,one:04:0:1"]).unwrap();
+    for n in 0..100_u32 {
+        bench.set(&format!("mb2hal.sim.all.{n:02}"), n);
+    }
+    for _ in 0..200 {
+        pass(&bench, 100);
+        let faults = ["all", "one"].map(|name| bench.get::<bool>(&format!("mb2hal.{name}.fault")));
+        assert_eq!(faults, [false; 2], "a slow line is no fault");
+    }
+    assert_eq!(bench.get::<i32>("mb2hal.all.99.int"), 99);
+    assert!(5 < bench.get::<u32>("mb2hal.all.answers"));
+    for name in ["all", "one"] {
+        assert_eq!(bench.get::<u32>(&format!("mb2hal.{name}.num_errors")), 0);
+    }
+}
+
+/// The log keeps a limited number of different texts.
+#[test]
+fn many_probes_leave_room_for_the_loss_of_a_device() {
+    let bench = loaded(THREE);
+    for n in 0..600_u32 {
+        bench.set("mb2hal.sim.fast.00", n);
+        bench.command("modbus.probe", &["unit=1"]).unwrap();
+        pass(&bench, 50);
+    }
+    assert!(bench.said().iter().any(|text| text.contains("device 1 answers: 400")));
+    bench.set("mb2hal.sim.fast.silent", true);
+    pass(&bench, 5000);
+    let said = bench.said().join("\n");
+    assert!(said.contains("mb2hal.fast: device 1 on /dev/ttyUSB0 does not answer"), "{said}");
+}
+
 #[test]
 fn a_refusal_is_said_in_words() {
     let mut bench = Bench::new();
@@ -218,6 +254,22 @@ fn motion_is_off_while_a_critical_device_is_lost() {
     bench.set("mb2hal.sim.in.silent", false);
     pass(&bench, 9000);
     assert_eq!(bench.failed_hardware(), 0);
+}
+
+/// Nothing is asked while a device closes its connection.
+#[test]
+fn the_end_of_a_connection_is_noticed_between_two_requests() {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let device = listener.local_addr().unwrap().to_string();
+    let mut bench = Bench::new().with_hardware();
+    bench.load::<Modbus>(&[&format!("device={device}")]).unwrap();
+    bench.work("mb2hal.line.0", 1).unwrap();
+    drop(listener.accept().unwrap());
+    let mut said = String::new();
+    while !said.contains(&format!("{device} is lost")) {
+        bench.work("mb2hal.line.0", 1).unwrap();
+        said += &bench.said().join("\n");
+    }
 }
 
 /// A device in the network: a socket of this computer, with the simulated slave behind it.

@@ -1,0 +1,33 @@
+//! Simulated devices of a line.
+
+use crate::line::{SimulatedFaultPins, SimulatedLine};
+use hal_component::Touch;
+use hal_modbus_devices::{Device, Slave};
+
+/// Simulated devices of a line.
+#[derive(Debug)]
+pub(crate) struct Slaves {
+    pub(crate) list: Vec<Slave>,
+    /// Frames are those of TCP.
+    pub(crate) is_tcp: bool,
+}
+
+impl Device for Slaves {
+    fn advance(&mut self, _: i64) {}
+
+    fn hear(&mut self, frame: &[u8], now_ns: i64) -> Option<Vec<u8>> {
+        if !self.is_tcp {
+            return self.list.hear(frame, now_ns);
+        }
+        let unit = frame.get(6)?;
+        self.list.iter_mut().find(|slave| slave.unit == *unit)?.hear_tcp(frame)
+    }
+}
+
+/// Simulation of a line.
+#[derive(Debug, Touch)]
+pub(crate) struct Simulation {
+    pub(crate) faults: SimulatedFaultPins,
+    #[state]
+    pub(crate) line: SimulatedLine<Slaves>,
+}
