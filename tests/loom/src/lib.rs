@@ -10,6 +10,7 @@
 mod exchange;
 #[path = "../../../hal/engine/src/change/handover.rs"]
 mod handover;
+mod inverter;
 mod models;
 mod retired;
 mod slots;
