@@ -68,9 +68,9 @@ Pins and parameters have the names of LinuxCNC's program `hy_vfd`. Its options a
 | PD164 | 0 for 4800, 1 for 9600, 2 for 19200, 3 for 38400: `rate` |
 | PD165 | 3: 8 bits, no parity, 1 stop bit, RTU |
 
-The driver sends the command, the frequency and a request for each measurement, one after the other, and begins again. It sends a
-changed command before anything else. Settings that arguments state are written once after the load; if the inverter does not take one
-of them, a message says so, and the spindle stands.
+The driver sends the command, the frequency and a request for each measurement, one after the other, and begins again. It sends
+a changed command before anything else. Settings that arguments state are written once after the load; if the inverter does not
+take one of them, a message says so, and the spindle stands.
 
 The driver sends a stop to the inverter in each of these cases:
 
@@ -87,9 +87,9 @@ The driver cannot send a stop when the process is killed (`kill -9`), when the c
 contactor into the e-stop chain for these cases, or set the inverter's own time-out if it has one. The time-out must be longer
 than `timeout`.
 
-`fault` is TRUE while requests fail and none was answered for `timeout`; the motion controller is off then, and refuses to be switched
-on. Nothing starts by itself: after a fault, a loss of the line, a trip, a stop or a gap in time, and after the load, the spindle turns once `spindle-on` was
-FALSE while the inverter answers.
+`fault` is TRUE while requests fail and none was answered for `timeout`; the motion controller is off then, and refuses to be
+switched on. Nothing starts by itself: after a fault, a loss of the line, a trip, a stop or a gap in time, and after the load,
+the spindle turns once `spindle-on` was FALSE while the inverter answers.
 
 `spindle-at-speed` compares with `speed-command`, as LinuxCNC's does: it stays FALSE for a speed outside the inverter's limits, and
 a message says so. A speed of 0 stops the inverter, where LinuxCNC's program lets it turn at its least frequency.

@@ -75,7 +75,7 @@ have none.
 
 The request that is due longest goes next. A broken answer is asked for again, at most twice; a device that does not answer is
 left alone for 0.5 s, then 1 s, and up to 8 s, so that the others keep their rates. On a serial line that also keeps its late
-answer from being taken for one to another request.
+answer from being taken for one to another request. A request that a device refuses is repeated after 1 s, and delays no other.
 
 Registers that are written are limited to -32768 to 65535; `mb2hal` lets them wrap. The pins `scale` and `offset`, `fault` and
 those of errors by their kind are not in LinuxCNC 2.9.
