@@ -32,7 +32,7 @@ pub struct Inverter {
     command: u8,
     /// Frequency at the output, in 0.01 Hz; negative in reverse.
     output: f64,
-    /// It has tripped, and was not reset since.
+    /// A trip that was not reset since.
     has_tripped: bool,
     now: i64,
     /// Time of the last frame for it.
