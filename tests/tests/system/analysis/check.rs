@@ -104,6 +104,16 @@ fn annex_e_has_its_loose_ends_and_nothing_worse() {
 }
 
 #[test]
+fn a_card_has_one_note_about_its_free_outputs() {
+    let scratch = Scratch::copy_of(&root().join("tests/check/card"));
+    for (file, expected) in [("card.hal", "card/expected"), ("one.hal", "card/expected-one")] {
+        let output = check_at_home(&scratch, &["--all", file]);
+        assert_eq!((output.status, output.stderr.as_str()), (Some(0), ""));
+        golden(expected, &output.stdout);
+    }
+}
+
+#[test]
 fn the_annex_as_printed_is_wrong_where_its_lines_are_broken() {
     let scratch = Scratch::copy_of(&root().join("tests/check/annex-e"));
     let output = check_at_home(&scratch, &["-i", "impresora3D.ini", "printed.hal"]);

@@ -59,7 +59,8 @@ impl Look<'_> {
                 || self.graph.is_in_use(ix) && self.graph.funct(ix).is_some()
                 || self.graph.item(ix).is_some() && self.is_used(ix)
         };
-        if owned.iter().any(|ix| is_busy(*ix)) {
+        // What has nothing that could be used is there for others, as hostmot2 is for the drivers of its cards.
+        if owned.is_empty() || owned.iter().any(|ix| is_busy(*ix)) {
             return;
         }
         let name = c.name.as_str();
