@@ -1,5 +1,8 @@
 //! Parsed commands.
 
+mod starter;
+
+use self::starter::Starter;
 use crate::graph::{Format, Wanted};
 use hal_protocol::{Kind, Lock, Request, Type};
 
@@ -133,10 +136,6 @@ pub struct Launch {
     pub args: Vec<String>,
 }
 
-/// Programs that execute the file in their first argument.
-const INTERPRETERS: &[&str] =
-    &["python", "python2", "python3", "sh", "bash", "perl", "sudo", "env"];
-
 /// Beginnings of the paths of devices that programs drive hardware with.
 pub(crate) const DEVICES: &[&str] = &[
     "/dev/tty",
@@ -159,22 +158,27 @@ fn base(path: &str) -> &str {
 }
 
 impl Launch {
-    /// Returns the name of the program without its folder; for an interpreter, that of the file that it executes.
+    /// Returns the name of the program without its folder; for one that starts another, such as `sudo` or `python3`, that of the
+    /// other.
     pub(crate) fn name(&self) -> &str {
-        let script = self.script().and_then(|at| self.args.get(at));
-        base(script.unwrap_or(&self.program))
+        let started = self.started().and_then(|at| self.args.get(at));
+        base(started.unwrap_or(&self.program))
     }
 
     /// Returns the arguments of the program that [`Self::name`] names.
     pub(crate) fn own_args(&self) -> &[String] {
-        let from = self.script().map_or(0, |at| at + 1);
+        let from = self.started().map_or(0, |at| at + 1);
         self.args.get(from..).unwrap_or_default()
     }
 
-    /// Returns the place of the file that an interpreter executes, among the arguments.
-    fn script(&self) -> Option<usize> {
-        let is_interpreter = INTERPRETERS.contains(&base(&self.program));
-        self.args.iter().position(|arg| !arg.starts_with('-')).filter(|_| is_interpreter)
+    /// Returns the place of the program among the arguments, if another one starts it.
+    fn started(&self) -> Option<usize> {
+        let first = Starter::of(base(&self.program))?.started(&self.args)?;
+        let next = |at: &usize| {
+            let rest = self.args.get(at + 1..)?;
+            Some(at + 1 + Starter::of(base(self.args.get(*at)?))?.started(rest)?)
+        };
+        core::iter::successors(Some(first), next).last()
     }
 
     /// Returns whether an argument names a device of a port, a bus or a person's hand.
