@@ -43,8 +43,8 @@ fn finding(grade: Grade, subject: &'static str, says: impl Into<String>) -> Find
 }
 
 impl Finding {
-    fn mended<const N: usize>(self, lines: [String; N], then: Option<&'static str>) -> Self {
-        Self { lines: lines.into(), then, ..self }
+    fn mended(self, lines: impl IntoIterator<Item = String>, then: Option<&'static str>) -> Self {
+        Self { lines: lines.into_iter().collect(), then, ..self }
     }
 }
 
@@ -95,6 +95,8 @@ fn kernel(of: &Computer) -> Finding {
     if of.is_realtime {
         return finding(Grade::Good, "kernel", format!("{version} is a realtime kernel"));
     }
+    let package = realtime_kernel(std::env::consts::ARCH);
+    let lines = package.map(|name| format!("sudo apt-get install {name}"));
     finding(
         Grade::Better,
         "kernel",
@@ -102,7 +104,18 @@ fn kernel(of: &Computer) -> Finding {
             "{version} is no realtime kernel (PREEMPT_RT): nothing bounds how late a thread wakes"
         ),
     )
-    .mended(["sudo apt-get install linux-image-rt-amd64".to_owned()], Some("restart the computer"))
+    .mended(lines, package.map(|_| "restart the computer"))
+}
+
+/// Returns Debian's package of a realtime kernel for an architecture, as Rust names it.
+fn realtime_kernel(architecture: &str) -> Option<&'static str> {
+    match architecture {
+        "x86_64" => Some("linux-image-rt-amd64"),
+        "x86" => Some("linux-image-rt-686-pae"),
+        "aarch64" => Some("linux-image-rt-arm64"),
+        "arm" => Some("linux-image-rt-armmp"),
+        _ => None,
+    }
 }
 
 fn isolated(of: &Computer) -> Finding {
@@ -245,6 +258,16 @@ mod tests {
             idle: Some(true),
             ..Computer::default()
         }
+    }
+
+    #[test]
+    fn the_realtime_kernel_is_that_of_the_computer() {
+        let of = |architecture| realtime_kernel(architecture).unwrap_or("none");
+        let all = ["x86_64", "aarch64", "arm", "riscv64"].map(of);
+        assert_eq!(
+            all,
+            ["linux-image-rt-amd64", "linux-image-rt-arm64", "linux-image-rt-armmp", "none"]
+        );
     }
 
     /// Each fact, spoilt alone, is found by its subject with a grade and, where something can be done, the line that does it.
