@@ -173,7 +173,7 @@ impl Lines {
                 };
                 if let Some(word) = words.iter().find(comma) {
                     add(finding, &format!("with a decimal point: {}", word.replace(',', ".")));
-                } else if finding.remedy.is_empty() {
+                } else if finding.remedy.is_empty() && !finding.subject.is_empty() {
                     add(finding, &format!("correct {}", finding.subject));
                 }
             }

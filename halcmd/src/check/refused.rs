@@ -3,6 +3,7 @@
 use crate::{
     Error,
     ini::{Entry, Ini, placed},
+    programs::halrun::data::argument,
     session::dry_run::Notice,
 };
 use hal_protocol::{At, Code, Finding};
@@ -40,7 +41,7 @@ pub(super) fn at_entry(mut finding: Finding, ini: &Ini) -> Finding {
         return finding;
     };
     let named = |e: &&Entry| {
-        let arg = e.name.to_ascii_lowercase().replace('_', "-");
+        let arg = argument(e);
         finding.text.split(|c: char| c.is_whitespace() || c == '=' || c == '`').any(|w| w == arg)
     };
     let entry = ini.section(&section).find(named);
@@ -121,4 +122,27 @@ fn code(error: &Error) -> Code {
 fn quoted(text: &str) -> &str {
     let mut parts = text.split(['\'', '`']);
     parts.nth(1).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::at_entry;
+    use crate::ini::Ini;
+    use hal_protocol::{At, Code, Finding};
+
+    #[test]
+    fn a_refused_argument_is_at_its_entry() {
+        let text = "[TRAJ]\nLINEAR_UNITS = mm\nMAX_LINEAR_VELOCITY = 0\n[JOINT_0]\nHOME = 1\nMAX_VELOCITY = 0\n";
+        let ini = Ini::parse("a.ini", text.as_bytes()).unwrap();
+        for (line, words, expected, at) in [
+            (2, "max-velocity is 0, must be above 0", "[TRAJ]MAX_LINEAR_VELOCITY", 3),
+            (5, "max-velocity is 0, must be above 0", "[JOINT_0]MAX_VELOCITY", 6),
+            (5, "the joint is not there", "", 5),
+        ] {
+            let finding = Finding::new(Code::MotionRefuses, "", words.to_owned());
+            let finding = at_entry(finding.at(Some(At::new("a.ini", line))), &ini);
+            let found = (finding.subject.as_str(), finding.at.unwrap().line);
+            assert_eq!(found, (expected, at), "{words}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 mod begin;
 pub(crate) mod compat;
-mod data;
+pub(crate) mod data;
 mod detach;
 mod display;
 mod environment;

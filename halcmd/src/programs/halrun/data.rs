@@ -18,6 +18,12 @@ const PATH: &[(&str, &str, &str)] = &[
     ("DISPLAY", "MAX_FEED_OVERRIDE", "max-feed-override"),
 ];
 
+/// Returns the argument of `motion.configure` that an entry becomes.
+pub(crate) fn argument(entry: &Entry) -> String {
+    let row = PATH.iter().find(|row| row.0 == entry.section && row.1 == entry.name);
+    row.map_or_else(|| entry.name.to_ascii_lowercase().replace('_', "-"), |row| row.2.to_owned())
+}
+
 /// Returns the arguments of each `motion.configure`, with the first INI entry of each: one call for
 /// coordinated moves, one for each joint, and one for each axis and spindle that has limits of its
 /// own. Arguments that the command does not have are left out. Names of files are relative to `here`.
