@@ -367,11 +367,12 @@ impl Bench {
         self.table.borrow().threads.clone()
     }
 
-    /// Returns the items that a function accesses, as `NAME rw`. Hidden state is named `#`.
+    /// Returns the items that a function or a task accesses, as `NAME rw`. Hidden state is named `#`.
     #[must_use]
     pub fn touches(&self, funct: &str) -> Vec<String> {
         let table = self.table.borrow();
-        let code = table.functs.get(funct).unwrap_or_else(|| panic!("no function {funct}"));
+        let code = table.functs.get(funct).or_else(|| table.tasks.get(funct).map(|t| &t.1));
+        let code = code.unwrap_or_else(|| panic!("no function {funct}"));
         let line = |u: &Use| {
             let access = ["", "r", "w", "rw"].get(u.access as usize).unwrap_or(&"?");
             let name = table.items.iter().find(|(_, l)| core::ptr::eq(l.slots.as_ptr(), u.slot));

@@ -43,6 +43,15 @@ fn a_held_jog_ends_when_beats_end() {
 }
 
 #[test]
+fn the_keeper_says_which_pins_it_touches() {
+    let rig = Rig::new(&[]);
+    let touched = rig.bench.touches("remote-keeper");
+    for pin in ["job r", "abort w", "tool-change r", "tool-changed w"] {
+        assert!(touched.contains(&format!("remote.{pin}")), "{pin}: {touched:?}");
+    }
+}
+
+#[test]
 fn a_slow_connection_permits_steps_alone() {
     let mut rig = Rig::leased(&[]);
     rig.delay = 150;
