@@ -2,7 +2,7 @@
 
 use crate::Device;
 use hal_modbus::huanyang::{
-    COMMAND_REVERSE, COMMAND_RUN, STOP, frame, measured, parts, setting, state,
+    COMMAND_REVERSE, COMMAND_RUN, STOP, measured, parts, push_frame, setting, state,
 };
 
 /// Values of a spindle of 2.2 kW that turns 24000 times a minute at 400 Hz.
@@ -173,36 +173,37 @@ impl Device for Inverter {
         };
     }
 
-    fn hear(&mut self, bytes: &[u8], now_ns: i64) -> Option<Vec<u8>> {
-        let (unit, function, data) = parts(bytes)?;
-        if unit != self.unit {
-            return None;
-        }
+    fn hear(&mut self, bytes: &[u8], now_ns: i64, answer: &mut Vec<u8>) -> bool {
+        let Some((unit, function, data)) = parts(bytes).filter(|(unit, ..)| *unit == self.unit)
+        else {
+            return false;
+        };
         self.heard = now_ns;
         self.frames = self.frames.wrapping_add(1);
-        let value = |number: u8, value: u16| {
+        let mut value = |number: u8, value: u16| {
             let [high, low] = value.to_be_bytes();
-            frame(unit, function, &[number, high, low])
+            push_frame(answer, unit, function, &[number, high, low]);
         };
         match (function, data) {
-            (1, [number, ..]) => Some(value(*number, self.setting(*number))),
+            (1, [number, ..]) => value(*number, self.setting(*number)),
             (2, [number, high, low]) => {
                 let written = u16::from_be_bytes([*high, *low]);
                 if let Some(setting) = self.settings.get_mut(usize::from(*number)) {
                     *setting = written;
                 }
-                Some(value(*number, written))
+                value(*number, written);
             }
             (3, [command]) => {
                 self.control(*command);
-                Some(frame(unit, 3, &[self.state()]))
+                push_frame(answer, unit, 3, &[self.state()]);
             }
-            (4, [number, ..]) => Some(value(*number, self.measure(*number))),
+            (4, [number, ..]) => value(*number, self.measure(*number)),
             (5, [high, low]) => {
                 self.set = u16::from_be_bytes([*high, *low]);
-                Some(frame(unit, 5, data))
+                push_frame(answer, unit, 5, data);
             }
-            _ => None,
+            _ => return false,
         }
+        true
     }
 }

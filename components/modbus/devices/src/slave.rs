@@ -165,15 +165,13 @@ fn part<T>(table: &[T], at: usize, count: usize, most: usize) -> Result<&[T], u8
 impl Device for Slave {
     fn advance(&mut self, _: i64) {}
 
-    fn hear(&mut self, frame: &[u8], _: i64) -> Option<Vec<u8>> {
-        let (unit, rest) = frame.split_first().filter(|_| is_whole(frame))?;
-        if *unit != self.unit {
-            return None;
-        }
-        let data = rest.get(..rest.len().checked_sub(2)?)?;
-        let mut answer = vec![self.unit];
-        answer.extend(self.serve(data)?);
-        push_crc(&mut answer);
-        Some(answer)
+    fn hear(&mut self, frame: &[u8], _: i64, answer: &mut Vec<u8>) -> bool {
+        let own = |frame: &&[u8]| is_whole(frame) && frame.first() == Some(&self.unit);
+        let data = Some(frame).filter(own).and_then(|frame| frame.get(1..frame.len() - 2));
+        let Some(data) = data.and_then(|data| self.serve(data)) else { return false };
+        answer.push(self.unit);
+        answer.extend(data);
+        push_crc(answer);
+        true
     }
 }

@@ -105,7 +105,7 @@ fn a_slave_serves_each_function_and_refuses_in_the_words_of_the_standard() {
     let mut slave = Slave::new(3, 10);
     let call = |slave: &mut Slave, call: Call| {
         let request = ModbusRequest { unit: 3, call };
-        let serial = slave.hear(&request.rtu().unwrap(), 0).unwrap();
+        let serial = slave.answered(&request.rtu().unwrap(), 0).unwrap();
         let tcp = slave.hear_tcp(&request.tcp(9).unwrap()).unwrap();
         let found = find_rtu(&request, &serial).unwrap();
         assert_eq!(find_tcp(&request, 9, &tcp), Ok(Some(found.clone())));
@@ -136,8 +136,8 @@ fn a_slave_serves_each_function_and_refuses_in_the_words_of_the_standard() {
     assert_eq!(beyond, ModbusAnswer::Refused(Exception(2)));
     let mut unknown = vec![3, 7, 0, 0, 0, 0];
     hal_modbus::push_crc(&mut unknown);
-    let answer = slave.hear(&unknown, 0).unwrap();
+    let answer = slave.answered(&unknown, 0).unwrap();
     assert_eq!(answer[..3], [3, 0x87, 1]);
     slave.is_silent = true;
-    assert_eq!(slave.hear(&unknown, 0), None);
+    assert_eq!(slave.answered(&unknown, 0), None);
 }

@@ -161,10 +161,16 @@ impl Ask {
 /// Returns a frame with these data.
 #[must_use]
 pub fn frame(unit: u8, function: u8, data: &[u8]) -> Vec<u8> {
-    let mut frame = vec![unit, function, u8::try_from(data.len()).unwrap_or(u8::MAX)];
-    frame.extend(data);
-    push_crc(&mut frame);
+    let mut frame = Vec::new();
+    push_frame(&mut frame, unit, function, data);
     frame
+}
+
+/// Puts a frame with these data into an empty buffer.
+pub fn push_frame(frame: &mut Vec<u8>, unit: u8, function: u8, data: &[u8]) {
+    frame.extend([unit, function, u8::try_from(data.len()).unwrap_or(u8::MAX)]);
+    frame.extend(data);
+    push_crc(frame);
 }
 
 /// Takes a whole frame apart: number of the device, function, data.

@@ -17,6 +17,8 @@ unsafe extern "C" {
     fn __libc_realloc(p: *mut c_void, size: usize) -> *mut c_void;
     fn __libc_memalign(align: usize, size: usize) -> *mut c_void;
     fn __libc_free(p: *mut c_void);
+    fn backtrace(frames: *mut *mut c_void, most: c_int) -> c_int;
+    fn backtrace_symbols_fd(frames: *const *mut c_void, count: c_int, fd: c_int);
     fn prctl(option: c_int, name: *mut c_char, ...) -> c_int;
 }
 
@@ -54,15 +56,32 @@ fn is_realtime() -> bool {
     })
 }
 
+/// Number of calls whose stacks are printed to standard error.
+const SHOWN: u64 = 3;
+
 fn note() {
-    if COUNTING.load(SeqCst) && is_realtime() {
-        CALLS.fetch_add(1, SeqCst);
+    if COUNTING.load(SeqCst) && is_realtime() && CALLS.fetch_add(1, SeqCst) < SHOWN {
+        show();
+    }
+}
+
+/// Prints the stack of this thread: the library and the address of each caller.
+fn show() {
+    let mut frames = [core::ptr::null_mut(); 40];
+    // SAFETY: room for as many frames, of which so many are read.
+    unsafe {
+        let count = backtrace(frames.as_mut_ptr(), 40);
+        backtrace_symbols_fd(frames.as_ptr(), count, 2);
     }
 }
 
 /// Resets and starts the counter, or stops it.
 #[unsafe(no_mangle)]
 pub extern "C" fn hal_interpose_count(on: bool) {
+    // The first call loads a library.
+    let mut frame = core::ptr::null_mut();
+    // SAFETY: room for one frame.
+    unsafe { backtrace(&raw mut frame, 1) };
     CALLS.store(0, SeqCst);
     COUNTING.store(on, SeqCst);
 }

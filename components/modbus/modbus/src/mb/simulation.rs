@@ -15,12 +15,14 @@ pub(crate) struct Slaves {
 impl Device for Slaves {
     fn advance(&mut self, _: i64) {}
 
-    fn hear(&mut self, frame: &[u8], now_ns: i64) -> Option<Vec<u8>> {
+    fn hear(&mut self, frame: &[u8], now_ns: i64, answer: &mut Vec<u8>) -> bool {
         if !self.is_tcp {
-            return self.list.hear(frame, now_ns);
+            return self.list.hear(frame, now_ns, answer);
         }
-        let unit = frame.get(6)?;
-        self.list.iter_mut().find(|slave| slave.unit == *unit)?.hear_tcp(frame)
+        let slave = self.list.iter_mut().find(|slave| frame.get(6) == Some(&slave.unit));
+        let served = slave.and_then(|slave| slave.hear_tcp(frame));
+        answer.extend(served.iter().flatten());
+        served.is_some()
     }
 }
 

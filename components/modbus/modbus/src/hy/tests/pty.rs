@@ -102,7 +102,7 @@ impl Line {
             frame.extend(&into[..count]);
         }
         self.frames.push(frame.clone());
-        let Some(answer) = self.inverter.hear(&frame, self.bench.now_ns()) else { return };
+        let Some(answer) = self.inverter.answered(&frame, self.bench.now_ns()) else { return };
         write(&self.far, &answer).unwrap();
         while ioctl_fionread(&self.near).unwrap() < answer.len() as u64 {
             poll(&mut [PollFd::new(&self.near, PollFlags::IN)], None).unwrap();
