@@ -349,7 +349,7 @@ fn literals(file: &str, from: &str, to: &str) -> Vec<String> {
 
 /// Parts of sources that hold messages of motion.
 const MOTION: &[(&str, &str, &str)] = &[
-    ("components/motion/safety/src/refused.rs", "fn text(self)", "\n    }\n"),
+    ("components/motion/safety/src/refused.rs", "\nreasons! {", "\n}\n"),
     ("components/motion/motion/src/homing/error.rs", "fn text(self)", "\n    }\n"),
     ("components/motion/motion/src/guards/switch_off.rs", "static ON_SWITCH", "\n\n"),
 ];
