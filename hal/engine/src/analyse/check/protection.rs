@@ -11,10 +11,8 @@ const ENABLE: &str = ".emc-enable-in";
 const MOST: usize = 16;
 /// Suffix of the pin by which the driver of a card with a watchdog reports a bite, as LinuxCNC's does.
 const WATCHDOG: &str = ".watchdog.has_bit";
-/// Beginning of the name of a card's line, behind the last dot, and name of the pin that switches a generator on: its other
-/// inputs set how it works.
+/// Beginning of the name of a card's line, behind the last dot: its other inputs set how it works.
 const OUT: &str = "out";
-const SWITCH: &str = "enable";
 /// Name of the parameter beside a line that makes it an output.
 const IS_OUTPUT: &str = "is_output";
 
@@ -111,8 +109,8 @@ impl Look<'_> {
     /// Returns whether an input of a card is a line, and one that its parameter makes an output.
     fn is_line(&self, item: &Item) -> bool {
         let name = item.name.as_str();
-        let is_named = |last: &str| last.starts_with(OUT) || last == SWITCH;
-        let Some((line, _)) = name.rsplit_once('.').filter(|(_, last)| is_named(last)) else {
+        let Some((line, _)) = name.rsplit_once('.').filter(|(_, last)| last.starts_with(OUT))
+        else {
             return false;
         };
         let parameter = self.item(&format!("{line}.{IS_OUTPUT}"));
