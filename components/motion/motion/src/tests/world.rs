@@ -17,7 +17,7 @@ struct Leap {
     shut: In<bool>,
     /// Error of joint 1 in the inverse kinematics.
     beside: In<f64>,
-    /// Number of the joint whose place is no number; -1 for none.
+    /// Number of the joint whose place is NaN; -1 for none.
     nowhere: In<i32>,
     /// TRUE if joints 0 and 1 are the sum and the difference of X and Y.
     is_crossed: In<bool>,
@@ -235,7 +235,7 @@ fn a_pose_that_cannot_be_reached_any_more_is_told_once() {
     }
 }
 
-/// What kinematics say of joints that they do not move is nothing.
+/// Places of joints that the kinematics do not move count as nothing.
 #[test]
 fn a_joint_without_a_number_counts_only_if_the_kinematics_move_it() {
     for (nowhere, counts) in [(0, true), (1, true), (2, true), (3, false), (4, false)] {
