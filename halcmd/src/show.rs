@@ -383,14 +383,7 @@ pub(crate) mod samples {
             name: name.to_owned(),
             fp: true,
             functs: functs.iter().map(|f| (*f).to_owned()).collect(),
-            time: 0,
-            tmax: 0,
-            cycles: 0,
-            overruns: 0,
-            missed: 0,
-            overrun_by: None,
-            latency_max: 0,
-            latency: Vec::new(),
+            ..ThreadInfo::default()
         }
     }
 

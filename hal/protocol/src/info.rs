@@ -131,7 +131,7 @@ const fn is_false(value: &bool) -> bool {
 }
 
 /// A thread.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ThreadInfo {
     /// Period in nanoseconds.
     pub period: i64,

@@ -2,18 +2,19 @@
 #![forbid(unsafe_code)]
 
 mod epoch;
+mod error;
 #[cfg(test)]
 mod tests;
 mod user;
 
 use hal_ini::Ini;
 use hal_protocol::{
-    Client, Direction, Edit, Failure, ItemInfo, Kind, Link, Orders, Place, Reply, Request,
-    ThreadInfo, Unlisted,
+    Client, Direction, Edit, ItemInfo, Kind, Link, Orders, Place, Reply, Request, ThreadInfo,
 };
-use std::{collections::BTreeSet, fmt};
+use std::collections::BTreeSet;
 
 pub use epoch::EpochPage;
+pub use error::{NoOrders, NoRemote};
 pub use user::{is_guest, is_own, user_at};
 
 /// Pins of the plugin that stop motion, with the signal and the pin of motion that each must reach.
@@ -33,24 +34,6 @@ const ROBOT_STOPS: &[(&str, &str, &str)] =
     &[("remote.hold", "remote-hold", "robot.hold"), ("remote.abort", "remote-abort", "robot.stop")];
 const ROBOT_JOB: (&str, &str, &str) = ("robot.busy", "remote-job", "remote.job");
 
-/// Reason why the orders of a machine are not known.
-#[derive(Clone, Debug)]
-pub enum NoOrders {
-    /// The engine refuses to list its commands, or does not answer.
-    Engine(Failure),
-    /// The commands are not those of a machine that can be commanded.
-    Unlisted(Unlisted),
-}
-
-impl fmt::Display for NoOrders {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Engine(why) => why.fmt(f),
-            Self::Unlisted(why) => why.fmt(f),
-        }
-    }
-}
-
 /// Finds the orders of a machine.
 ///
 /// # Errors
@@ -64,23 +47,23 @@ pub fn orders(client: &mut dyn Link) -> Result<Orders, NoOrders> {
 ///
 /// # Errors
 /// There is no engine, or no motion; something moves that nothing stops; or the machine's files have wired these pins otherwise.
-pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), String> {
-    let mut client = Client::connect(place, "").map_err(|e| e.to_string())?;
+pub fn load(place: &Place, ini: Option<&Ini>, program: &str) -> Result<(), NoRemote> {
+    let mut client = Client::connect(place, "").map_err(NoRemote::Engine)?;
     arrange(&mut client, ini, program)
 }
 
 /// Does what [`load`] does, at the end of this link.
-fn arrange(client: &mut dyn Link, ini: Option<&Ini>, program: &str) -> Result<(), String> {
+fn arrange(client: &mut dyn Link, ini: Option<&Ini>, program: &str) -> Result<(), NoRemote> {
     // A machine that cannot be stopped is not commanded.
-    orders(client).map_err(|why| why.to_string())?;
+    orders(client).map_err(NoRemote::Orders)?;
     let mut requests = Vec::new();
     let Reply::Threads(threads) = list(client, Kind::Threads)? else {
-        return Err("the engine lists no threads".to_owned());
+        return Err(NoRemote::Unlisted("threads"));
     };
     let has = |name: &str| threads.iter().any(|t| t.functs.iter().any(|f| f == name));
     let controller = if !has(CONTROLLER) && has(ROBOT) { ROBOT } else { CONTROLLER };
     let component = Request::Component { name: "remote".to_owned() };
-    let there = client.call(component).map_err(|e| e.to_string())?;
+    let there = client.call(component).map_err(NoRemote::Engine)?;
     if there == Reply::Components(Vec::new()) {
         let get = |name: &str| ini.and_then(|ini| ini.get("REMOTE", name));
         let entries = [
@@ -94,21 +77,15 @@ fn arrange(client: &mut dyn Link, ini: Option<&Ini>, program: &str) -> Result<()
         requests.push(Request::Load { module: "remote".to_owned(), args });
     }
     if !has("remote") {
-        let (thread, position) = place_of(&threads, controller).ok_or_else(|| {
-            format!(
-                "no thread runs {CONTROLLER} or {ROBOT}: this machine has no motion that could be stopped"
-            )
-        })?;
+        let (thread, position) = place_of(&threads, controller)
+            .ok_or(NoRemote::NoMotion { functs: [CONTROLLER, ROBOT] })?;
         let funct = "remote".to_owned();
         requests.push(Request::AddFunct { funct, thread, position, init: false });
     } else if !threads.iter().any(|thread| runs_before(&thread.functs, controller)) {
-        return Err(format!(
-            "function remote is not in the thread of {controller} before it: motion would see a stop a cycle late, or \
-             never; addf it there, before {program} is started"
-        ));
+        return Err(NoRemote::Late { controller, program: program.to_owned() });
     }
     let Reply::Items(pins) = list(client, Kind::Pins)? else {
-        return Err("the engine lists no pins".to_owned());
+        return Err(NoRemote::Unlisted("pins"));
     };
     let has_task = pins.iter().any(|pin| pin.name == JOB.0);
     let (stops, job) = match controller {
@@ -129,17 +106,15 @@ fn arrange(client: &mut dyn Link, ini: Option<&Ini>, program: &str) -> Result<()
     let edits = (1..).zip(requests).map(|(line, request)| Edit { file: 0, line, request });
     let files = vec![program.to_owned()];
     let apply = Request::Apply { files, edits: edits.collect(), dry: false };
-    match client.call(apply).map_err(|e| e.to_string())? {
-        Reply::Refused { failure, .. } => {
-            Err(format!("the plugin remote cannot be used: {failure}"))
-        }
+    match client.call(apply).map_err(NoRemote::Engine)? {
+        Reply::Refused { failure, .. } => Err(NoRemote::Refused(failure)),
         _ => Ok(()),
     }
 }
 
-fn list(client: &mut dyn Link, kind: Kind) -> Result<Reply, String> {
+fn list(client: &mut dyn Link, kind: Kind) -> Result<Reply, NoRemote> {
     let list = Request::List { kind, patterns: Vec::new(), ty: None };
-    client.call(list).map_err(|e| e.to_string())
+    client.call(list).map_err(NoRemote::Engine)
 }
 
 /// Returns the thread of the controller, and the position before it.
@@ -151,7 +126,12 @@ fn place_of(threads: &[ThreadInfo], controller: &str) -> Option<(String, i64)> {
 }
 
 /// Returns the link of two pins, unless the machine's files have made it.
-fn wire(pins: &[ItemInfo], from: &str, signal: &str, to: &str) -> Result<Option<Request>, String> {
+fn wire(
+    pins: &[ItemInfo],
+    from: &str,
+    signal: &str,
+    to: &str,
+) -> Result<Option<Request>, NoRemote> {
     let signal_of =
         |name: &str| pins.iter().find(|p| p.name == name).and_then(|p| p.signal.clone());
     match (signal_of(from), signal_of(to)) {
@@ -162,10 +142,7 @@ fn wire(pins: &[ItemInfo], from: &str, signal: &str, to: &str) -> Result<Option<
         }
         // The machine's own logic stands between the two.
         (Some(a), Some(b)) if reaches(pins, &a, &b, to) => Ok(None),
-        _ => Err(format!(
-            "{to} is linked, and {from} does not reach it: join both in the machine's HAL file, as \
-             with loadrt or2"
-        )),
+        _ => Err(NoRemote::Unreached { from: from.to_owned(), to: to.to_owned() }),
     }
 }
 
@@ -176,7 +153,7 @@ fn wire(pins: &[ItemInfo], from: &str, signal: &str, to: &str) -> Result<Option<
 pub fn join(
     pins: &[ItemInfo],
     (from, signal, to): (&str, &str, &str),
-) -> Result<Option<Request>, String> {
+) -> Result<Option<Request>, NoRemote> {
     let signal_of =
         |name: &str| pins.iter().find(|p| p.name == name).and_then(|p| p.signal.clone());
     match (signal_of(from), signal_of(to)) {

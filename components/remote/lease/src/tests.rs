@@ -1,10 +1,12 @@
 //! The plugin in machines of all kinds, and wiring that the machine's files have made.
 
 use super::{
-    CONTROLLER, Edit, Failure, Ini, ItemInfo, JOB, Kind, Link, NoOrders, Reply, Request,
-    ThreadInfo, Unlisted, arrange, join, orders, place_of, reaches, runs_before, wire,
+    CONTROLLER, Edit, Ini, ItemInfo, JOB, Kind, Link, NoOrders, NoRemote, Reply, Request,
+    ThreadInfo, arrange, join, orders, place_of, reaches, runs_before, wire,
 };
-use hal_protocol::{CommandInfo, ComponentInfo, ComponentState, Direction, Value};
+use hal_protocol::{
+    CommandInfo, ComponentInfo, ComponentState, Direction, Failure, Unlisted, Value,
+};
 
 fn pin(owner: u32, name: &str, direction: Direction, signal: &str) -> ItemInfo {
     ItemInfo {
@@ -81,20 +83,9 @@ struct Fake {
 }
 
 fn thread(functs: &[&str]) -> ThreadInfo {
-    ThreadInfo {
-        period: 1_000_000,
-        name: if functs == ["fast"] { "base-thread" } else { "servo-thread" }.to_owned(),
-        fp: true,
-        functs: functs.iter().map(|f| (*f).to_owned()).collect(),
-        time: 0,
-        tmax: 0,
-        cycles: 0,
-        overruns: 0,
-        missed: 0,
-        overrun_by: None,
-        latency_max: 0,
-        latency: Vec::new(),
-    }
+    let name = if functs == ["fast"] { "base-thread" } else { "servo-thread" }.to_owned();
+    let functs = functs.iter().map(|f| (*f).to_owned()).collect();
+    ThreadInfo { name, functs, ..ThreadInfo::default() }
 }
 
 impl Link for Fake {
@@ -141,7 +132,7 @@ impl Link for Fake {
 const MOTION: &[&str] = &["motion.estop", "motion.off", "motion.abort", "motion.pause"];
 
 /// Returns what the machine was asked to do, in the words of a script.
-fn asked(machine: &mut Fake, ini: &str) -> Result<String, String> {
+fn asked(machine: &mut Fake, ini: &str) -> Result<String, NoRemote> {
     let ini = Ini::parse("a.ini", ini.as_bytes()).unwrap();
     arrange(machine, Some(&ini), "program")?;
     let word = |edit: &Edit| match &edit.request {
@@ -247,7 +238,7 @@ fn the_plugin_is_loaded_and_wired_as_the_machine_needs_it() {
         ),
     ];
     for (mut machine, ini, expected) in rows {
-        assert_eq!(asked(&mut machine, ini).as_deref(), Ok(expected));
+        assert_eq!(asked(&mut machine, ini), Ok(expected.to_owned()));
     }
 }
 
@@ -293,7 +284,7 @@ fn a_machine_that_cannot_be_stopped_or_wired_is_refused_by_name() {
         ),
     ];
     for (mut machine, expected) in rows {
-        let error = asked(&mut machine, "").unwrap_err();
+        let error = asked(&mut machine, "").unwrap_err().to_string();
         assert!(error.starts_with(expected), "{error}");
         let done: Vec<_> = machine.applied.iter().filter(|_| !machine.refuses).collect();
         assert!(done.is_empty(), "{expected}: {done:?}");

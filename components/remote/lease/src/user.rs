@@ -106,7 +106,7 @@ mod tests {
         let place = hal_protocol::Place::at(std::env::temp_dir().join("none"), "default").unwrap();
         assert!(!is_guest(&place), "a folder that is not there");
         let own = std::env::temp_dir().join(format!("ferrule-guest-{}", std::process::id()));
-        std::fs::create_dir(&own).unwrap();
+        std::fs::create_dir_all(&own).unwrap();
         assert!(!is_guest(&hal_protocol::Place::at(&own, "default").unwrap()));
         std::fs::remove_dir(&own).unwrap();
     }

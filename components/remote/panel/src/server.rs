@@ -151,7 +151,8 @@ pub fn run(options: &Options) -> Result<(), String> {
     let ini = options.ini_file.as_deref().map(read_ini).transpose()?;
     if options.prepare {
         let place = Place::find(options.instance.as_deref())?;
-        return hal_lease::load(&place, ini.as_ref(), "halpanel");
+        let loaded = hal_lease::load(&place, ini.as_ref(), "halpanel");
+        return loaded.map_err(|why| why.to_string());
     }
     let folders = Folders::find(options, ini.as_ref())?;
     let options = &private::placed(options, &folders)?;
@@ -183,7 +184,7 @@ pub fn run(options: &Options) -> Result<(), String> {
         let audit = options.audit.clone().unwrap_or_else(|| beside("audit"));
         let audit = Audit::open(&audit)?;
         let teleop_port = teleop.unwrap_or(teleop::ADDRESS).port();
-        hal_lease::load(&place, ini.as_ref(), "halpanel")?;
+        hal_lease::load(&place, ini.as_ref(), "halpanel").map_err(|why| why.to_string())?;
         let engine = Engine::join(&place).map_err(|why| why.to_string())?;
         let on_loss = on_loss(&engine).await;
         info.insert("on_loss".to_owned(), Json::from(LOSSES.get(on_loss).copied()));

@@ -135,8 +135,8 @@ const fn code(code: Code, text: &'static str, doc: &'static str) -> CodeRow {
     CodeRow { code, text, doc }
 }
 
-/// All codes, those of a start in the order in which they are checked; but what has stopped a start is told before what the
-/// machine does because of that.
+/// All codes. A start checks those that refuse it in this order. If a stop has ended the start, the answer names that stop and
+/// not the job or the motion that the stop has yet to end.
 pub const CODES: &[CodeRow] = &[
     code(
         Code::Ocupado,

@@ -5,20 +5,30 @@ pub(super) struct Starter {
     name: &'static str,
     /// Options that have a value in the next word.
     valued: &'static [&'static str],
+    /// Options of an interpreter behind which stands no file, but a text that is executed.
+    texts: &'static [&'static str],
     /// Number of words between its options and the other program.
     between: usize,
 }
 
-const fn starter(name: &'static str, valued: &'static [&'static str], between: usize) -> Starter {
-    Starter { name, valued, between }
+const fn interpreter(
+    name: &'static str,
+    valued: &'static [&'static str],
+    texts: &'static [&'static str],
+) -> Starter {
+    Starter { name, valued, texts, between: 0 }
 }
 
-/// All of them. Interpreters execute a file.
+const fn starter(name: &'static str, valued: &'static [&'static str], between: usize) -> Starter {
+    Starter { name, valued, texts: &[], between }
+}
+
+/// All of them.
 const STARTERS: &[Starter] = &[
-    starter("python", &["-W", "-X"], 0),
-    starter("sh", &["-o", "+o"], 0),
-    starter("bash", &["-o", "+o", "-O", "+O"], 0),
-    starter("perl", &[], 0),
+    interpreter("python", &["-W", "-X"], &["-c"]),
+    interpreter("sh", &["-o", "+o"], &["-c"]),
+    interpreter("bash", &["-o", "+o", "-O", "+O"], &["-c"]),
+    interpreter("perl", &[], &["-e", "-E"]),
     starter("sudo", &["-u", "-g", "-h", "-p", "-C", "-T", "-U", "-D", "-R", "-r", "-t"], 0),
     starter("env", &["-u", "-C"], 0),
     starter("nice", &["-n"], 0),
@@ -31,21 +41,14 @@ const STARTERS: &[Starter] = &[
     starter("chrt", &["-T", "-P", "-D"], 1),
 ];
 
-/// Options behind which stands no file, but a text that is executed.
-const TEXTS: [&str; 2] = ["-c", "-e"];
-
 impl Starter {
     /// Returns what starts others by this name.
     pub(super) fn of(name: &str) -> Option<&'static Self> {
         let is_version = |rest: &str| rest.bytes().all(|b| b.is_ascii_digit() || b == b'.');
         STARTERS.iter().find(|s| match name.strip_prefix(s.name) {
-            Some(rest) => rest.is_empty() || s.executes_files() && is_version(rest),
+            Some(rest) => rest.is_empty() || !s.texts.is_empty() && is_version(rest),
             None => false,
         })
-    }
-
-    fn executes_files(&self) -> bool {
-        ["python", "sh", "bash", "perl"].contains(&self.name)
     }
 
     /// Returns the place of the program that it starts, among its arguments; `None` if it executes a text.
@@ -53,7 +56,7 @@ impl Starter {
         let mut words = args.iter().map(String::as_str).enumerate();
         let mut between = self.between;
         while let Some((at, word)) = words.next() {
-            if self.executes_files() && TEXTS.contains(&word) {
+            if self.texts.contains(&word) {
                 return None;
             }
             if word == "--" || self.name == "env" && word.contains('=') {

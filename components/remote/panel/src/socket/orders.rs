@@ -327,7 +327,7 @@ impl Order {
             wiring.call(Request::Net { signal, pins }).await?;
         }
         let link = hal_lease::join(&pins, TOOL_CHANGED);
-        let link = link.map_err(|why| Error::new(Code::Refused, why))?;
+        let link = link.map_err(|why| Error::new(Code::Refused, why.to_string()))?;
         let is_linked_here = link.is_some();
         if let Some(link) = link {
             wiring.call(link).await?;

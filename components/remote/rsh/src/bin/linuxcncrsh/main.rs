@@ -49,7 +49,7 @@ fn run(options: &Options) -> Result<(), String> {
         None => (String::new(), Ini::parse("", b"").map_err(|e| e.to_string())?),
     };
     let mut watched = Client::connect(&place, "").map_err(|e| e.to_string())?;
-    hal_lease::load(&place, Some(&ini), "linuxcncrsh")?;
+    hal_lease::load(&place, Some(&ini), "linuxcncrsh").map_err(|why| why.to_string())?;
     let control = Control::start(&place)?;
     let passwords = Passwords {
         connect: options.connectpw.clone(),
