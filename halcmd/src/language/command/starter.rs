@@ -91,6 +91,7 @@ mod tests {
             ("python3 -c pass", "python3", "-c pass"),
             ("sh -c hal_input", "sh", "-c hal_input"),
             ("bash -x -o pipefail run.sh 1", "run.sh", "1"),
+            ("sh -e run.sh 2", "run.sh", "2"),
             ("sudo -u root halui", "halui", ""),
             ("sudo -n -- nice -n -5 /usr/bin/hal_input -KR X", "hal_input", "-KR X"),
             ("env -u HOME A=1 B= gs2_vfd -r 9600", "gs2_vfd", "-r 9600"),
